@@ -1,0 +1,47 @@
+# Every target does its own set-up; a second call installs nothing.
+PYTHON ?= python3
+VENV   := .venv
+BIN    := $(VENV)/bin
+STAMP  := $(VENV)/.installed
+PYTEST_WORKERS ?= 2
+
+.PHONY: help demo test check fmt wheel golden proto clean
+
+help:            ## say what there is
+	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/'
+
+demo: $(STAMP)   ## learn, export, drive, record, replay
+	$(BIN)/reflexarc demo
+
+test: check      ## every check, then every test
+	$(BIN)/pytest -n $(PYTEST_WORKERS)
+
+check: $(STAMP)  ## format, linter, types, import contracts
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports --no-cache
+
+fmt: $(STAMP)    ## format the code, mend what the linter can
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+wheel: $(STAMP)  ## build dist/reflexarc-*.whl
+	$(BIN)/python -m build --wheel --no-isolation --outdir dist .
+
+golden: $(STAMP) ## rebuild the golden logs; look at the difference before you commit it
+	$(BIN)/python tests/golden/build.py
+
+proto:           ## generate messages_pb2 (protoc of grpcio-tools 1.71, the oldest supported protobuf)
+	$(PYTHON) -m venv $(VENV)-proto
+	$(VENV)-proto/bin/pip install --quiet grpcio-tools==1.71.2
+	$(VENV)-proto/bin/python -m grpc_tools.protoc -I runtime --python_out=runtime --pyi_out=runtime \
+		reflexarc_runtime/messages.proto
+
+clean:           ## remove the environment and what was built
+	rm -rf $(VENV) $(VENV)-proto dist
+
+$(STAMP): pyproject.toml constraints.txt
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'
+	touch $(STAMP)

@@ -1,0 +1,27 @@
+"""The arrays that rooms hand to each other, by name. Shapes are checked at process boundaries."""
+
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+Retina: TypeAlias = npt.NDArray[np.uint8]
+"""One retina: (eyes, rays, channels)."""
+
+RetinaStack: TypeAlias = npt.NDArray[np.uint8]
+"""What a policy sees at one tick: (frames, eyes, rays, channels), oldest frame first."""
+
+RetinaBatch: TypeAlias = npt.NDArray[np.uint8]
+"""Many stacks: (n, frames, eyes, rays, channels)."""
+
+QValues: TypeAlias = npt.NDArray[np.float32]
+"""Action values: (n, actions)."""
+
+Actions: TypeAlias = npt.NDArray[np.int64]
+"""Indices into the contract's actions: (n,)."""
+
+Ranges: TypeAlias = npt.NDArray[np.float64]
+"""Distances of one scan in metres, counter-clockwise: (beams,)."""
+
+Mask: TypeAlias = npt.NDArray[np.bool_]
+"""Which of n: (n,)."""

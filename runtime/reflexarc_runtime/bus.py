@@ -1,0 +1,202 @@
+"""The bus: Eclipse Zenoh sessions with explicit configuration. Nothing else imports zenoh.
+
+The defaults are for one machine: no multicast; the body listens on a port of the loopback
+interface; everyone else listens on a free port, connects to the body with endless retry, and finds
+the others by gossip, in any order of starting. Other machines, TLS and access control are Zenoh's
+own configuration, given as a file.
+"""
+
+import json
+import re
+import uuid
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+import zenoh
+
+from reflexarc_runtime.errors import BusError, UsageError
+from reflexarc_runtime.topics import DEFAULT_ROBOT, Quality, Topic, alive_key, policy_key
+from reflexarc_runtime.wire import Message, Stamp, pack_stamp, protobuf_encoding
+
+DEFAULT_PORT = 7447
+LOOPBACK = "127.0.0.1"
+
+_ROBOT_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}")
+_RETRY = {"period_init_ms": 50, "period_max_ms": 500, "period_increase_factor": 2}
+
+
+@dataclass(frozen=True)
+class BusConfig:
+    """How a node joins the bus."""
+
+    robot: str = DEFAULT_ROBOT
+    """First part of every key."""
+    port: int = DEFAULT_PORT
+    """Port of the loopback interface on which the body listens."""
+    listens: bool = False
+    """Whether this node is the one that listens there."""
+    zenoh_file: Path | None = None
+    """A Zenoh configuration (JSON5) to use in place of all this."""
+
+    def __post_init__(self) -> None:
+        if not _ROBOT_NAME.fullmatch(self.robot):
+            raise UsageError(
+                f"--robot: expected letters, digits, _ . - (at most 64), got {self.robot!r}"
+            )
+        if not 1 <= self.port <= 65535:
+            raise UsageError(f"--port: expected 1 to 65535, got {self.port}")
+
+
+class Publisher:
+    """Sends the messages of one topic, numbered from 0."""
+
+    def __init__(self, publisher: zenoh.Publisher, sender: bytes) -> None:
+        self._publisher = publisher
+        self._sender = sender
+        self._sequence = 0
+        self.failures = 0
+
+    @property
+    def has_listener(self) -> bool:
+        """Whether a subscriber is known."""
+        status = self._publisher.matching_status
+        return bool(status.matching)  # type: ignore[attr-defined]  # the stub says bool
+
+    @property
+    def next_sequence(self) -> int:
+        """Number of the message that is sent next."""
+        return self._sequence
+
+    def put(self, payload: bytes, time_ns: int) -> None:
+        """Send a message. A bus that fails is counted, never raised into a loop."""
+        stamp = pack_stamp(Stamp(self._sequence, time_ns), self._sender)
+        self._sequence += 1
+        try:
+            self._publisher.put(payload, attachment=stamp)
+        except zenoh.ZError:
+            self.failures += 1
+
+    def put_raw(self, payload: bytes, attachment: bytes, encoding: str) -> None:
+        """Send bytes as they are: for players, and for faults on purpose."""
+        self._publisher.put(payload, attachment=attachment, encoding=zenoh.Encoding(encoding))
+
+
+class Bus:
+    """One node's session. A context manager; leaving it closes everything that it declared.
+
+    Raises:
+        BusError: the port is taken, or Zenoh refuses the configuration.
+    """
+
+    def __init__(self, config: BusConfig, now_ns: Callable[[], int]) -> None:
+        self._config = config
+        self._now_ns = now_ns
+        self._sender = uuid.uuid4().bytes
+        self._kept: list[Any] = []
+        self._session = _open(config)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._session.close()  # type: ignore[no-untyped-call]  # the stub has no type
+
+    def publisher(self, topic: Topic) -> Publisher:
+        """A publisher with the topic's quality of service."""
+        urgent = topic.quality is Quality.CONTROL
+        publisher = self._session.declare_publisher(
+            topic.key(self._config.robot),
+            encoding=zenoh.Encoding(protobuf_encoding(topic.schema)),
+            express=urgent,
+            priority=zenoh.Priority.REAL_TIME if urgent else zenoh.Priority.DATA,
+            congestion_control=zenoh.CongestionControl.DROP,
+        )
+        return Publisher(publisher, self._sender)
+
+    def subscribe(self, topics: Iterable[Topic], deliver: Callable[[Message], None]) -> None:
+        """Deliver every message of these topics; called on a thread of Zenoh's."""
+
+        def on_sample(sample: zenoh.Sample) -> None:
+            deliver(_message(sample, self._now_ns()))
+
+        for topic in topics:
+            key = topic.key(self._config.robot)
+            self._kept.append(self._session.declare_subscriber(key, on_sample))
+
+    def announce(self, node: str) -> None:
+        """Declare that a node is alive, for as long as this session is open."""
+        token = self._session.liveliness().declare_token(alive_key(self._config.robot, node))
+        self._kept.append(token)
+
+    def is_alive(self, node: str) -> bool:
+        """Whether a node has announced itself."""
+        replies = self._session.liveliness().get(alive_key(self._config.robot, node), timeout=1.0)
+        return any(reply.ok is not None for reply in replies)
+
+    def offer_policy(self, policy: bytes) -> None:
+        """Answer queries for the policy with its file."""
+        key = policy_key(self._config.robot)
+        answer: Callable[[zenoh.Query], None] = lambda query: query.reply(key, policy)  # noqa: E731
+        self._kept.append(self._session.declare_queryable(key, answer))
+
+    def fetch_policy(self, timeout_s: float = 2.0) -> bytes | None:
+        """Ask for the policy file; None if nobody answers."""
+        for reply in self._session.get(policy_key(self._config.robot), timeout=timeout_s):
+            if reply.ok is not None:
+                return reply.ok.payload.to_bytes()
+        return None
+
+
+def _message(sample: zenoh.Sample, now_ns: int) -> Message:
+    attachment = sample.attachment
+    return Message(
+        key=str(sample.key_expr),
+        payload=sample.payload.to_bytes(),
+        encoding=str(sample.encoding),
+        attachment=b"" if attachment is None else attachment.to_bytes(),
+        received_ns=now_ns,
+    )
+
+
+def _open(config: BusConfig) -> zenoh.Session:
+    try:
+        return zenoh.open(_zenoh_config(config))
+    except zenoh.ZError as error:
+        raise BusError(_explain(config, str(error))) from None
+
+
+def _zenoh_config(config: BusConfig) -> zenoh.Config:
+    if config.zenoh_file is not None:
+        if not config.zenoh_file.is_file():
+            raise BusError(f"--zenoh: {config.zenoh_file}: no such file")
+        return zenoh.Config.from_file(config.zenoh_file)
+    body = f"tcp/{LOOPBACK}:{config.port}"
+    chosen = zenoh.Config()
+    chosen.insert_json5("mode", json.dumps("peer"))
+    chosen.insert_json5("scouting/multicast/enabled", json.dumps(False))
+    chosen.insert_json5("scouting/gossip/enabled", json.dumps(True))
+    own = body if config.listens else f"tcp/{LOOPBACK}:0"
+    chosen.insert_json5("listen/endpoints", json.dumps([own]))
+    if not config.listens:
+        chosen.insert_json5("connect/endpoints", json.dumps([body]))
+        chosen.insert_json5("connect/retry", json.dumps(_RETRY))
+    return chosen
+
+
+def _explain(config: BusConfig, reason: str) -> str:
+    if config.zenoh_file is not None:
+        return f"--zenoh: {config.zenoh_file}: Zenoh refuses it: {reason.splitlines()[0][:200]}"
+    if config.listens:
+        return (
+            f"port {config.port} of {LOOPBACK} cannot be listened on (in use?); "
+            "stop the other body or choose another --port"
+        )
+    return f"the bus cannot be opened: {reason.splitlines()[0][:200]}"

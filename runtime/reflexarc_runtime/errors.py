@@ -1,0 +1,41 @@
+"""Everything that can go wrong and that a user can mend.
+
+    ReflexarcError
+    ├── ContractError     a policy's contract is missing, malformed or not supported
+    ├── PolicyError       a policy file cannot be loaded, or does not do what its contract says
+    ├── BusError          the bus cannot be opened, or nobody answers on it
+    ├── LogError          a log cannot be read, written or replayed
+    ├── WorldError        a world or sense that cannot be built
+    └── UsageError        flags or paths that cannot work
+
+One line each: what was expected, what came, where, and what to do. The command line prints that
+line and ends with exit status 2.
+"""
+
+
+class ReflexarcError(Exception):
+    """Base of every error that is the input's fault and not ours."""
+
+
+class ContractError(ReflexarcError):
+    """A policy's contract is missing, malformed, or asks for what is not supported."""
+
+
+class PolicyError(ReflexarcError):
+    """A policy file cannot be loaded, or does not do what its contract says."""
+
+
+class BusError(ReflexarcError):
+    """The bus cannot be opened, or nobody answers on it."""
+
+
+class LogError(ReflexarcError):
+    """A log cannot be read, written or replayed."""
+
+
+class WorldError(ReflexarcError):
+    """A world or a sense that cannot be built."""
+
+
+class UsageError(ReflexarcError):
+    """Flags or paths that cannot work together."""

@@ -1,0 +1,175 @@
+from google.protobuf.internal import containers as _containers
+from google.protobuf.internal import enum_type_wrapper as _enum_type_wrapper
+from google.protobuf import descriptor as _descriptor
+from google.protobuf import message as _message
+from typing import ClassVar as _ClassVar, Iterable as _Iterable, Mapping as _Mapping, Optional as _Optional, Union as _Union
+
+DESCRIPTOR: _descriptor.FileDescriptor
+
+class Verdict(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = ()
+    VERDICT_UNSPECIFIED: _ClassVar[Verdict]
+    OK: _ClassVar[Verdict]
+    NO_INPUT: _ClassVar[Verdict]
+    STALE_INPUT: _ClassVar[Verdict]
+    INVALID_INPUT: _ClassVar[Verdict]
+    RECOVERING: _ClassVar[Verdict]
+    POLICY_FAULT: _ClassVar[Verdict]
+    STOPPED: _ClassVar[Verdict]
+VERDICT_UNSPECIFIED: Verdict
+OK: Verdict
+NO_INPUT: Verdict
+STALE_INPUT: Verdict
+INVALID_INPUT: Verdict
+RECOVERING: Verdict
+POLICY_FAULT: Verdict
+STOPPED: Verdict
+
+class Command(_message.Message):
+    __slots__ = ("sequence", "action", "verdict", "linear_mps", "lateral_mps", "angular_radps", "valid_for_ns", "source_sequence", "source_time_ns")
+    SEQUENCE_FIELD_NUMBER: _ClassVar[int]
+    ACTION_FIELD_NUMBER: _ClassVar[int]
+    VERDICT_FIELD_NUMBER: _ClassVar[int]
+    LINEAR_MPS_FIELD_NUMBER: _ClassVar[int]
+    LATERAL_MPS_FIELD_NUMBER: _ClassVar[int]
+    ANGULAR_RADPS_FIELD_NUMBER: _ClassVar[int]
+    VALID_FOR_NS_FIELD_NUMBER: _ClassVar[int]
+    SOURCE_SEQUENCE_FIELD_NUMBER: _ClassVar[int]
+    SOURCE_TIME_NS_FIELD_NUMBER: _ClassVar[int]
+    sequence: int
+    action: int
+    verdict: Verdict
+    linear_mps: float
+    lateral_mps: float
+    angular_radps: float
+    valid_for_ns: int
+    source_sequence: int
+    source_time_ns: int
+    def __init__(self, sequence: _Optional[int] = ..., action: _Optional[int] = ..., verdict: _Optional[_Union[Verdict, str]] = ..., linear_mps: _Optional[float] = ..., lateral_mps: _Optional[float] = ..., angular_radps: _Optional[float] = ..., valid_for_ns: _Optional[int] = ..., source_sequence: _Optional[int] = ..., source_time_ns: _Optional[int] = ...) -> None: ...
+
+class Input(_message.Message):
+    __slots__ = ("sequence", "source_time_ns", "received_ns", "age_ns")
+    SEQUENCE_FIELD_NUMBER: _ClassVar[int]
+    SOURCE_TIME_NS_FIELD_NUMBER: _ClassVar[int]
+    RECEIVED_NS_FIELD_NUMBER: _ClassVar[int]
+    AGE_NS_FIELD_NUMBER: _ClassVar[int]
+    sequence: int
+    source_time_ns: int
+    received_ns: int
+    age_ns: int
+    def __init__(self, sequence: _Optional[int] = ..., source_time_ns: _Optional[int] = ..., received_ns: _Optional[int] = ..., age_ns: _Optional[int] = ...) -> None: ...
+
+class Decision(_message.Message):
+    __slots__ = ("index", "slot", "now_ns", "inputs", "input", "retina", "q_values", "action", "verdict", "reason", "command", "policy_hash")
+    INDEX_FIELD_NUMBER: _ClassVar[int]
+    SLOT_FIELD_NUMBER: _ClassVar[int]
+    NOW_NS_FIELD_NUMBER: _ClassVar[int]
+    INPUTS_FIELD_NUMBER: _ClassVar[int]
+    INPUT_FIELD_NUMBER: _ClassVar[int]
+    RETINA_FIELD_NUMBER: _ClassVar[int]
+    Q_VALUES_FIELD_NUMBER: _ClassVar[int]
+    ACTION_FIELD_NUMBER: _ClassVar[int]
+    VERDICT_FIELD_NUMBER: _ClassVar[int]
+    REASON_FIELD_NUMBER: _ClassVar[int]
+    COMMAND_FIELD_NUMBER: _ClassVar[int]
+    POLICY_HASH_FIELD_NUMBER: _ClassVar[int]
+    index: int
+    slot: int
+    now_ns: int
+    inputs: int
+    input: Input
+    retina: bytes
+    q_values: _containers.RepeatedScalarFieldContainer[float]
+    action: int
+    verdict: Verdict
+    reason: str
+    command: Command
+    policy_hash: str
+    def __init__(self, index: _Optional[int] = ..., slot: _Optional[int] = ..., now_ns: _Optional[int] = ..., inputs: _Optional[int] = ..., input: _Optional[_Union[Input, _Mapping]] = ..., retina: _Optional[bytes] = ..., q_values: _Optional[_Iterable[float]] = ..., action: _Optional[int] = ..., verdict: _Optional[_Union[Verdict, str]] = ..., reason: _Optional[str] = ..., command: _Optional[_Union[Command, _Mapping]] = ..., policy_hash: _Optional[str] = ...) -> None: ...
+
+class Timing(_message.Message):
+    __slots__ = ("deadline_ns", "wake_ns", "lateness_ns", "receive_ns", "decide_ns", "publish_ns", "record_ns")
+    DEADLINE_NS_FIELD_NUMBER: _ClassVar[int]
+    WAKE_NS_FIELD_NUMBER: _ClassVar[int]
+    LATENESS_NS_FIELD_NUMBER: _ClassVar[int]
+    RECEIVE_NS_FIELD_NUMBER: _ClassVar[int]
+    DECIDE_NS_FIELD_NUMBER: _ClassVar[int]
+    PUBLISH_NS_FIELD_NUMBER: _ClassVar[int]
+    RECORD_NS_FIELD_NUMBER: _ClassVar[int]
+    deadline_ns: int
+    wake_ns: int
+    lateness_ns: int
+    receive_ns: int
+    decide_ns: int
+    publish_ns: int
+    record_ns: int
+    def __init__(self, deadline_ns: _Optional[int] = ..., wake_ns: _Optional[int] = ..., lateness_ns: _Optional[int] = ..., receive_ns: _Optional[int] = ..., decide_ns: _Optional[int] = ..., publish_ns: _Optional[int] = ..., record_ns: _Optional[int] = ...) -> None: ...
+
+class Tick(_message.Message):
+    __slots__ = ("decision", "timing")
+    DECISION_FIELD_NUMBER: _ClassVar[int]
+    TIMING_FIELD_NUMBER: _ClassVar[int]
+    decision: Decision
+    timing: Timing
+    def __init__(self, decision: _Optional[_Union[Decision, _Mapping]] = ..., timing: _Optional[_Union[Timing, _Mapping]] = ...) -> None: ...
+
+class Status(_message.Message):
+    __slots__ = ("node", "run_id", "policy_hash", "ticks", "rate_hz", "lateness_p50_ns", "lateness_p99_ns", "lateness_max_ns", "skipped_slots", "inbox_overflows", "verdicts", "recording")
+    class VerdictsEntry(_message.Message):
+        __slots__ = ("key", "value")
+        KEY_FIELD_NUMBER: _ClassVar[int]
+        VALUE_FIELD_NUMBER: _ClassVar[int]
+        key: str
+        value: int
+        def __init__(self, key: _Optional[str] = ..., value: _Optional[int] = ...) -> None: ...
+    NODE_FIELD_NUMBER: _ClassVar[int]
+    RUN_ID_FIELD_NUMBER: _ClassVar[int]
+    POLICY_HASH_FIELD_NUMBER: _ClassVar[int]
+    TICKS_FIELD_NUMBER: _ClassVar[int]
+    RATE_HZ_FIELD_NUMBER: _ClassVar[int]
+    LATENESS_P50_NS_FIELD_NUMBER: _ClassVar[int]
+    LATENESS_P99_NS_FIELD_NUMBER: _ClassVar[int]
+    LATENESS_MAX_NS_FIELD_NUMBER: _ClassVar[int]
+    SKIPPED_SLOTS_FIELD_NUMBER: _ClassVar[int]
+    INBOX_OVERFLOWS_FIELD_NUMBER: _ClassVar[int]
+    VERDICTS_FIELD_NUMBER: _ClassVar[int]
+    RECORDING_FIELD_NUMBER: _ClassVar[int]
+    node: str
+    run_id: str
+    policy_hash: str
+    ticks: int
+    rate_hz: float
+    lateness_p50_ns: int
+    lateness_p99_ns: int
+    lateness_max_ns: int
+    skipped_slots: int
+    inbox_overflows: int
+    verdicts: _containers.ScalarMap[str, int]
+    recording: str
+    def __init__(self, node: _Optional[str] = ..., run_id: _Optional[str] = ..., policy_hash: _Optional[str] = ..., ticks: _Optional[int] = ..., rate_hz: _Optional[float] = ..., lateness_p50_ns: _Optional[int] = ..., lateness_p99_ns: _Optional[int] = ..., lateness_max_ns: _Optional[int] = ..., skipped_slots: _Optional[int] = ..., inbox_overflows: _Optional[int] = ..., verdicts: _Optional[_Mapping[str, int]] = ..., recording: _Optional[str] = ...) -> None: ...
+
+class Contact(_message.Message):
+    __slots__ = ("count", "x_m", "y_m", "time_ns")
+    COUNT_FIELD_NUMBER: _ClassVar[int]
+    X_M_FIELD_NUMBER: _ClassVar[int]
+    Y_M_FIELD_NUMBER: _ClassVar[int]
+    TIME_NS_FIELD_NUMBER: _ClassVar[int]
+    count: int
+    x_m: float
+    y_m: float
+    time_ns: int
+    def __init__(self, count: _Optional[int] = ..., x_m: _Optional[float] = ..., y_m: _Optional[float] = ..., time_ns: _Optional[int] = ...) -> None: ...
+
+class Rejected(_message.Message):
+    __slots__ = ("key", "encoding", "payload", "attachment", "reason")
+    KEY_FIELD_NUMBER: _ClassVar[int]
+    ENCODING_FIELD_NUMBER: _ClassVar[int]
+    PAYLOAD_FIELD_NUMBER: _ClassVar[int]
+    ATTACHMENT_FIELD_NUMBER: _ClassVar[int]
+    REASON_FIELD_NUMBER: _ClassVar[int]
+    key: str
+    encoding: str
+    payload: bytes
+    attachment: bytes
+    reason: str
+    def __init__(self, key: _Optional[str] = ..., encoding: _Optional[str] = ..., payload: _Optional[bytes] = ..., attachment: _Optional[bytes] = ..., reason: _Optional[str] = ...) -> None: ...

@@ -1,0 +1,38 @@
+"""The onnxruntime backend: any operator, one thread, agreement to 1e-6 and in the action."""
+
+import numpy as np
+import onnxruntime
+
+from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
+from reflexarc_runtime.errors import PolicyError
+
+
+class OnnxruntimeGraph:
+    """Runs an exported policy graph with onnxruntime on one thread of the CPU.
+
+    Raises:
+        PolicyError: onnxruntime refuses the model.
+    """
+
+    name = "onnxruntime"
+
+    def __init__(self, model: bytes) -> None:
+        options = onnxruntime.SessionOptions()
+        options.intra_op_num_threads = 1
+        options.inter_op_num_threads = 1
+        options.log_severity_level = 4
+        try:
+            self._session = onnxruntime.InferenceSession(
+                model, options, providers=["CPUExecutionProvider"]
+            )
+        except Exception as error:  # onnxruntime raises classes of its own, one a status code
+            raise PolicyError(f"onnxruntime refuses the model: {_first_line(error)}") from None
+
+    def run(self, retinas: RetinaBatch) -> tuple[QValues, Actions]:
+        """Q-values (n, actions) and winners (n,) for stacks (n, frames, eyes, rays, channels)."""
+        q_values, actions = self._session.run(["q_values", "action"], {"retina": retinas})
+        return np.asarray(q_values, np.float32), np.asarray(actions, np.int64)
+
+
+def _first_line(error: Exception) -> str:
+    return str(error).splitlines()[0][:200]

@@ -1,0 +1,107 @@
+"""From distances to a retina: one definition for simulator, bus and replay.
+
+The functions on single numbers are plain Python. The simulator compiles these same functions, so
+that a simulated eye, a real scan and a replayed one agree to the bit.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from reflexarc_runtime.arrays import Ranges, Retina
+from reflexarc_runtime.contract import RetinaSpec, Shading
+from reflexarc_runtime.errors import ContractError
+
+FULL_SCALE = 255
+MAX_UNKNOWN_SHARE = 0.25
+
+
+def ray_bearing_rad(ray: int, rays: int, fov_rad: float) -> float:
+    """Bearing of a ray: rays sit at the centres of equal sectors, ray 0 is the leftmost."""
+    return fov_rad * (0.5 - (ray + 0.5) / rays)
+
+
+def shade(colour: float, distance_m: float, range_m: float, nearness: bool) -> int:
+    """Value of a ray that meets something of `colour` (0 to 1) at `distance_m`.
+
+    Nothing within range (`distance_m` ≥ `range_m`, +inf or NaN) is background: 0.
+    """
+    if not distance_m < range_m:
+        return 0
+    brightness = colour * (1.0 - distance_m / range_m) if nearness else colour
+    return int(FULL_SCALE * brightness + 0.5)
+
+
+def nearest_beam(bearing_rad: float, start_rad: float, step_rad: float) -> int:
+    """Index of the beam nearest to a bearing, on the circle; halfway belongs to the later beam."""
+    offset_rad = (bearing_rad - start_rad + 0.5 * step_rad) % (2.0 * math.pi)
+    return int(offset_rad / step_rad)
+
+
+def is_unknown(distance_m: float) -> bool:
+    """NaN, zero and negative distances say nothing; +inf says that nothing was met."""
+    return not distance_m > 0.0
+
+
+@dataclass(frozen=True)
+class Scan:
+    """One sweep of a range sensor. Beams go counter-clockwise from `start_rad` to `end_rad`."""
+
+    start_rad: float
+    end_rad: float
+    ranges_m: Ranges
+
+    @property
+    def step_rad(self) -> float:
+        """Angle from one beam to the next."""
+        return (self.end_rad - self.start_rad) / (len(self.ranges_m) - 1)
+
+
+class UnusableScanError(ValueError):
+    """A scan that gives no retina; its message says why."""
+
+
+def check_scannable(spec: RetinaSpec) -> None:
+    """Refuse a contract whose retina no single planar scan can give.
+
+    Raises:
+        ContractError: more than one eye or channel.
+    """
+    if spec.eyes != 1 or spec.channels != 1:
+        raise ContractError(
+            f"a scan gives one eye and one channel, the policy sees {spec.eyes} eyes and "
+            f"{spec.channels} channels; give it retinas instead (--input retina)"
+        )
+
+
+def retina_from_scan(scan: Scan, spec: RetinaSpec) -> Retina:
+    """Each ray takes the beam nearest to its bearing. A scan has no colour: all is 1.
+
+    Raises:
+        UnusableScanError: the scan does not cover the field of view, or more than a quarter of
+            the rays are unknown (NaN, zero or negative).
+    """
+    distances = [scan.ranges_m[beam] for beam in _beams(scan, spec)]
+    unknown = sum(map(is_unknown, distances))
+    if unknown > MAX_UNKNOWN_SHARE * spec.rays:
+        raise UnusableScanError(f"{unknown} of {spec.rays} rays unknown, at most a quarter may be")
+    nearness = spec.shading is Shading.NEARNESS
+    values = [
+        0 if is_unknown(d) else shade(1.0, float(d), spec.range_m, nearness) for d in distances
+    ]
+    return np.array(values, np.uint8).reshape(spec.shape)
+
+
+def _beams(scan: Scan, spec: RetinaSpec) -> list[int]:
+    count = len(scan.ranges_m)
+    if count < 2 or not scan.step_rad > 0.0:
+        raise UnusableScanError(f"{count} beams from {scan.start_rad} to {scan.end_rad} rad")
+    bearings = (ray_bearing_rad(ray, spec.rays, spec.fov_rad) for ray in range(spec.rays))
+    beams = [nearest_beam(bearing, scan.start_rad, scan.step_rad) for bearing in bearings]
+    if max(beams) >= count:
+        raise UnusableScanError(
+            f"beams from {scan.start_rad:.3f} to {scan.end_rad:.3f} rad do not cover the "
+            f"field of view of {spec.fov_rad:.3f} rad"
+        )
+    return beams

@@ -1,0 +1,33 @@
+"""The body's own watchdog: whether a command may still be obeyed.
+
+A command echoes the source time of the input that led to it, on the body's own clock; so the body
+compares its own clock with itself, and silence, whoever is to blame, ends in a stop.
+"""
+
+from dataclasses import dataclass, replace
+
+from reflexarc_runtime.contract import Action
+from reflexarc_runtime.decision import Command
+
+
+@dataclass(frozen=True, slots=True)
+class Watchdog:
+    """The last command that came, and what to do without one."""
+
+    safe: Action
+    last: Command | None = None
+
+    def heard(self, command: Command) -> "Watchdog":
+        """The watchdog after another command."""
+        return replace(self, last=command)
+
+    def obeyed(self, now_ns: int) -> Command | None:
+        """The command to obey now; None: do the safe thing.
+
+        A drive command holds while now − its source time < `valid_for_ns`. A time in the future
+        is no time of this body's clock, and is not obeyed.
+        """
+        if self.last is None or self.last.source_time_ns is None:
+            return self.last
+        age_ns = now_ns - self.last.source_time_ns
+        return self.last if 0 <= age_ns < self.last.valid_for_ns else None

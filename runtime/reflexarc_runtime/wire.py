@@ -1,0 +1,86 @@
+"""A message as it travels: key, payload, encoding, and an attachment that says when and which.
+
+The attachment has the 33 bytes of rmw_zenoh: sequence (int64), source time (int64 ns), length of
+the identifier (uint8, 16) and the sender's identifier, little-endian.
+"""
+
+import struct
+from dataclasses import dataclass
+
+MAX_PAYLOAD_BYTES = 1 << 20
+MAX_SEQUENCE = (1 << 32) - 1
+"""A log keeps sequence numbers in 32 bits."""
+
+_ATTACHMENT = struct.Struct("<qqB16s")
+_NO_SENDER = bytes(16)
+
+
+class UndecodableError(ValueError):
+    """A message that cannot be decoded; it is recorded on `rejected`."""
+
+
+class UnfitError(ValueError):
+    """A message that decodes, and does not fit the contract."""
+
+
+@dataclass(frozen=True, slots=True)
+class Message:
+    """One message as it came from the bus."""
+
+    key: str
+    payload: bytes
+    encoding: str
+    attachment: bytes
+    """Empty where there was none."""
+    received_ns: int
+    """On the receiver's monotonic clock."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stamp:
+    """Which message of its sender this is, and when it left, on the sender's clock."""
+
+    sequence: int
+    time_ns: int
+
+
+def protobuf_encoding(schema: str) -> str:
+    """Encoding of a protobuf payload as Zenoh spells it."""
+    return f"application/protobuf;{schema}"
+
+
+def pack_stamp(stamp: Stamp, sender: bytes = _NO_SENDER) -> bytes:
+    """A stamp as an attachment."""
+    return _ATTACHMENT.pack(stamp.sequence, stamp.time_ns, len(sender), sender)
+
+
+def unpack_stamp(attachment: bytes) -> Stamp:
+    """Read an attachment.
+
+    Raises:
+        UndecodableError: it is missing, of another size, or holds numbers that no log can keep.
+    """
+    if len(attachment) != _ATTACHMENT.size:
+        raise UndecodableError(
+            f"attachment: expected {_ATTACHMENT.size} bytes (sequence, time, sender), "
+            f"got {len(attachment)}"
+        )
+    sequence, time_ns, _, _ = _ATTACHMENT.unpack(attachment)
+    if not 0 <= sequence <= MAX_SEQUENCE or time_ns < 0:
+        raise UndecodableError(
+            f"attachment: expected sequence 0 to 2^32 − 1 and time ≥ 0, got {sequence}, {time_ns}"
+        )
+    return Stamp(sequence, time_ns)
+
+
+def check_encoding(message: Message, schema: str) -> None:
+    """Check what a message says that it is, and its size.
+
+    Raises:
+        UndecodableError: another encoding or schema, or a payload beyond 1 MiB.
+    """
+    expected = protobuf_encoding(schema)
+    if message.encoding != expected:
+        raise UndecodableError(f"encoding: expected {expected}, got {message.encoding[:80]!r}")
+    if len(message.payload) > MAX_PAYLOAD_BYTES:
+        raise UndecodableError("payload: expected at most 1 MiB, got more")
