@@ -98,9 +98,6 @@ class Action:
         _require(all(map(math.isfinite, speeds)), f"action {self.name!r}", "finite", speeds)
 
 
-STOP = Action("stop", 0.0, 0.0, 0.0)
-
-
 def sideways_actions(forward_mps: float = 1.0, lateral_mps: float = 1.0) -> tuple[Action, ...]:
     """The paper's actions: stay, left, right at uniform forward speed.
 
@@ -149,7 +146,7 @@ class PolicyContract:
 
     retina: RetinaSpec = field(default_factory=RetinaSpec)
     actions: tuple[Action, ...] = field(default_factory=sideways_actions)
-    safe_command: Action = STOP
+    safe_command: Action = field(default_factory=lambda: Action("stop", 0.0, 0.0))
     """Sent whenever the verdict is not OK."""
     rate_hz: float = 50.0
     """Rate of the sense–act loop."""

@@ -161,15 +161,17 @@ class Contact(_message.Message):
     def __init__(self, count: _Optional[int] = ..., x_m: _Optional[float] = ..., y_m: _Optional[float] = ..., time_ns: _Optional[int] = ...) -> None: ...
 
 class Rejected(_message.Message):
-    __slots__ = ("key", "encoding", "payload", "attachment", "reason")
+    __slots__ = ("key", "encoding", "payload", "attachment", "reason", "payload_bytes")
     KEY_FIELD_NUMBER: _ClassVar[int]
     ENCODING_FIELD_NUMBER: _ClassVar[int]
     PAYLOAD_FIELD_NUMBER: _ClassVar[int]
     ATTACHMENT_FIELD_NUMBER: _ClassVar[int]
     REASON_FIELD_NUMBER: _ClassVar[int]
+    PAYLOAD_BYTES_FIELD_NUMBER: _ClassVar[int]
     key: str
     encoding: str
     payload: bytes
     attachment: bytes
     reason: str
-    def __init__(self, key: _Optional[str] = ..., encoding: _Optional[str] = ..., payload: _Optional[bytes] = ..., attachment: _Optional[bytes] = ..., reason: _Optional[str] = ...) -> None: ...
+    payload_bytes: int
+    def __init__(self, key: _Optional[str] = ..., encoding: _Optional[str] = ..., payload: _Optional[bytes] = ..., attachment: _Optional[bytes] = ..., reason: _Optional[str] = ..., payload_bytes: _Optional[int] = ...) -> None: ...

@@ -58,8 +58,10 @@ class Monitor:
     last_slot: int = 0
 
     def saw(self, decision: Decision, timing: Timing) -> None:
-        """Count one tick."""
+        """Count one tick. The last one, which ends the run, keeps no deadline."""
         self.verdicts[decision.verdict] += 1
+        if decision.verdict is Verdict.STOPPED:
+            return
         self.last_slot = decision.slot
         self.run.saw(timing)
         self.last_period.saw(timing)
@@ -82,7 +84,7 @@ class Monitor:
     def _summarise(self, stretch: Stretch) -> Summary:
         p50_ns, p99_ns, worst_ns = _percentiles(stretch.lateness_ns)
         return Summary(
-            ticks=self.run.ticks,
+            ticks=self.verdicts.total(),
             skipped_slots=self.skipped_slots,
             rate_hz=stretch.rate_hz,
             lateness_p50_ns=p50_ns,

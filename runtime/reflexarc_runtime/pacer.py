@@ -6,14 +6,13 @@
   same inputs give the same ticks on any machine under any load.
 """
 
-import contextlib
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Protocol
 
 from reflexarc_runtime.clock import Clock
 from reflexarc_runtime.inbox import Inbox
-from reflexarc_runtime.wire import Message, UndecodableError, unpack_stamp
+from reflexarc_runtime.wire import Message, at_source_time
 
 LOCKSTEP_PATIENCE_S = 0.05
 """How often a waiting lockstep loop looks whether it should end."""
@@ -103,7 +102,9 @@ class LockstepPacer:
         while not should_stop():
             message = self._inbox.take(LOCKSTEP_PATIENCE_S)
             if message is not None:
-                return self._wake((self._at_source_time(message),))
+                arrived = at_source_time(message, self._time_ns)
+                self._time_ns = arrived.received_ns
+                return self._wake((arrived,))
         return None
 
     def farewell(self) -> Wakeup:
@@ -118,9 +119,3 @@ class LockstepPacer:
         self._slot += 1
         time_ns = self._time_ns
         return Wakeup(self._slot, time_ns, time_ns, time_ns, messages, 0)
-
-    def _at_source_time(self, message: Message) -> Message:
-        """Arrival at the time that the message bears; without a stamp, at the time that it is."""
-        with contextlib.suppress(UndecodableError):
-            self._time_ns = max(self._time_ns, unpack_stamp(message.attachment).time_ns)
-        return replace(message, received_ns=self._time_ns)

@@ -9,6 +9,9 @@ from enum import Enum
 
 DEFAULT_ROBOT = "robot0"
 
+RUNTIME_NODE = "runtime"
+BODY_NODE = "body"
+
 
 class Quality(Enum):
     """How a stream is sent."""

@@ -5,7 +5,7 @@ the identifier (uint8, 16) and the sender's identifier, little-endian.
 """
 
 import struct
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 MAX_PAYLOAD_BYTES = 1 << 20
 MAX_SEQUENCE = (1 << 32) - 1
@@ -71,6 +71,18 @@ def unpack_stamp(attachment: bytes) -> Stamp:
             f"attachment: expected sequence 0 to 2^32 − 1 and time ≥ 0, got {sequence}, {time_ns}"
         )
     return Stamp(sequence, time_ns)
+
+
+def at_source_time(message: Message, earliest_ns: int = 0) -> Message:
+    """The message as if it had arrived when it was sent: in lockstep there is no other time.
+
+    Without a readable stamp, or with one before `earliest_ns`, it arrives at `earliest_ns`.
+    """
+    try:
+        time_ns = unpack_stamp(message.attachment).time_ns
+    except UndecodableError:
+        time_ns = earliest_ns
+    return replace(message, received_ns=max(time_ns, earliest_ns))
 
 
 def check_encoding(message: Message, schema: str) -> None:

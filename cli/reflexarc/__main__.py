@@ -1,0 +1,7 @@
+"""`python -m reflexarc`."""
+
+import sys
+
+from reflexarc.main import main
+
+sys.exit(main())

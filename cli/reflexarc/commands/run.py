@@ -1,0 +1,192 @@
+"""`reflexarc run`: the sense–act loop with one policy."""
+
+import uuid
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import tyro
+
+from reflexarc.joining import Joining
+from reflexarc.output import aside, console, facts, microseconds, print_json
+from reflexarc.stop import StopFlag
+from reflexarc_runtime.errors import UsageError
+
+if TYPE_CHECKING:
+    from reflexarc_runtime.bus import Bus
+    from reflexarc_runtime.controller import Controller
+    from reflexarc_runtime.inbox import Inbox
+    from reflexarc_runtime.monitor import Summary
+    from reflexarc_runtime.node import Outlets
+    from reflexarc_runtime.pacer import Pacer
+    from reflexarc_runtime.policy import LoadedPolicy
+    from reflexarc_runtime.sink import Sink
+
+LISTENER_POLL_S = 0.01
+
+
+@dataclass(frozen=True)
+class Run:
+    """Run a policy: sense, decide, act, at the contract's rate, until Ctrl-C.
+
+    Whatever comes in, the body gets a command at every tick: the policy's while its input is good
+    and fresh, the contract's safe command otherwise. SIGINT and SIGTERM end in a safe command and a
+    finished log.
+
+    Examples:
+      reflexarc run runs/reflex/policy.onnx
+      reflexarc run runs/reflex/policy.onnx --record runs/drive.mcap
+      reflexarc run runs/reflex/policy.onnx --input scan --robot rover1
+    """
+
+    policy: tyro.conf.Positional[Path]
+    """The exported policy (ONNX)."""
+    input: Literal["retina", "scan"] = "retina"
+    """Which sensor stream to decide on."""
+    backend: Literal["numpy", "onnxruntime"] = "numpy"
+    """What computes the policy: numpy gives the same bits everywhere."""
+    lockstep: bool = False
+    """One tick an input, on the input's own time."""
+    record: Path | None = None
+    """Record everything to this MCAP file."""
+    ticks: int | None = None
+    """End after so many ticks; by default, at Ctrl-C."""
+    fifo: int = 0
+    """SCHED_FIFO priority, 1 to 99; 0: ordinary scheduling."""
+    joining: Joining = field(default_factory=Joining)
+    json: bool = False
+    """Print one JSON object at the end."""
+
+    def run(self) -> int:
+        """Tick until the end, then say how it went."""
+        from reflexarc_runtime.bus import Bus
+        from reflexarc_runtime.clock import MonotonicClock
+        from reflexarc_runtime.controller import Controller
+        from reflexarc_runtime.policy import load_policy
+        from reflexarc_runtime.senses import sense_for
+
+        self._check_flags()
+        policy = load_policy(self.policy, self.backend)
+        sense = sense_for(self.input, policy.contract.retina)
+        controller = Controller(policy, policy.contract, sense, policy.policy_hash)
+        run_id = uuid.uuid4().hex
+        with (
+            StopFlag() as stop,
+            self._sink(policy, run_id) as sink,
+            Bus(self.joining.config(), MonotonicClock().now_ns) as bus,
+        ):
+            summary = self._loop(bus, controller, sink, run_id, policy, stop)
+        self._tell(summary, sink.state)
+        return 0
+
+    def _check_flags(self) -> None:
+        if self.ticks is not None and self.ticks < 1:
+            raise UsageError(f"--ticks: expected 1 or more, got {self.ticks}")
+        if not 0 <= self.fifo <= 99:
+            raise UsageError(f"--fifo: expected 0 to 99, got {self.fifo}")
+
+    def _loop(
+        self,
+        bus: "Bus",
+        controller: "Controller",
+        sink: "Sink",
+        run_id: str,
+        policy: "LoadedPolicy",
+        stop: StopFlag,
+    ) -> "Summary":
+        from reflexarc_runtime import realtime
+        from reflexarc_runtime.inbox import Inbox
+        from reflexarc_runtime.node import Node
+        from reflexarc_runtime.topics import RUNTIME_NODE
+
+        inbox, outlets = Inbox(), self._outlets(bus)
+        self._listen_to_the_rest(bus, sink)
+        bus.offer_policy(policy.data)
+        if self.lockstep:
+            self._wait_for_body(outlets, stop)
+        bus.subscribe([controller.sense.topic], inbox.put)
+        bus.announce(RUNTIME_NODE)
+        said = "; ".join(realtime.prepare(self.fifo))
+        aside.print(f"reflexarc run: {self.policy} on {self.backend}; {said}")
+        node = Node(
+            controller,
+            self._pacer(policy.contract.rate_hz, inbox),
+            outlets,
+            sink=sink,
+            robot=self.joining.robot,
+            run_id=run_id,
+            overflows=lambda: inbox.overflows,
+        )
+        return node.run(stop, self.ticks)
+
+    def _outlets(self, bus: "Bus") -> "Outlets":
+        from reflexarc_runtime.node import Outlets
+        from reflexarc_runtime.topics import COMMAND, STATUS, TICK
+
+        return Outlets(bus.publisher(COMMAND), bus.publisher(TICK), bus.publisher(STATUS))
+
+    def _pacer(self, rate_hz: float, inbox: "Inbox") -> "Pacer":
+        from reflexarc_runtime.clock import MonotonicClock
+        from reflexarc_runtime.pacer import LockstepPacer, RatePacer
+
+        return LockstepPacer(inbox) if self.lockstep else RatePacer(rate_hz, MonotonicClock(), inbox)
+
+    def _listen_to_the_rest(self, bus: "Bus", sink: "Sink") -> None:
+        """Record what the loop does not decide on; it goes past the inbox."""
+        from reflexarc_runtime.topics import CONTACT, LOG, POSE, SCENE, STATUS, TRANSFORM
+        from reflexarc_runtime.wire import Message, at_source_time
+
+        if self.record is None:
+            return
+
+        def keep(message: Message) -> None:
+            sink.put(at_source_time(message) if self.lockstep else message)
+
+        bus.subscribe([POSE, TRANSFORM, SCENE, CONTACT, STATUS, LOG], keep)
+
+    def _wait_for_body(self, outlets: "Outlets", stop: StopFlag) -> None:
+        """In lockstep a command that nobody hears would be waited for in vain."""
+        import time
+
+        aside.print("reflexarc run: waiting for a body in lockstep …")
+        while not outlets.command.has_listener and not stop():
+            time.sleep(LISTENER_POLL_S)
+
+    @contextmanager
+    def _sink(self, policy: "LoadedPolicy", run_id: str) -> "Iterator[Sink]":
+        from reflexarc_runtime.sink import NoSink
+
+        if self.record is None:
+            yield NoSink()
+            return
+        from reflexarc.recording import recorder_for
+
+        with recorder_for(self, policy, run_id) as recorder:
+            yield recorder
+
+    def _tell(self, summary: "Summary", recording: str) -> None:
+        if self.json:
+            print_json({**_as_dict(summary), "recording": recording})
+            return
+        console.print(
+            facts(
+                {
+                    "ticks": summary.ticks,
+                    "rate": f"{summary.rate_hz:.2f} Hz",
+                    "lateness": f"p50 {microseconds(summary.lateness_p50_ns)}, "
+                    f"p99 {microseconds(summary.lateness_p99_ns)}, "
+                    f"max {microseconds(summary.lateness_max_ns)}",
+                    "skipped slots": summary.skipped_slots,
+                    "verdicts": ", ".join(f"{k} {v}" for k, v in summary.verdicts.items()),
+                    "recording": f"{recording} {self.record or ''}".strip(),
+                }
+            )
+        )
+
+
+def _as_dict(summary: "Summary") -> dict[str, object]:
+    from dataclasses import asdict
+
+    return asdict(summary)

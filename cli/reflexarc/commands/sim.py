@@ -1,0 +1,114 @@
+"""`reflexarc sim`: a simulated body on the bus."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from reflexarc.joining import Joining
+from reflexarc.output import aside, console, facts, print_json
+from reflexarc.stop import StopFlag
+from reflexarc_runtime.errors import UsageError
+
+if TYPE_CHECKING:
+    from reflexarc_runtime.bus import Bus
+    from reflexarc_runtime.contract import PolicyContract
+    from reflexarc_sim_bridge.bridge import Journey
+
+MAX_RATE_HZ = 1000.0
+
+
+@dataclass(frozen=True)
+class Sim:
+    """A simulated body: it moves, sees, and says so on the bus, in real time or in lockstep.
+
+    It builds its eye from a policy's contract: from --policy, or from the runtime that it meets on
+    the bus. Without a fresh and valid command it stops by itself.
+
+    Examples:
+      reflexarc sim
+      reflexarc sim --world discs --seed 7 --policy runs/reflex/policy.onnx
+      reflexarc sim --lockstep --steps 500
+    """
+
+    world: str = "reference-1"
+    """Which world: reference-1, discs, mixed or legacy."""
+    seed: int = 0
+    """Which of the world's endless variants."""
+    policy: Path | None = None
+    """Build the eye from this policy; by default, ask the runtime on the bus."""
+    rate: float | None = None
+    """Steps a second; the contract's rate by default."""
+    lockstep: bool = False
+    """Wait for the command of every retina; time is the number of the step."""
+    steps: int | None = None
+    """End after so many steps; by default, at Ctrl-C."""
+    joining: Joining = field(default_factory=Joining)
+    json: bool = False
+    """Print one JSON object at the end."""
+
+    def run(self) -> int:
+        """Drive until the end, then say what became of it."""
+        from reflexarc_runtime.bus import Bus
+        from reflexarc_runtime.clock import MonotonicClock
+        from reflexarc_sim_bridge.worlds import world_named
+
+        world_named(self.world)
+        self._check_flags()
+        config = self.joining.config(listens=True)
+        with StopFlag() as stop, Bus(config, MonotonicClock().now_ns) as bus:
+            contract = self._contract(bus, stop)
+            journey = self._drive(bus, contract, stop) if contract else None
+        if journey is not None:
+            self._tell(journey)
+        return 0
+
+    def _check_flags(self) -> None:
+        if self.rate is not None and not 0.0 < self.rate <= MAX_RATE_HZ:
+            raise UsageError(f"--rate: expected 0 to {MAX_RATE_HZ:g} Hz, got {self.rate}")
+        if self.steps is not None and self.steps < 1:
+            raise UsageError(f"--steps: expected 1 or more, got {self.steps}")
+        if not 0 <= self.seed < 1 << 64:
+            raise UsageError(f"--seed: expected 0 to 2^64 − 1, got {self.seed}")
+
+    def _contract(self, bus: "Bus", stop: StopFlag) -> "PolicyContract | None":
+        from reflexarc_runtime.policy import load_policy
+
+        if self.policy is not None:
+            return load_policy(self.policy, verify=False).contract
+        aside.print("reflexarc sim: waiting for a runtime to say what it wants to see …")
+        while not stop():
+            found = bus.fetch_policy(timeout_s=0.5)
+            if found is not None:
+                return load_policy(found, verify=False).contract
+        return None
+
+    def _drive(self, bus: "Bus", contract: "PolicyContract", stop: StopFlag) -> "Journey":
+        from reflexarc_runtime.clock import MonotonicClock
+        from reflexarc_runtime.inbox import Inbox
+        from reflexarc_runtime.pacer import RatePacer
+        from reflexarc_sim_bridge.body import Body
+        from reflexarc_sim_bridge.bridge import Bridge
+        from reflexarc_sim_bridge.worlds import world_named
+
+        rate_hz = self.rate or contract.rate_hz
+        body = Body(world_named(self.world), contract, rate_hz, self.seed)
+        inbox = Inbox()
+        bridge = Bridge(bus, body, self.joining.robot, inbox)
+        aside.print(f"reflexarc sim: {self.world}, seed {self.seed}, {rate_hz:g} Hz")
+        if self.lockstep:
+            return bridge.drive_in_lockstep(round(1e9 / rate_hz), stop, self.steps)
+        return bridge.drive(RatePacer(rate_hz, MonotonicClock(), inbox), stop, self.steps)
+
+    def _tell(self, journey: "Journey") -> None:
+        if self.json:
+            print_json(journey)
+            return
+        console.print(
+            facts(
+                {
+                    "steps": journey.steps,
+                    "distance": f"{journey.distance_m:.1f} m",
+                    "contacts": journey.contacts,
+                }
+            )
+        )

@@ -1,0 +1,51 @@
+"""How commands speak: one JSON object for a program, tables for a person."""
+
+import dataclasses
+import json
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from rich.console import Console
+from rich.progress import Progress
+from rich.table import Table
+
+console = Console(highlight=False)
+"""Results go to standard output."""
+
+aside = Console(stderr=True, highlight=False)
+"""Progress and notices go to standard error."""
+
+
+def print_json(value: Any) -> None:
+    """One JSON object on one line; dataclasses become objects."""
+    plain = dataclasses.asdict(value) if dataclasses.is_dataclass(value) else value  # type: ignore[arg-type]  # an instance
+    print(json.dumps(plain, default=str))
+
+
+def facts(rows: dict[str, object], title: str | None = None) -> Table:
+    """A table of names and values."""
+    table = Table(title=title, title_justify="left", show_header=False, box=None, pad_edge=False)
+    table.add_column(style="bold", no_wrap=True)
+    table.add_column(overflow="fold")
+    for name, value in rows.items():
+        table.add_row(name, str(value))
+    return table
+
+
+def microseconds(time_ns: int) -> str:
+    """A short time, for a person."""
+    return f"{time_ns / 1e3:.0f} µs" if time_ns < 1_000_000 else f"{time_ns / 1e6:.1f} ms"
+
+
+def kibibytes(count: int) -> str:
+    """A size, for a person."""
+    return f"{count / 1024:.1f} KiB" if count < 1 << 20 else f"{count / (1 << 20):.1f} MiB"
+
+
+@contextmanager
+def progress_bar(title: str, total: int) -> Iterator[Callable[[int, int], None]]:
+    """A progress bar on standard error; what it yields is called with (done, total)."""
+    with Progress(console=aside, transient=True) as progress:
+        task = progress.add_task(title, total=total)
+        yield lambda done, of: progress.update(task, completed=done, total=of)

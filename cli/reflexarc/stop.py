@@ -1,0 +1,33 @@
+"""Asking a loop to end: SIGINT and SIGTERM set a flag, and the loop finishes what it does."""
+
+import signal
+from types import FrameType, TracebackType
+from typing import Any, Self
+
+
+class StopFlag:
+    """A context manager; call it to know whether the loop should end."""
+
+    def __init__(self) -> None:
+        self._set = False
+        self._before: dict[signal.Signals, Any] = {}
+
+    def __call__(self) -> bool:
+        return self._set
+
+    def __enter__(self) -> Self:
+        for number in (signal.SIGINT, signal.SIGTERM):
+            self._before[number] = signal.signal(number, self._on_signal)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        for number, handler in self._before.items():
+            signal.signal(number, handler)
+
+    def _on_signal(self, number: int, frame: FrameType | None) -> None:
+        self._set = True
