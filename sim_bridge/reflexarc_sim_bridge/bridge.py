@@ -1,0 +1,173 @@
+"""The bridge: a body on the bus, in real time or in lockstep.
+
+In real time the body moves at its own rate, obeys a command while it is valid, and says what it
+sees; nobody waits for anybody. In lockstep it waits for the command of each retina, and the time is
+the number of the step: the same drive on any machine, under any load.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from reflexarc_runtime.bus import Bus
+from reflexarc_runtime.errors import BusError
+from reflexarc_runtime.inbox import Inbox
+from reflexarc_runtime.messages import (
+    Status,
+    decode_command,
+    encode_contact,
+    encode_retina,
+    encode_status,
+)
+from reflexarc_runtime.pacer import RatePacer
+from reflexarc_runtime.topics import (
+    BODY_NODE,
+    COMMAND,
+    CONTACT,
+    POSE,
+    RETINA,
+    RUNTIME_NODE,
+    SCENE,
+    STATUS,
+    TRANSFORM,
+    Topic,
+)
+from reflexarc_sim_bridge.body import Body, Place
+from reflexarc_sim_bridge.viewers import encode_pose, encode_scene, encode_transform
+
+LOCKSTEP_PATIENCE_S = 10.0
+"""How long a body waits for the command of a retina before it gives up."""
+
+_SPOKEN = (RETINA, POSE, TRANSFORM, SCENE, CONTACT, STATUS)
+_SECOND_NS = 1_000_000_000
+_POLL_S = 0.05
+
+
+@dataclass(frozen=True, slots=True)
+class Journey:
+    """What became of a drive."""
+
+    steps: int
+    contacts: int
+    distance_m: float
+
+
+class Voice:
+    """Says on the bus what a body sees and where it is."""
+
+    def __init__(self, bus: Bus, body: Body, robot: str) -> None:
+        self._publishers = {topic: bus.publisher(topic) for topic in _SPOKEN}
+        self._body = body
+        self._robot = robot
+        self._steps = 0
+        self._due_ns: int | None = None
+
+    def is_heard(self, topic: Topic) -> bool:
+        """Whether anyone listens to a topic."""
+        return self._publishers[topic].has_listener
+
+    def say(self, contact: Place | None, now_ns: int) -> None:
+        """Publish the state of the body: the retina first, as somebody waits for it."""
+        retina = encode_retina(self._body.see(), self._body.contract.retina, now_ns, self._robot)
+        self._publishers[RETINA].put(retina, now_ns)
+        place = self._body.place
+        self._publishers[POSE].put(encode_pose(place, now_ns), now_ns)
+        self._publishers[TRANSFORM].put(encode_transform(place, self._robot, now_ns), now_ns)
+        if contact is not None:
+            payload = encode_contact(self._body.contacts, contact.x_m, contact.y_m, now_ns)
+            self._publishers[CONTACT].put(payload, now_ns)
+        self._steps += 1
+        self._say_every_second(now_ns)
+
+    def _say_every_second(self, now_ns: int) -> None:
+        if self._due_ns is not None and now_ns < self._due_ns:
+            return
+        self._due_ns = now_ns + _SECOND_NS
+        near = self._body.simulation.obstacles_near(0)
+        self._publishers[SCENE].put(encode_scene(near, now_ns), now_ns)
+        status = Status(node=BODY_NODE, ticks=self._steps)
+        self._publishers[STATUS].put(encode_status(status), now_ns)
+
+
+class Bridge:
+    """Joins a body to the bus.
+
+    Args:
+        bus: an open session.
+        body: who drives.
+        robot: first part of every key.
+        inbox: where the bus delivers the commands.
+    """
+
+    def __init__(self, bus: Bus, body: Body, robot: str, inbox: Inbox) -> None:
+        self._bus = bus
+        self._body = body
+        self._inbox = inbox
+        self._voice = Voice(bus, body, robot)
+        bus.subscribe([COMMAND], inbox.put)
+        bus.announce(BODY_NODE)
+
+    def drive(
+        self, pacer: RatePacer, should_stop: Callable[[], bool], steps: int | None = None
+    ) -> Journey:
+        """Drive in real time, until asked to stop or for a number of steps."""
+        done = 0
+        while steps is None or done < steps:
+            wakeup = pacer.wait(should_stop)
+            if wakeup is None:
+                break
+            for message in wakeup.messages:
+                self._hear(message.payload)
+            self._voice.say(self._body.move(wakeup.now_ns), wakeup.now_ns)
+            done += 1
+        return self._journey(done)
+
+    def drive_in_lockstep(
+        self, period_ns: int, should_stop: Callable[[], bool], steps: int | None = None
+    ) -> Journey:
+        """Drive one step a command, on the time of the step.
+
+        Raises:
+            BusError: no command came for a retina.
+        """
+        self._wait_for_runtime(should_stop)
+        done, contact = 0, None
+        while not should_stop() and (steps is None or done < steps):
+            now_ns = done * period_ns
+            self._voice.say(contact, now_ns)
+            self._await_command(done, should_stop)
+            contact = self._body.move(now_ns)
+            done += 1
+        return self._journey(done)
+
+    def _hear(self, payload: bytes) -> int | None:
+        """Take a command; its number, or None where the bytes are none."""
+        command = decode_command(payload)
+        if command is None:
+            return None
+        self._body.hear(command)
+        return command.sequence
+
+    def _wait_for_runtime(self, should_stop: Callable[[], bool]) -> None:
+        """A runtime in lockstep announces itself only when it hears us, and we hear it."""
+        while not self._runtime_is_ready() and not should_stop():
+            self._inbox.take(_POLL_S)
+
+    def _runtime_is_ready(self) -> bool:
+        return self._voice.is_heard(RETINA) and self._bus.is_alive(RUNTIME_NODE)
+
+    def _await_command(self, sequence: int, should_stop: Callable[[], bool]) -> None:
+        waited_s = 0.0
+        while not should_stop():
+            message = self._inbox.take(_POLL_S)
+            if message is not None and self._hear(message.payload) == sequence:
+                return
+            waited_s += _POLL_S if message is None else 0.0
+            if waited_s > LOCKSTEP_PATIENCE_S:
+                raise BusError(
+                    f"lockstep: no command for retina {sequence} within {LOCKSTEP_PATIENCE_S:g} s; "
+                    "is `reflexarc run --lockstep` still there, and newly started?"
+                )
+
+    def _journey(self, steps: int) -> Journey:
+        distance_m = float(self._body.simulation.distance_m[0])
+        return Journey(steps, self._body.contacts, distance_m)
