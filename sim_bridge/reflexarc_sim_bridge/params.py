@@ -18,40 +18,42 @@ import numpy.typing as npt
 
 from reflexarc_runtime.contract import PolicyContract, RetinaSpec, Shading
 from reflexarc_runtime.retina import ray_bearing_rad
-from reflexarc_sim_bridge.worlds import Discs, Edges, Shape, World
+from reflexarc_sim_bridge.worlds import Discs, Edges, Rectangles, World
 
 CELL_M = 2.0
 CHUNK_M = 2.5
 """Length of a chunk along x; it spans the whole width of the world."""
 
-# Columns of `Agents.near`.
+# Rows of `Agents.near[agent]`: one obstacle a column.
 NEAR_X, NEAR_Y, NEAR_HALF_LENGTH, NEAR_HALF_WIDTH, NEAR_ROUND, NEAR_COLOUR = range(6)
-NEAR_COLUMNS = 6
-
-# Columns of `WorldParams.shapes`.
-SHAPE_UP_TO, SHAPE_ROUND, SHAPE_WIDTH_LOW, SHAPE_WIDTH_HIGH, SHAPE_LENGTH_LOW, SHAPE_LENGTH_HIGH = (
-    range(6)
-)
+NEAR_ROWS = 6
 
 _STEEPEST = 1e-9
 """Direction components below this are taken for this: a finite slope in place of a division by 0."""
 
 
 class WorldParams(NamedTuple):
-    """A world, compiled. Lengths in metres."""
+    """A world, compiled, and how far its agents see and move. Only numbers: cheap to hand over."""
 
-    width_m: float
-    periodic: bool
     dt_s: float
     stream: int
-    count_cdf: npt.NDArray[np.float64]
-    """Cumulative Poisson probabilities of the number of obstacles in a chunk: (k,)."""
-    shapes: npt.NDArray[np.float64]
-    """One row a kind, columns SHAPE_*: (kinds, 6)."""
-    colour_low: float
-    colour_high: float
+    width_m: float
+    periodic: bool
+    mean_count: float
+    """Mean number of obstacles in a chunk."""
+    none_probability: float
+    """Probability of an empty chunk, exp(−mean_count)."""
     half_max_m: float
     """No obstacle reaches farther from its centre, along x or y."""
+    disc_share: float
+    radius_low_m: float
+    radius_high_m: float
+    width_low_m: float
+    width_high_m: float
+    length_low_m: float
+    length_high_m: float
+    colour_low: float
+    colour_high: float
     ahead_m: float
     """How far ahead of an agent anything can be seen or met; behind and aside alike."""
     behind_m: float
@@ -94,7 +96,7 @@ class Agents(NamedTuple):
     cell_y: npt.NDArray[np.int64]
     near_count: npt.NDArray[np.int64]
     near: npt.NDArray[np.float64]
-    """Obstacles near the agent's cell, columns NEAR_*, y beside the agent: (n, capacity, 6)."""
+    """Obstacles near the agent's cell, rows NEAR_*, y beside the agent: (n, 6, capacity)."""
     ray_distance_m: npt.NDArray[np.float32]
     """Of the last look; the range where nothing was met: (n, rays)."""
     ray_colour: npt.NDArray[np.float32]
@@ -103,19 +105,24 @@ class Agents(NamedTuple):
 
 def world_params(world: World, contract: PolicyContract) -> WorldParams:
     """A world for the agents that a contract describes: it says how far they see and move."""
-    step_m = world.dt_s * _fastest_mps(contract)
-    range_m = contract.retina.range_m
-    low, high = world.colour
+    step_m, range_m = world.dt_s * _fastest_mps(contract), contract.retina.range_m
+    mean_count = world.density_per_m2 * world.width_m * CHUNK_M
+    # A kind that the world has not is given share 0 and any size.
+    discs = next((s for s in world.shapes if isinstance(s, Discs)), Discs(share=0.0))
+    bars = next((s for s in world.shapes if isinstance(s, Rectangles)), Rectangles(share=0.0))
     return WorldParams(
-        width_m=world.width_m,
-        periodic=world.edges is Edges.PERIODIC,
-        dt_s=world.dt_s,
-        stream=world.stream,
-        count_cdf=_poisson_cdf(world.density_per_m2 * world.width_m * CHUNK_M),
-        shapes=_shape_table(world.shapes),
-        colour_low=low,
-        colour_high=high,
-        half_max_m=world.longest_m / 2,
+        world.dt_s,
+        world.stream,
+        world.width_m,
+        world.edges is Edges.PERIODIC,
+        mean_count,
+        math.exp(-mean_count),
+        world.longest_m / 2,
+        discs.share / (discs.share + bars.share),
+        *discs.radius_m,
+        *bars.width_m,
+        *bars.length_m,
+        *world.colour,
         ahead_m=max(range_m, step_m),
         behind_m=max(_behind_m(contract.retina), step_m),
         aside_m=max(range_m, step_m),
@@ -153,7 +160,7 @@ def agents_at_zero(
         cell_x=np.zeros(n, np.int64),
         cell_y=np.zeros(n, np.int64),
         near_count=np.zeros(n, np.int64),
-        near=np.zeros((n, _near_capacity(world, params), NEAR_COLUMNS)),
+        near=np.zeros((n, NEAR_ROWS, _near_capacity(world, params))),
         ray_distance_m=np.zeros((n, rays), np.float32),
         ray_colour=np.zeros((n, rays), np.float32),
     )
@@ -174,26 +181,6 @@ def _reciprocal(component: npt.NDArray[np.float64]) -> npt.NDArray[np.float32]:
     return (1.0 / away_from_0).astype(np.float32)
 
 
-def _poisson_cdf(mean: float) -> npt.NDArray[np.float64]:
-    """P(count ≤ k) for k = 0, 1, … until the rest is below the resolution of a draw, 2⁻⁵³."""
-    last = math.ceil(mean + 10 * math.sqrt(mean) + 20)
-    log_p = [k * math.log(mean) - mean - math.lgamma(k + 1) for k in range(last)] if mean else [0.0]
-    return np.minimum(np.cumsum(np.exp(log_p)), 1.0)
-
-
-def _shape_table(shapes: tuple[Shape, ...]) -> npt.NDArray[np.float64]:
-    up_to = np.cumsum([shape.share for shape in shapes])
-    rows = [_shape_row(shape) for shape in shapes]
-    return np.column_stack([up_to / up_to[-1], np.array(rows)])
-
-
-def _shape_row(shape: Shape) -> tuple[float, ...]:
-    if isinstance(shape, Discs):
-        low_m, high_m = shape.radius_m
-        return (1.0, 2 * low_m, 2 * high_m, 2 * low_m, 2 * high_m)
-    return (0.0, *shape.width_m, *shape.length_m)
-
-
 def _lanes(seeds: npt.NDArray[np.uint64]) -> npt.NDArray[np.uint64]:
     """How many earlier agents have the same seed: (n,)."""
     seen: dict[int, int] = {}
@@ -206,8 +193,10 @@ def _lanes(seeds: npt.NDArray[np.uint64]) -> npt.NDArray[np.uint64]:
 
 def _near_capacity(world: World, params: WorldParams) -> int:
     """Room for the mean and ten standard deviations: a Poisson count above has p < 1e-20."""
-    length_m = CELL_M + params.ahead_m + params.behind_m + 2 * params.half_max_m
-    width_m = CELL_M + 2 * params.aside_m + 2 * params.half_max_m
-    # Edges that are open crowd the obstacles inwards, and whole chunks are never split.
-    mean = world.density_per_m2 * length_m * width_m
-    return math.ceil(mean + 10 * math.sqrt(mean) + 20)
+    length_m = CELL_M + params.ahead_m + params.behind_m + world.longest_m
+    width_m = CELL_M + 2 * params.aside_m + world.longest_m
+    # Open edges crowd the obstacles inwards; a narrow period shows each of them several times.
+    own_m = min(width_m, world.width_m) if params.periodic else world.width_m
+    images = math.ceil(width_m / world.width_m) if params.periodic else 1
+    mean = world.density_per_m2 * length_m * own_m
+    return images * math.ceil(mean + 10 * math.sqrt(mean) + 20)

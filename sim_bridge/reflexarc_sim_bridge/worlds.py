@@ -23,6 +23,7 @@ Span: TypeAlias = tuple[float, float]
 
 _MAX_SIZE_M = 10.0
 _MAX_COVER = 0.8
+_MAX_PER_METRE = 200.0
 
 
 class Edges(StrEnum):
@@ -111,7 +112,7 @@ class World:
     density_per_m2: float = 0.40
     """Obstacle centres a square metre."""
     shapes: tuple[Shape, ...] = field(default_factory=lambda: (Rectangles(),))
-    """Kinds of obstacle; each takes its share."""
+    """Rectangles, discs, or both; each takes its share."""
     colour: Span = (1.0, 1.0)
     """Grey value of an obstacle, between 0 (as the background) and 1."""
     dt_s: float = 0.1
@@ -122,8 +123,14 @@ class World:
     def __post_init__(self) -> None:
         _require(1.0 <= self.width_m <= 1e4, "width_m", "1 to 10000 m", self.width_m)
         density = self.density_per_m2
-        _require(0.0 <= density <= 100.0, "density_per_m2", "0 to 100", density)
-        _require(len(self.shapes) > 0, "shapes", "at least one", len(self.shapes))
+        _require(0.0 <= density < math.inf, "density_per_m2", "0 or more", density)
+        crowded = f"at most {_MAX_PER_METRE:g} obstacles a metre of the whole width"
+        per_metre = density * self.width_m
+        _require(per_metre <= _MAX_PER_METRE, "density_per_m2", crowded, per_metre)
+        kinds = [type(shape).__name__ for shape in self.shapes]
+        once = 0 < len(kinds) == len(set(kinds))
+        _require(once, "shapes", "Rectangles, Discs or one of each", kinds)
+        _require(any(shape.share > 0.0 for shape in self.shapes), "shapes", "a share", "all 0")
         _require(0.0 < self.dt_s <= 10.0, "dt_s", "in (0, 10] s", self.dt_s)
         _require(0 <= self.stream < 1 << 32, "stream", "0 to 2³² − 1", self.stream)
         _require_span("colour", self.colour, 0.0, 1.0)
@@ -174,7 +181,7 @@ def _require_size(where: str, span: Span) -> None:
 
 
 def _require_share(where: str, share: float) -> None:
-    _require(0.0 < share < math.inf, where, "positive", share)
+    _require(0.0 <= share < math.inf, where, "0 or more", share)
 
 
 def _require_span(where: str, span: Span, least: float, most: float) -> None:

@@ -5,9 +5,10 @@ The stream is splitmix64 (Steele, Lea & Flood, "Fast splittable pseudorandom num
 numbers. Compiled, and callable from plain Python as well.
 """
 
-import numba
 import numpy as np
 import numpy.typing as npt
+
+from reflexarc_sim_bridge.compiled import compiled
 
 Stream = npt.NDArray[np.uint64]
 """State of a random stream: (1,)."""
@@ -20,10 +21,11 @@ _UNIT = 2.0**-53
 
 def new_stream(seed: int) -> Stream:
     """The stream of a seed."""
-    return np.random.SeedSequence([seed, _STREAM_TAG]).generate_state(1, np.uint64)
+    words = np.random.SeedSequence([seed, _STREAM_TAG]).generate_state(1, np.uint64)
+    return words.astype(np.uint64)
 
 
-@numba.njit(cache=True)
+@compiled
 def uniform(stream: Stream) -> float:
     """The next number of the stream, uniform in [0, 1)."""
     stream[0] += _INCREMENT
@@ -34,7 +36,7 @@ def uniform(stream: Stream) -> float:
     return float(z >> _SHIFTS[3]) * _UNIT
 
 
-@numba.njit(cache=True)
+@compiled
 def winner(q_values: npt.NDArray[np.float64]) -> int:
     """Winner takes all; of equal values the first wins."""
     best = 0
@@ -44,7 +46,7 @@ def winner(q_values: npt.NDArray[np.float64]) -> int:
     return best
 
 
-@numba.njit(cache=True)
+@compiled
 def choose(q_values: npt.NDArray[np.float64], epsilon: float, stream: Stream) -> int:
     """With probability ε any action, else the winner."""
     if uniform(stream) < epsilon:

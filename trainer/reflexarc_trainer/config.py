@@ -70,12 +70,18 @@ class LearnerConfig:
         for name in ("trace_decay", "epsilon_start", "epsilon_end", "epsilon_span"):
             value = getattr(self, name)
             _require(0.0 <= value <= 1.0, f"learner.{name}", "in [0, 1]", value)
-        _require(0.0 <= self.gamma < 1.0, "learner.gamma", "in [0, 1): the task never ends", self.gamma)
+        _require(
+            0.0 <= self.gamma < 1.0, "learner.gamma", "in [0, 1): the task never ends", self.gamma
+        )
         _require(1.0 <= self.kappa < math.inf, "learner.kappa", "1 or more", self.kappa)
         _require(1 <= self.hidden <= 4096, "learner.hidden", "1 to 4096", self.hidden)
-        _require(1 <= self.held_actions <= 1000, "learner.held_actions", "1 to 1000", self.held_actions)
+        _require(
+            1 <= self.held_actions <= 1000, "learner.held_actions", "1 to 1000", self.held_actions
+        )
         for name in ("reward_step", "reward_contact"):
-            _require(math.isfinite(getattr(self, name)), f"learner.{name}", "finite", getattr(self, name))
+            _require(
+                math.isfinite(getattr(self, name)), f"learner.{name}", "finite", getattr(self, name)
+            )
         _require_one_of(StepRule, "learner.step", self.step)
         _require_one_of(OutputUnits, "learner.output", self.output)
         _require_one_of(InitialWeights, "learner.initial_weights", self.initial_weights)
@@ -97,9 +103,9 @@ class ValidationConfig:
 
     def __post_init__(self) -> None:
         _require(1 <= self.points <= 10_000, "validation.points", "1 to 10000", self.points)
-        _require(1 <= self.agents, "validation.agents", "1 or more", self.agents)
-        _require(1 <= self.steps, "validation.steps", "1 or more", self.steps)
-        _require(0 <= self.discard, "validation.discard", "0 or more", self.discard)
+        _require(self.agents >= 1, "validation.agents", "1 or more", self.agents)
+        _require(self.steps >= 1, "validation.steps", "1 or more", self.steps)
+        _require(self.discard >= 0, "validation.discard", "0 or more", self.discard)
 
 
 @dataclass(frozen=True)
@@ -129,7 +135,7 @@ class TrainConfig:
 
     def __post_init__(self) -> None:
         _require(0 <= self.seed < 1 << 63, "seed", "0 to 2^63 - 1", self.seed)
-        _require(1 <= self.steps, "steps", "1 or more", self.steps)
+        _require(self.steps >= 1, "steps", "1 or more", self.steps)
         for name in ("forward_mps", "lateral_mps"):
             speed_mps = getattr(self, name)
             _require(0.0 < speed_mps < math.inf, name, "positive", speed_mps)
@@ -161,7 +167,9 @@ class TrainConfig:
             }
             return cls(**{**document, **parts})
         except (KeyError, TypeError, ValueError, ContractError) as error:
-            raise UsageError(f"configuration: not one of this version ({error}); train anew") from None
+            raise UsageError(
+                f"configuration: not one of this version ({error}); train anew"
+            ) from None
 
     def contract(self, provenance: Provenance | None = None) -> PolicyContract:
         """What the policy of this run sees and does."""

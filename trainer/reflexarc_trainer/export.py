@@ -16,16 +16,15 @@ from pathlib import Path
 
 import numpy as np
 import onnx
-import torch
 from torch import nn
 
 from reflexarc_runtime.arrays import RetinaBatch
-from reflexarc_runtime.contract import GoldenVectors, PolicyContract, Provenance
+from reflexarc_runtime.contract import GoldenVectors, PolicyContract
 from reflexarc_runtime.errors import PolicyError
 from reflexarc_runtime.policy import load_policy, with_contract
 from reflexarc_runtime.retina import FULL_SCALE
 from reflexarc_trainer.files import write_atomically
-from reflexarc_trainer.parity import check_parity
+from reflexarc_trainer.parity import check_model, check_module, check_parity
 from reflexarc_trainer.translate import Translation, translate
 
 OPSET = 17
@@ -60,7 +59,10 @@ def export(
     """
     module = _as_exported(module)
     retinas = _probe_retinas(contract, recorded)
-    model = with_contract(_build(module, contract).SerializeToString(deterministic=True), contract)
+    check_module(module, contract, retinas)
+    model = _build(module, contract).SerializeToString(deterministic=True)
+    check_model(model)
+    model = with_contract(model, contract)
     contract = dataclasses.replace(contract, golden=_golden(model, retinas))
     model = with_contract(model, contract)
     check_parity(module, model, retinas)

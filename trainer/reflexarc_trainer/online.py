@@ -13,18 +13,18 @@ run needs to go on lies in `LearnerState`, which a checkpoint carries.
 import math
 from typing import NamedTuple
 
-import numba
 import numpy as np
 import numpy.typing as npt
 
 from reflexarc_runtime.retina import FULL_SCALE
+from reflexarc_sim_bridge.compiled import compiled
 from reflexarc_trainer import schedules
 from reflexarc_trainer.choice import Stream, choose
 
 Floats = npt.NDArray[np.float64]
 Bytes = npt.NDArray[np.uint8]
 
-linear_epsilon = numba.njit(schedules.linear_epsilon)
+linear_epsilon = compiled(schedules.linear_epsilon)
 
 
 class Rules(NamedTuple):
@@ -68,7 +68,7 @@ class LearnerState(NamedTuple):
     stream: Stream
     """Exploration: (1,)."""
     totals: Floats
-    """Since they were last set to 0: Σ|δ| and contacts: (2,)."""
+    """Since the last report Σ|δ| and contacts; at it the steps done and the distance_m: (4,)."""
 
 
 class Scratch(NamedTuple):
@@ -94,7 +94,7 @@ def new_state(rules: Rules, weights: Floats, stream: Stream) -> LearnerState:
         inputs=np.ones(rules.inputs + 1),
         pending=np.zeros(3, np.int64),
         stream=stream.copy(),
-        totals=np.zeros(2),
+        totals=np.zeros(4),
     )
 
 
@@ -109,7 +109,7 @@ def new_scratch(rules: Rules) -> Scratch:
     )
 
 
-@numba.njit(cache=True)
+@compiled
 def begin(rules: Rules, state: LearnerState, scratch: Scratch) -> None:
     """Choose the first action for the retina in `scratch`."""
     see(scratch)
@@ -118,7 +118,7 @@ def begin(rules: Rules, state: LearnerState, scratch: Scratch) -> None:
     state.inputs[:] = scratch.inputs
 
 
-@numba.njit(cache=True)
+@compiled
 def learn_step(rules: Rules, state: LearnerState, scratch: Scratch, contact: bool) -> float:
     """One transition: the pending action was done and led to the retina in `scratch`.
 
@@ -133,7 +133,7 @@ def learn_step(rules: Rules, state: LearnerState, scratch: Scratch, contact: boo
     if not (contact and rules.terminal):
         target += rules.gamma * scratch.q_values[next_action]
     forward(rules, state.weights, state.inputs, scratch.hidden, scratch.q_values)
-    td_error = target - scratch.q_values[action]
+    td_error: float = target - scratch.q_values[action]
     add_gradient(rules, state, scratch, action)
     take_step(rules, state.weights, state.trace, td_error)
     if contact:
@@ -145,14 +145,14 @@ def learn_step(rules: Rules, state: LearnerState, scratch: Scratch, contact: boo
     return td_error
 
 
-@numba.njit(cache=True)
+@compiled
 def see(scratch: Scratch) -> None:
     """Bytes to inputs in [0, 1]; the constant after them stays."""
     for i in range(len(scratch.retina)):
         scratch.inputs[i] = scratch.retina[i] / FULL_SCALE
 
 
-@numba.njit(cache=True)
+@compiled
 def forward(rules: Rules, weights: Floats, inputs: Floats, hidden: Floats, q: Floats) -> None:
     """Fill `hidden` and `q` for `inputs`."""
     width = rules.hidden
@@ -171,9 +171,9 @@ def forward(rules: Rules, weights: Floats, inputs: Floats, hidden: Floats, q: Fl
         q[a] = _sigmoid(total) if rules.sigmoid_output else total
 
 
-@numba.njit(cache=True)
+@compiled
 def add_gradient(rules: Rules, state: LearnerState, scratch: Scratch, action: int) -> None:
-    """e ← γλe + ∇Q(s, a), where `forward` has just filled the buffers for s."""
+    """Add to the trace: e ← γλe + ∇Q(s, a), where `forward` has just filled the buffers for s."""
     width, trace = rules.hidden, state.trace
     decay = rules.gamma * rules.trace_decay
     first = (rules.inputs + 1) * width
@@ -193,15 +193,15 @@ def add_gradient(rules: Rules, state: LearnerState, scratch: Scratch, action: in
         trace[chosen + h] += slope * scratch.hidden[h]
 
 
-@numba.njit(cache=True)
+@compiled
 def take_step(rules: Rules, weights: Floats, trace: Floats, td_error: float) -> None:
-    """w ← w + step · δ · e."""
+    """Change the weights: w ← w + step · δ · e."""
     change = step_size(rules, trace, td_error) * td_error
     for k in range(len(weights)):
         weights[k] += change * trace[k]
 
 
-@numba.njit(cache=True)
+@compiled
 def step_size(rules: Rules, trace: Floats, td_error: float) -> float:
     """α, or the bounded step min(α, 1 / (κ · max(1, |δ|) · ‖e‖₁))."""
     if rules.literal:
@@ -210,7 +210,7 @@ def step_size(rules: Rules, trace: Floats, td_error: float) -> float:
     return min(rules.alpha, 1.0 / bound) if bound > 0.0 else rules.alpha
 
 
-@numba.njit(cache=True)
+@compiled
 def _next_action(rules: Rules, state: LearnerState, q: Floats, step: int, contact: bool) -> int:
     """ε-greedy, unless the pending action is still held."""
     if state.pending[1] > 0 and not contact:
@@ -218,10 +218,10 @@ def _next_action(rules: Rules, state: LearnerState, q: Floats, step: int, contac
         return int(state.pending[0])
     state.pending[1] = rules.held_actions - 1
     epsilon = linear_epsilon(step, rules.epsilon_start, rules.epsilon_end, rules.epsilon_steps)
-    return int(choose(q, epsilon, state.stream))
+    return choose(q, epsilon, state.stream)
 
 
-@numba.njit(cache=True)
+@compiled
 def _norm(trace: Floats) -> float:
     """‖e‖₁ in four running sums: one would wait for itself at every addition."""
     a = b = c = d = 0.0
@@ -236,7 +236,7 @@ def _norm(trace: Floats) -> float:
     return (a + b) + (c + d)
 
 
-@numba.njit(cache=True)
+@compiled
 def _sigmoid(x: float) -> float:
     """σ(x), without overflow for any x."""
     tail = math.exp(-abs(x))

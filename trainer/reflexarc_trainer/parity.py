@@ -11,6 +11,7 @@ import torch
 from torch import nn
 
 from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
+from reflexarc_runtime.contract import PolicyContract
 from reflexarc_runtime.errors import PolicyError
 from reflexarc_runtime.policy import flips, load_policy, within_tolerance
 from reflexarc_runtime.retina import FULL_SCALE
@@ -18,6 +19,37 @@ from reflexarc_runtime.retina import FULL_SCALE
 NUMPY_TOLERANCE = 1e-6
 SINGLES = 32
 """How many of the retinas are also decided one at a time."""
+
+
+def check_module(module: nn.Module, contract: PolicyContract, retinas: RetinaBatch) -> None:
+    """Refuse a module that cannot be asked for the contract's retinas and actions.
+
+    Raises:
+        PolicyError: it fails on them, or answers with another shape.
+    """
+    wanted = (len(retinas), len(contract.actions))
+    try:
+        got = torch_decide(module, retinas)[0].shape
+    except (RuntimeError, ValueError, TypeError, IndexError) as error:
+        reason = " ".join(str(error).split())[:200]
+        raise PolicyError(
+            f"export: the module fails on retinas {retinas.shape}: {reason}"
+        ) from None
+    if got != wanted:
+        raise PolicyError(f"export: expected Q-values {wanted} of the module, got {got}")
+
+
+def check_model(model: bytes) -> None:
+    """Refuse what the ONNX checker, shapes included, refuses.
+
+    Raises:
+        PolicyError: it does.
+    """
+    try:
+        onnx.checker.check_model(onnx.load_from_string(model), full_check=True)
+    except (onnx.checker.ValidationError, onnx.shape_inference.InferenceError) as error:
+        reason = " ".join(str(error).split())[:200]
+        raise PolicyError(f"export: the ONNX checker refuses the graph: {reason}") from None
 
 
 def check_parity(module: nn.Module, model: bytes, retinas: RetinaBatch) -> None:
@@ -29,22 +61,15 @@ def check_parity(module: nn.Module, model: bytes, retinas: RetinaBatch) -> None:
         retinas: uint8 (n, frames, eyes, rays, channels).
 
     Raises:
-        PolicyError: the checker refuses it, or two of torch, NumPy and onnxruntime differ.
+        PolicyError: two of torch, NumPy and onnxruntime differ.
     """
-    _check_model(model)
     expected, winners = torch_decide(module, retinas)
-    reference = load_policy(model, "numpy")
-    if expected.shape != (len(retinas), len(reference.contract.actions)):
-        raise PolicyError(
-            f"the module: expected Q-values (n, {len(reference.contract.actions)}) for the "
-            f"contract's actions, got (n, {', '.join(map(str, expected.shape[1:]))})"
-        )
-    q_values, actions = reference.decide(retinas)
+    q_values, actions = load_policy(model, "numpy").decide(retinas)
     apart = np.abs(q_values.astype(np.float64) - expected)
     agree = bool(np.all(apart <= NUMPY_TOLERANCE)) and np.array_equal(actions, winners)
     _require(agree, "NumPy and torch", q_values, expected)
-    for batch in (len(retinas), 1):
-        _check_onnxruntime(model, retinas[: batch if batch > 1 else SINGLES], batch)
+    _check_onnxruntime(model, retinas, len(retinas))
+    _check_onnxruntime(model, retinas[:SINGLES], 1)
 
 
 def torch_decide(module: nn.Module, retinas: RetinaBatch) -> tuple[QValues, Actions]:
@@ -53,14 +78,6 @@ def torch_decide(module: nn.Module, retinas: RetinaBatch) -> tuple[QValues, Acti
         q_values = module(torch.from_numpy(retinas).double() / FULL_SCALE)
     rounded: QValues = q_values.numpy().astype(np.float32)
     return rounded, np.argmax(rounded, axis=-1)
-
-
-def _check_model(model: bytes) -> None:
-    try:
-        onnx.checker.check_model(onnx.load_from_string(model), full_check=True)
-    except (onnx.checker.ValidationError, onnx.shape_inference.InferenceError) as error:
-        reason = " ".join(str(error).split())[:200]
-        raise PolicyError(f"export: the ONNX checker refuses the graph: {reason}") from None
 
 
 def _check_onnxruntime(model: bytes, retinas: RetinaBatch, batch: int) -> None:

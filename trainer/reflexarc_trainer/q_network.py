@@ -15,7 +15,7 @@ from reflexarc_trainer.config import LearnerConfig
 
 
 def intensity(retinas: Tensor) -> Tensor:
-    """Retinas as floats in [0, 1]: bytes are divided by 255, floats are taken as they are."""
+    """Retinas as floats in [0, 1]: bytes become float64 / 255, floats are taken as they are."""
     return retinas if retinas.is_floating_point() else retinas.double() / FULL_SCALE
 
 
@@ -44,9 +44,9 @@ class QNetwork(nn.Module):
         """Q-values (n, actions) of retinas (n, frames, eyes, rays, channels).
 
         Args:
-            retinas: uint8, or floats in [0, 1] of the dtype of the weights.
+            retinas: uint8 (then the weights must be float64), or floats in [0, 1].
         """
-        x = self.flatten(intensity(retinas)).to(self.hidden.weight.dtype)
+        x = self.flatten(intensity(retinas))
         q_values: Tensor = self.output_units(self.output(self.hidden_units(self.hidden(x))))
         return q_values
 

@@ -31,7 +31,7 @@ import numpy.typing as npt
 import torch
 from torch import Tensor, nn
 
-from reflexarc_runtime.arrays import Actions, RetinaBatch
+from reflexarc_runtime.arrays import Actions
 from reflexarc_trainer.choice import Stream, choose
 from reflexarc_trainer.config import LearnerConfig
 from reflexarc_trainer.schedules import linear_epsilon
@@ -40,8 +40,8 @@ from reflexarc_trainer.schedules import linear_epsilon
 class Body(Protocol):
     """One agent in a world; a `Simulation` of one agent is such a body."""
 
-    def sense(self) -> RetinaBatch:
-        """What it sees where it stands: uint8 (1, frames, eyes, rays, channels)."""
+    def sense(self) -> npt.NDArray[np.uint8]:
+        """What it sees where it stands: uint8 (1, eyes, rays, channels)."""
         ...
 
     def step(self, actions: Actions) -> npt.NDArray[np.bool_]:
@@ -74,14 +74,16 @@ class SarsaLambda:
         """Learn from (s, a, r, s′, a′); returns the TD error δ."""
         config = self.config
         q, gradient = self._value_and_gradient(s, a)
-        q_next = 0.0 if contact and config.after_contact == "terminal" else self._value(s_next, a_next)
+        q_next = (
+            0.0 if contact and config.after_contact == "terminal" else self._value(s_next, a_next)
+        )
         td_error = reward + config.gamma * q_next - q
         for e, g in zip(self.trace, gradient, strict=True):
             e.mul_(config.gamma * config.trace_decay).add_(g)
         step = self._step_size(td_error)
         with torch.no_grad():
             for w, e in zip(self.weights, self.trace, strict=True):
-                w += step * td_error * e
+                w.add_(step * td_error * e)
         if contact:
             self.cut_trace()
         return td_error
@@ -100,7 +102,7 @@ class SarsaLambda:
 
     def _value_and_gradient(self, s: Tensor, a: int) -> tuple[float, tuple[Tensor, ...]]:
         q = self.network(s)[0, a]
-        return float(q), torch.autograd.grad(q, self.weights, materialize_grads=True)
+        return float(q.detach()), torch.autograd.grad(q, self.weights, materialize_grads=True)
 
     def _value(self, s: Tensor, a: int) -> float:
         with torch.no_grad():
@@ -159,7 +161,8 @@ def learn(
 
 
 def _sense(body: Body) -> Tensor:
-    return torch.tensor(body.sense())  # a copy: a body may use one buffer for all its retinas
+    """One frame (1, 1, eyes, rays, channels): a copy, for a body may reuse its buffer."""
+    return torch.tensor(body.sense()[:, np.newaxis])
 
 
 def _q_values(network: nn.Module, s: Tensor) -> Tensor:

@@ -88,6 +88,8 @@ def _emit(
         name = getattr(key, "__name__", str(key))
         known = ", ".join(sorted({getattr(k, "__name__", str(k)) for k in _TABLE}))
         raise PolicyError(f"export: operator {name} ({node.name}) is not supported; known: {known}")
+    if not node.args:
+        raise PolicyError(f"export: {node.name}: give its inputs by position, not by keyword")
     args = [names[a] if isinstance(a, fx.Node) else a for a in node.args]
     kwargs = {k: names[a] if isinstance(a, fx.Node) else a for k, a in node.kwargs.items()}
     return emit(translation, module, args, kwargs)
@@ -111,13 +113,12 @@ def _linear(translation: Translation, module: Any, args: list[Any], _: dict[str,
 
 
 def _flatten(translation: Translation, module: Any, args: list[Any], kwargs: dict[str, Any]) -> str:
+    given = {"start_dim": 0, "end_dim": -1}
     if module is not None:
-        start, end = module.start_dim, module.end_dim
-    else:
-        start, end = (*args[1:], *kwargs.values(), 0, -1)[:2] if len(args) + len(kwargs) < 3 else (
-            *args[1:], *kwargs.values())
-    if (start, end) != (1, -1):
-        raise PolicyError(f"export: flatten({start}, {end}) is not supported; use flatten(1)")
+        given = {"start_dim": module.start_dim, "end_dim": module.end_dim}
+    given |= dict(zip(given, args[1:], strict=False)) | kwargs
+    if given != {"start_dim": 1, "end_dim": -1}:
+        raise PolicyError(f"export: flatten with {given} is not supported; use flatten(x, 1)")
     return translation.node("Flatten", [args[0]], axis=1)
 
 
@@ -131,7 +132,7 @@ def _plain(kind: str) -> Emit:
     def emit(translation: Translation, _: Any, args: list[Any], kwargs: dict[str, Any]) -> str:
         if any(key != "inplace" for key in kwargs):
             raise PolicyError(f"export: {kind} with {', '.join(kwargs)} is not supported")
-        return translation.node(kind, [_value(translation, a) for a in args if a is not False])
+        return translation.node(kind, [_value(translation, a) for a in args])
 
     return emit
 
@@ -147,12 +148,13 @@ _TABLE: dict[Any, Emit] = {
     nn.Flatten: _flatten,
     torch.flatten: _flatten,
     "flatten": _flatten,
-    # Already done when the module's input is reached, or of no meaning in the graph.
+    # Already done when the module's input is reached, or of no effect on a trained network.
     intensity: _same,
     nn.Identity: _same,
     nn.Dropout: _same,
-    "to": _same,
-    **dict.fromkeys((nn.Sigmoid, torch.sigmoid, nn.functional.sigmoid, "sigmoid"), _plain("Sigmoid")),
+    **dict.fromkeys(
+        (nn.Sigmoid, torch.sigmoid, nn.functional.sigmoid, "sigmoid"), _plain("Sigmoid")
+    ),
     **dict.fromkeys((nn.Tanh, torch.tanh, nn.functional.tanh, "tanh"), _plain("Tanh")),
     **dict.fromkeys((nn.ReLU, torch.relu, nn.functional.relu, "relu"), _plain("Relu")),
     **dict.fromkeys((operator.add, torch.add, "add"), _plain("Add")),

@@ -10,6 +10,7 @@ import torch
 
 from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
 from reflexarc_runtime.contract import PolicyContract
+from reflexarc_runtime.policy import Policy
 from reflexarc_trainer.config import LearnerConfig
 from reflexarc_trainer.q_network import QNetwork
 
@@ -35,7 +36,7 @@ def unpack(
     return network
 
 
-class NetworkPolicy:
+class NetworkPolicy(Policy):
     """A network as a `Policy`: what it would do greedily, computed in its own precision."""
 
     def __init__(self, network: torch.nn.Module) -> None:

@@ -1,21 +1,90 @@
-"""x."""
+"""`reflexarc demo`: the whole arc in about a minute."""
+
+import shutil
 from dataclasses import dataclass
 from pathlib import Path
-import tyro
+
+from reflexarc.output import console, print_json
+from reflexarc_runtime.errors import UsageError
+
+MADE = ("policy.onnx", "drive.mcap", "drive.mcap.partial", "drive.png", "curve.png", "training")
+DRIVE_SEED = 4
+
+
 @dataclass(frozen=True)
 class Demo:
-    """Do the demo.
+    """Learn a reflex, ship it as one file, drive with it over the bus, record, replay, report.
 
     Examples:
-      reflexarc demo x
+      reflexarc demo
+      reflexarc demo --seconds 30 --out runs/long
+      reflexarc demo --json
     """
-    log: tyro.conf.Positional[Path]
-    """The log."""
-    level: str = "a"
-    """Level."""
+
+    out: Path = Path("runs/demo")
+    """Folder to write to; what an earlier demo left there is replaced."""
+    seconds: float = 12.0
+    """How long to drive."""
+    agents: int = 1024
+    """Agents that measure each figure on the reference field."""
     json: bool = False
-    """Print json."""
+    """Print one JSON object in place of the screen."""
+
     def run(self) -> int:
-        """R."""
-        print(self)
-        return 0
+        """Go through all stages; 0 only if the replay is identical."""
+        if not 1.0 <= self.seconds <= 3600.0:
+            raise UsageError(f"--seconds: expected 1 to 3600, got {self.seconds}")
+        if self.agents < 1:
+            raise UsageError(f"--agents: expected 1 or more, got {self.agents}")
+        _clear(self.out)
+        return self._go()
+
+    def _go(self) -> int:
+        from reflexarc.demo import stages
+        from reflexarc.demo.driving import drive
+        from reflexarc.demo.picture import draw_log
+        from reflexarc.demo.results import Found
+        from reflexarc.demo.screen import screen
+        from reflexarc.stop import StopFlag
+        from reflexarc_runtime.policy import load_policy
+
+        policy, log = self.out / "policy.onnx", self.out / "drive.mcap"
+        curve, picture = self.out / "curve.png", self.out / "drive.png"
+        with StopFlag() as stop:
+            result = stages.learn(self.out / "training", stop)
+        if result.interrupted:
+            raise KeyboardInterrupt
+        shutil.copyfile(result.policy_path, policy)
+        shutil.copyfile(self.out / "training" / "curve.png", curve)
+        learning = stages.measure_learning(result, self.agents)
+        rate_hz = load_policy(policy).contract.rate_hz
+        driven = drive(policy, log, seconds=self.seconds, rate_hz=rate_hz, seed=DRIVE_SEED)
+        replayed = stages.replay_log(log)
+        draw_log(log, picture)
+        files = {"policy": policy, "log": log, "curve": curve, "picture": picture}
+        found = Found(
+            learning,
+            driven,
+            stages.look_at_log(log),
+            replayed,
+            {name: str(path) for name, path in files.items()},
+        )
+        if self.json:
+            print_json(found)
+        else:
+            console.print(screen(found))
+        return 0 if replayed.verdict == "identical" else 1
+
+
+def _clear(out: Path) -> None:
+    """Remove what an earlier demo made, and nothing else."""
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        for name in MADE:
+            made = out / name
+            if made.is_dir():
+                shutil.rmtree(made)
+            else:
+                made.unlink(missing_ok=True)
+    except OSError as error:
+        raise UsageError(f"--out: {out}: cannot be written: {error.strerror}") from None

@@ -1,21 +1,69 @@
-"""x."""
-from dataclasses import dataclass
+"""`reflexarc record`: every stream on the bus, into one file."""
+
+import datetime
+import time
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Annotated
+
 import tyro
+
+from reflexarc.joining import Joining
+from reflexarc.output import aside, console, facts, print_json
+from reflexarc.stop import StopFlag
+
+POLL_S = 0.05
+
+
 @dataclass(frozen=True)
 class Record:
-    """Do the record.
+    """Record every stream of a robot on the bus, until Ctrl-C.
+
+    The log holds what this process heard, in its own order; it replays at level `policy`. A log
+    that replays at level `node` too is made by `reflexarc run --record`.
 
     Examples:
-      reflexarc record x
+      reflexarc record
+      reflexarc record -o runs/monday.mcap --robot rover1
     """
-    log: tyro.conf.Positional[Path]
-    """The log."""
-    level: str = "a"
-    """Level."""
+
+    out: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
+    """Where to write; runs/<date and time>.mcap by default."""
+    seconds: float | None = None
+    """End after so many seconds; by default, at Ctrl-C."""
+    joining: Joining = field(default_factory=Joining)
     json: bool = False
-    """Print json."""
+    """Print one JSON object at the end."""
+
     def run(self) -> int:
-        """R."""
-        print(self)
+        """Record until the end."""
+        from reflexarc.recording import recorder_of_bus
+        from reflexarc_runtime.bus import Bus
+        from reflexarc_runtime.clock import MonotonicClock
+        from reflexarc_runtime.topics import TOPICS
+
+        path = self.out or _default_path()
+        with StopFlag() as stop, Bus(self.joining.config(), MonotonicClock().now_ns) as bus:
+            policy = bus.fetch_policy() or b""
+            with recorder_of_bus(path, policy, self.joining.robot) as recorder:
+                bus.subscribe([topic for topic in TOPICS if topic.recorded], recorder.put)
+                aside.print(f"reflexarc record: {path} (Ctrl-C ends it)")
+                self._wait(stop)
+        self._tell(path, recorder.state)
         return 0
+
+    def _wait(self, stop: StopFlag) -> None:
+        end_s = None if self.seconds is None else time.monotonic() + self.seconds
+        while not stop() and (end_s is None or time.monotonic() < end_s):
+            time.sleep(POLL_S)
+
+    def _tell(self, path: Path, state: str) -> None:
+        if self.json:
+            print_json({"log": path, "state": state})
+        else:
+            console.print(facts({"log": path, "recording": state}))
+
+
+def _default_path() -> Path:
+    now = datetime.datetime.now().strftime("%Y-%m-%d_%H-%M-%S")
+    return Path("runs") / f"{now}.mcap"

@@ -161,9 +161,16 @@ class Run:
         if self.record is None:
             yield NoSink()
             return
-        from reflexarc.recording import recorder_for
+        from reflexarc.recording import recorder_of_run
 
-        with recorder_for(self, policy, run_id) as recorder:
+        with recorder_of_run(
+            self.record,
+            policy,
+            run_id=run_id,
+            robot=self.joining.robot,
+            sensor=self.input,
+            lockstep=self.lockstep,
+        ) as recorder:
             yield recorder
 
     def _tell(self, summary: "Summary", recording: str) -> None:

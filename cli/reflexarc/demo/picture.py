@@ -1,0 +1,65 @@
+"""From a recorded drive to its picture."""
+
+from pathlib import Path
+
+import numpy as np
+from foxglove_schemas_protobuf.PoseInFrame_pb2 import PoseInFrame
+from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
+
+from reflexarc_logs.reader import Log, read_log
+from reflexarc_runtime import messages_pb2 as pb
+from reflexarc_runtime.policy import load_policy
+from reflexarc_runtime.topics import CONTACT, POSE, SCENE
+from reflexarc_sim_bridge.render import Drive, Floats, draw_drive
+
+
+def draw_log(path: Path, picture: Path) -> None:
+    """Draw a log of `reflexarc run --record` from above, with what the policy saw.
+
+    Raises:
+        LogError: the log cannot be read.
+    """
+    log = read_log(path)
+    poses = _poses(log)
+    boxes, discs = _obstacles(log)
+    decisions = [tick.decision for tick in log.ticks() if tick.decision.retina]
+    began_ns = decisions[0].now_ns if decisions else 0
+    retinas = [np.frombuffer(d.retina, np.uint8) for d in decisions]
+    contract = load_policy(log.policy or b"", verify=False).contract
+    drive = Drive(
+        title=f"{path.name}: {len(decisions)} decisions",
+        x_m=poses[:, 0],
+        y_m=poses[:, 1],
+        contacts=_rows([[c.x_m, c.y_m] for _, c in log.messages(log.topic(CONTACT.name), pb.Contact)], 2),
+        boxes=boxes,
+        discs=discs,
+        time_s=np.array([(d.now_ns - began_ns) * 1e-9 for d in decisions]),
+        retinas=np.stack(retinas),
+        actions=np.array([d.action for d in decisions], np.int64),
+        action_names=tuple(action.name for action in contract.actions),
+    )
+    draw_drive(drive, picture)
+
+
+def _poses(log: Log) -> Floats:
+    positions = [m.pose.position for _, m in log.messages(log.topic(POSE.name), PoseInFrame)]
+    return _rows([[p.x, p.y] for p in positions], 2)
+
+
+def _obstacles(log: Log) -> tuple[Floats, Floats]:
+    """Every obstacle that any scene showed, once."""
+    boxes, discs = set(), set()
+    for _, scene in log.messages(log.topic(SCENE.name), SceneUpdate):
+        for entity in scene.entities:
+            boxes.update((_extent(shape)) for shape in entity.cubes)
+            discs.update((_extent(shape)) for shape in entity.cylinders)
+    return _rows(sorted(boxes), 4), _rows(sorted(discs), 4)
+
+
+def _extent(shape: object) -> tuple[float, float, float, float]:
+    position, size = shape.pose.position, shape.size  # type: ignore[attr-defined]  # a cube or a cylinder
+    return (position.x, position.y, size.x, size.y)
+
+
+def _rows(rows: object, columns: int) -> Floats:
+    return np.array(rows, np.float64).reshape(-1, columns)

@@ -1,0 +1,68 @@
+"""What the demo found, section by section; `--json` prints exactly this."""
+
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Learning:
+    """What was learned, on the reference field's test worlds."""
+
+    preset: str
+    steps: int
+    seconds: float
+    agents: int
+    """How many agents measured each figure."""
+    blind_contacts_per_100m: float
+    random_contacts_per_100m: float
+    learned_contacts_per_100m: float
+    learned_low: float
+    learned_high: float
+    share_of_blind: float
+
+
+@dataclass(frozen=True)
+class Driving:
+    """How the loop fared."""
+
+    ticks: int
+    rate_hz: float
+    lateness_p50_ns: int
+    lateness_p99_ns: int
+    lateness_max_ns: int
+    skipped_slots: int
+    verdicts: dict[str, int]
+    distance_m: float
+    contacts: int
+
+
+@dataclass(frozen=True)
+class Logged:
+    """What was recorded."""
+
+    path: str
+    messages: int
+    bytes: int
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Replayed:
+    """What deciding it all again found, by level."""
+
+    verdict: str
+    levels: dict[str, dict[str, int]]
+    """Level → compared and identical ticks."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """The whole demo."""
+
+    learning: Learning
+    drive: Driving
+    log: Logged
+    replay: Replayed
+    files: dict[str, str]
+    lidar: dict[str, Any] | None = None
+    """Filled in once the demo reads real scans."""

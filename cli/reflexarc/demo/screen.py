@@ -1,0 +1,70 @@
+"""The demo's one screen."""
+
+from rich.console import Group
+from rich.panel import Panel
+from rich.table import Table
+
+from reflexarc.demo.results import Found
+from reflexarc.output import kibibytes, microseconds
+
+
+def screen(found: Found) -> Panel:
+    """Everything that the demo found, for a person."""
+    table = Table(show_header=False, box=None, padding=(0, 1))
+    table.add_column(style="bold cyan", no_wrap=True)
+    table.add_column(no_wrap=True)
+    table.add_column()
+    for section in (_learning(found), _drive(found), _log(found), _files(found)):
+        for row in section:
+            table.add_row(*row)
+        table.add_section()
+    return Panel(Group(table), title="reflexarc: a learned reflex, end to end", expand=False)
+
+
+Row = tuple[str, str, str]
+
+
+def _learning(found: Found) -> list[Row]:
+    learned = found.learning
+    return [
+        ("learning", "SARSA(λ)", f"{learned.steps:,} steps in {learned.seconds:.1f} s"),
+        ("", "contacts / 100 m", "reference field, test worlds"),
+        ("", "  never steering", f"{learned.blind_contacts_per_100m:.1f}"),
+        ("", "  random", f"{learned.random_contacts_per_100m:.1f}"),
+        (
+            "",
+            "  learned",
+            f"{learned.learned_contacts_per_100m:.1f}  "
+            f"[{learned.learned_low:.1f} – {learned.learned_high:.1f}], "
+            f"{learned.share_of_blind:.2f} of never steering",
+        ),
+    ]
+
+
+def _drive(found: Found) -> list[Row]:
+    drive = found.drive
+    late = (
+        f"p50 {microseconds(drive.lateness_p50_ns)}, p99 {microseconds(drive.lateness_p99_ns)}"
+    )
+    verdicts = ", ".join(f"{name} {count}" for name, count in drive.verdicts.items())
+    return [
+        ("drive", "ticks", f"{drive.ticks} at {drive.rate_hz:.2f} Hz"),
+        ("", "lateness", late),
+        ("", "skipped slots", str(drive.skipped_slots)),
+        ("", "verdicts", verdicts),
+        ("", "body", f"{drive.distance_m:.1f} m, {drive.contacts} contacts"),
+    ]
+
+
+def _log(found: Found) -> list[Row]:
+    log = found.log
+    size = f"{log.messages} messages, {kibibytes(log.bytes)}, {log.seconds:.1f} s"
+    rows = [("log", "recorded", size)]
+    for name, level in found.replay.levels.items():
+        same = f"{level['identical']} of {level['compared']} ticks identical"
+        rows.append(("replay", f"level {name}", same))
+    return rows
+
+
+def _files(found: Found) -> list[Row]:
+    return [("made", name, path) for name, path in found.files.items()]

@@ -1,0 +1,65 @@
+"""The stages of the demo, each from files to figures."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from reflexarc.demo.results import Learning, Logged, Replayed
+from reflexarc.output import progress_bar
+from reflexarc.training_progress import show_progress
+from reflexarc_logs.replay import replay
+from reflexarc_logs.summary import summarise
+from reflexarc_runtime.contract import PolicyContract
+from reflexarc_runtime.policy import Policy, load_policy
+from reflexarc_sim_bridge.reference_field import FieldScore, measure, reference_contract
+from reflexarc_sim_bridge.simple_policies import BlindPolicy, RandomPolicy
+from reflexarc_trainer.presets import preset_named
+from reflexarc_trainer.train import TrainResult, train
+
+PRESET = "reflex"
+
+
+def learn(out: Path, should_stop: Callable[[], bool]) -> TrainResult:
+    """Train the default preset into `out`."""
+    with show_progress() as progress:
+        return train(preset_named(PRESET), out, progress=progress, should_stop=should_stop)
+
+
+def measure_learning(result: TrainResult, agents: int) -> Learning:
+    """Measure blind, random and learned on the reference field's test worlds."""
+    policy = load_policy(result.policy_path)
+    blind = _measure("blind", BlindPolicy(), reference_contract(), agents)
+    random = _measure("random", RandomPolicy(0), reference_contract(), agents)
+    learned = _measure("learned", policy, policy.contract, agents)
+    return Learning(
+        preset=PRESET,
+        steps=result.steps,
+        seconds=result.seconds,
+        agents=agents,
+        blind_contacts_per_100m=blind.contacts_per_100m,
+        random_contacts_per_100m=random.contacts_per_100m,
+        learned_contacts_per_100m=learned.contacts_per_100m,
+        learned_low=learned.low,
+        learned_high=learned.high,
+        share_of_blind=learned.contacts_per_100m / blind.contacts_per_100m,
+    )
+
+
+def look_at_log(path: Path) -> Logged:
+    """Count what was recorded."""
+    summary = summarise(path)
+    return Logged(str(path), summary.messages, summary.bytes, summary.duration_s)
+
+
+def replay_log(path: Path) -> Replayed:
+    """Decide the whole drive again, at both levels."""
+    report = replay(path)
+    levels = {
+        level.level: {"compared": level.compared, "identical": level.identical}
+        for level in report.levels
+    }
+    return Replayed(report.verdict, levels)
+
+
+def _measure(name: str, policy: Policy, contract: PolicyContract, agents: int) -> FieldScore:
+    with progress_bar(f"measuring: {name}", 1) as progress:
+        return measure(policy, contract, agents=agents, progress=progress)

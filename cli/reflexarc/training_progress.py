@@ -1,0 +1,37 @@
+"""Training as a person sees it go by."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
+from rich.progress import Progress as Bar
+
+from reflexarc.output import aside
+from reflexarc_trainer.train import Progress, ProgressCallback
+
+
+@contextmanager
+def show_progress() -> Iterator[ProgressCallback]:
+    """A bar with rate, ε and contacts on validation worlds, on standard error."""
+    columns = (
+        TextColumn("learning"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[said]}"),
+        TimeRemainingColumn(),
+    )
+    with Bar(*columns, console=aside, transient=True) as bar:
+        task = bar.add_task("learning", said="compiling", total=None)
+
+        def tell(progress: Progress) -> None:
+            bar.update(task, completed=progress.step, total=progress.steps, said=_said(progress))
+
+        yield tell
+
+
+def _said(progress: Progress) -> str:
+    rate = progress.step / progress.seconds if progress.seconds > 0 else 0.0
+    said = f"{rate / 1e3:.0f} k steps/s  ε {progress.epsilon:.2f}"
+    if progress.last is None:
+        return said
+    return f"{said}  contacts per 100 m {progress.last.validation_contacts_per_100m:.1f}"

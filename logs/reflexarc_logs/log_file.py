@@ -1,0 +1,129 @@
+"""One MCAP file in the making: `PATH.partial` until it is finished, then `PATH`.
+
+Whoever finds a `.partial` knows that its recording was killed, and that `reflexarc recover` will
+make a log of what is there. Chunks are small (64 KiB): closing one stalls the writer for 0.7 ms
+where 1 MiB takes 4 to 14 ms, and a chunk is what a killed recording loses.
+"""
+
+import contextlib
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import BinaryIO
+
+from google.protobuf.message import Message as ProtobufMessage
+from mcap.writer import CompressionType, Writer
+from mcap_protobuf.schema import build_file_descriptor_set
+
+from reflexarc_runtime.errors import LogError
+
+CHUNK_BYTES = 64 * 1024
+PARTIAL = ".partial"
+PROFILE = "reflexarc"
+
+POLICY_ATTACHMENT = "policy.onnx"
+CONFIG_ATTACHMENT = "config.json"
+END = "reflexarc.end"
+"""Metadata written last, where something is missing: how many records, how many chunks."""
+
+
+class LogFile:
+    """An MCAP file that one thread writes.
+
+    Raises:
+        LogError: something of that name is there already, or the place cannot be written.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.partial = path.with_name(path.name + PARTIAL)
+        self._file = _open(path, self.partial)
+        self._writer = Writer(
+            self._file,
+            chunk_size=CHUNK_BYTES,
+            compression=CompressionType.ZSTD,
+            enable_crcs=True,
+            enable_data_crcs=True,
+        )
+        self._schemas: dict[str, int] = {}
+        self._channels: dict[tuple[str, str], int] = {}
+        self._writer.start(profile=PROFILE)
+
+    def attach(self, name: str, media_type: str, data: bytes) -> None:
+        """Write an attachment, without a time: it is true of the whole run."""
+        self._writer.add_attachment(0, 0, name, media_type, data)
+
+    def describe(self, name: str, document: Mapping[str, str]) -> None:
+        """Write a metadata record."""
+        self._writer.add_metadata(name, dict(document))
+
+    def channel(self, topic: str, kind: type[ProtobufMessage]) -> int:
+        """The channel of a topic that carries this protobuf message."""
+        name = kind.DESCRIPTOR.full_name
+        if (topic, name) in self._channels:
+            return self._channels[topic, name]
+        return self.raw_channel(
+            topic, name, "protobuf", build_file_descriptor_set(kind).SerializeToString()
+        )
+
+    def raw_channel(self, topic: str, schema: str, encoding: str, descriptors: bytes) -> int:
+        """The channel of a topic, its schema given as it stands in a log."""
+        if (topic, schema) not in self._channels:
+            if schema not in self._schemas:
+                registered = self._writer.register_schema(schema, encoding, descriptors)
+                self._schemas[schema] = registered
+            self._channels[topic, schema] = self._writer.register_channel(
+                topic, encoding, self._schemas[schema]
+            )
+        return self._channels[topic, schema]
+
+    def add(
+        self, channel: int, payload: bytes, *, sequence: int, publish_ns: int, log_ns: int
+    ) -> None:
+        """Write one message; times in nanoseconds, not negative."""
+        self._writer.add_message(channel, log_ns, payload, publish_ns, sequence)
+
+    def flush(self) -> None:
+        """Hand to the system all that was added: what a killed process does not lose."""
+        self._writer.flush()  # type: ignore[no-untyped-call]  # mcap has no type for it
+
+    def finish(self) -> None:
+        """Write the index, make the file durable and give it its name."""
+        self._writer.finish()  # type: ignore[no-untyped-call]  # mcap has no type for it
+        self._file.flush()
+        with contextlib.suppress(OSError):  # not every file system can be told to sync
+            os.fsync(self._file.fileno())
+        self._file.close()
+        if os.path.lexists(self.path):
+            raise FileExistsError(17, "appeared during the recording", str(self.path))
+        self.partial.rename(self.path)
+
+    def abandon(self) -> None:
+        """Close the file as it is; the `.partial` stays, for `recover`."""
+        with contextlib.suppress(OSError):  # a full disk refuses the last bytes once more
+            self._file.close()
+
+    def discard(self) -> None:
+        """Close the file and remove it."""
+        self.abandon()
+        self.partial.unlink(missing_ok=True)
+
+
+def open_for_writing(partial: Path) -> BinaryIO:
+    """Create a file that is not there yet."""
+    return partial.open("xb")
+
+
+def _open(path: Path, partial: Path) -> BinaryIO:
+    if os.path.lexists(path):
+        raise LogError(f"{path}: exists already; choose another name or remove it")
+    try:
+        return open_for_writing(partial)
+    except FileExistsError:
+        raise LogError(
+            f"{partial}: an unfinished recording is there; `reflexarc recover` it or remove it"
+        ) from None
+    except OSError as error:
+        raise LogError(
+            f"{path}: cannot be written: {error.strerror}; choose another place"
+        ) from None

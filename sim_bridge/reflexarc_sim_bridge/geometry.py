@@ -1,0 +1,53 @@
+"""Where a straight path first meets an obstacle: the one geometry of eyes and of bodies.
+
+The path starts at the origin and goes along a unit vector (ahead, left); the obstacle's centre
+lies at (x, y). All lengths in metres. A path that starts inside has met at 0. Nothing met is
+infinity. Rays come in float32, motion in float64; the functions are compiled for either.
+
+Rectangle: the path is inside the slab |x − s·ahead| ≤ half_length between two lengths s, inside
+the other slab between two more; it meets where both are (Kay and Kajiya's slabs).
+Disc: h² = r² − (x·left − y·ahead)² is the squared half chord, s = x·ahead + y·left ∓ h.
+No branch inside, so that the compiler turns a loop over rays into vector instructions.
+"""
+
+import math
+
+import numpy as np
+
+from reflexarc_sim_bridge.compiled import compiled
+
+# float32, so that arithmetic on float32 stays in float32 and on float64 in float64.
+_ZERO = np.float32(0.0)
+_NEVER = np.float32(np.inf)
+
+
+@compiled
+def meets_rectangle_m(
+    x: float, y: float, half_length: float, half_width: float, per_ahead: float, per_left: float
+) -> float:
+    """Length of the path up to a rectangle. `per_ahead` is 1/ahead, `per_left` 1/left, finite."""
+    middle_x, reach_x = x * per_ahead, half_length * abs(per_ahead)
+    middle_y, reach_y = y * per_left, half_width * abs(per_left)
+    enters_x, leaves_x = middle_x - reach_x, middle_x + reach_x
+    enters_y, leaves_y = middle_y - reach_y, middle_y + reach_y
+    enters = enters_x if enters_x > enters_y else enters_y
+    leaves = leaves_x if leaves_x < leaves_y else leaves_y
+    return _first(enters, leaves)
+
+
+@compiled
+def meets_disc_m(x: float, y: float, radius: float, ahead: float, left: float) -> float:
+    """Length of the path up to a disc."""
+    beside = x * left - y * ahead
+    half_chord_2 = radius * radius - beside * beside
+    half_chord = math.sqrt(half_chord_2 if half_chord_2 > _ZERO else _ZERO)
+    along = x * ahead + y * left
+    length = _first(along - half_chord, along + half_chord)
+    return length if half_chord_2 >= _ZERO else _NEVER
+
+
+@compiled
+def _first(enters: float, leaves: float) -> float:
+    met = (enters <= leaves) & (leaves >= _ZERO)
+    length = enters if enters > _ZERO else _ZERO
+    return length if met else _NEVER

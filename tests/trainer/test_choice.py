@@ -1,0 +1,57 @@
+"""Exploration: the stream, the winner, the schedule."""
+
+import numpy as np
+import pytest
+
+from reflexarc_trainer.choice import choose, new_stream, uniform, winner
+from reflexarc_trainer.schedules import linear_epsilon
+
+MASK = (1 << 64) - 1
+
+
+def splitmix64(state: int) -> tuple[int, int]:
+    """The published algorithm in Python's own integers."""
+    state = (state + 0x9E3779B97F4A7C15) & MASK
+    z = state
+    z = ((z ^ (z >> 30)) * 0xBF58476D1CE4E5B9) & MASK
+    z = ((z ^ (z >> 27)) * 0x94D049BB133111EB) & MASK
+    return state, z ^ (z >> 31)
+
+
+def test_stream_is_splitmix64() -> None:
+    stream = new_stream(9)
+    state = int(stream[0])
+    for _ in range(100):
+        state, z = splitmix64(state)
+        assert uniform(stream) == (z >> 11) * 2.0**-53
+    assert int(stream[0]) == state
+
+
+def test_streams_of_different_seeds_differ() -> None:
+    assert len({int(new_stream(seed)[0]) for seed in range(100)}) == 100
+
+
+def test_of_equal_values_the_first_wins() -> None:
+    assert winner(np.array([1.0, 1.0, 1.0])) == 0
+    assert winner(np.array([0.0, 1.0, 1.0])) == 1
+
+
+def test_epsilon_is_the_share_of_random_actions() -> None:
+    stream, q_values = new_stream(0), np.array([0.0, 1.0, 0.0])
+    chosen = np.array([choose(q_values, 0.3, stream) for _ in range(20_000)])
+    shares = np.bincount(chosen, minlength=3) / len(chosen)
+    np.testing.assert_allclose(shares, [0.1, 0.8, 0.1], atol=0.01)
+
+
+def test_without_epsilon_the_winner_is_chosen() -> None:
+    stream = new_stream(0)
+    assert {choose(np.array([0.0, 0.0, 1.0]), 0.0, stream) for _ in range(100)} == {2}
+
+
+def test_epsilon_falls_linearly_and_then_stays() -> None:
+    values = [linear_epsilon(step, 1.0, 0.02, 100.0) for step in (0, 25, 50, 100, 101, 10**9)]
+    assert values == pytest.approx([1.0, 0.755, 0.51, 0.02, 0.02, 0.02])
+
+
+def test_epsilon_without_a_decay_is_its_end() -> None:
+    assert linear_epsilon(0, 1.0, 0.02, 0.0) == 0.02

@@ -1,0 +1,194 @@
+"""A run: its files, its determinism, its interruption, and that it learns."""
+
+import csv
+import dataclasses
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from reflexarc_runtime.errors import UsageError
+from reflexarc_runtime.policy import load_policy
+from reflexarc_trainer import checkpoint, train
+from reflexarc_trainer.config import LearnerConfig, TrainConfig, ValidationConfig
+from reflexarc_trainer.delivery import export_checkpoint
+from reflexarc_trainer.learner import OnlineLearner
+from reflexarc_trainer.train import Progress
+from reflexarc_trainer.weights import NetworkPolicy
+
+FILES = {"policy.onnx", "config.json", "metrics.csv", "curve.png", "checkpoint.npz"}
+
+
+@pytest.fixture(scope="module")
+def whole_run(
+    small_config: TrainConfig, tmp_path_factory: pytest.TempPathFactory
+) -> train.TrainResult:
+    """An uninterrupted run, in `policy_path.parent`; tests read it and leave it alone."""
+    return train.train(small_config, tmp_path_factory.mktemp("whole") / "run")
+
+
+@pytest.fixture(autouse=True)
+def short_chunks(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(train, "CHUNK_STEPS", 300)
+
+
+def names(folder: Path) -> set[str]:
+    return {path.name for path in folder.iterdir()}
+
+
+def stop_after(steps: int) -> tuple[Callable[[Progress], None], Callable[[], bool]]:
+    """A progress listener and a `should_stop` that says yes once `steps` are done."""
+    seen = [0]
+
+    def listen(progress: Progress) -> None:
+        seen[0] = progress.step
+
+    return listen, lambda: seen[0] >= steps
+
+
+def test_run_leaves_its_files_and_nothing_else(
+    small_config: TrainConfig, whole_run: train.TrainResult
+) -> None:
+    folder = whole_run.policy_path.parent
+    assert names(folder) == FILES
+    assert (whole_run.steps, whole_run.interrupted) == (2000, False)
+    document = json.loads((folder / "config.json").read_text())
+    assert TrainConfig.from_resolved(document["config"]) == small_config
+    assert document["config_hash"] == small_config.hash
+    assert (folder / "curve.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_metrics_have_a_row_a_validation_point(whole_run: train.TrainResult) -> None:
+    text = (whole_run.policy_path.parent / "metrics.csv").read_text()
+    rows = list(csv.DictReader(text.splitlines()))
+    assert [int(row["step"]) for row in rows] == [500, 1000, 1500, 2000]
+    epsilons = [float(row["epsilon"]) for row in rows]
+    assert epsilons == pytest.approx([0.51, 0.02, 0.02, 0.02])
+    assert [float(row["validation_contacts_per_100m"]) for row in rows] == pytest.approx(
+        [row.validation_contacts_per_100m for row in whole_run.history], rel=1e-5
+    )
+    assert all(float(row["mean_abs_td_error"]) > 0.0 for row in rows)
+
+
+def test_policy_is_that_of_the_last_weights(
+    small_config: TrainConfig, whole_run: train.TrainResult
+) -> None:
+    result, folder = whole_run, whole_run.policy_path.parent
+    retinas = np.random.default_rng(0).integers(0, 256, (50, 1, 1, 16, 1), np.uint8)
+    network = checkpoint.load(folder / "checkpoint.npz").learner().network().float().double()
+    from_torch, _ = NetworkPolicy(network).decide(retinas)
+    for backend in ("numpy", "onnxruntime"):
+        q_values, _ = load_policy(result.policy_path, backend).decide(retinas)
+        np.testing.assert_allclose(q_values, from_torch, atol=2e-6)
+    provenance = load_policy(result.policy_path).contract.provenance
+    assert (provenance.seed, provenance.config_hash) == (3, small_config.hash)
+    score = result.history[-1].validation_contacts_per_100m
+    assert provenance.scores["validation_contacts_per_100m"] == score
+
+
+def test_same_seed_gives_the_same_bytes(
+    small_config: TrainConfig, whole_run: train.TrainResult, tmp_path: Path
+) -> None:
+    first, second = whole_run.policy_path, train.train(small_config, tmp_path).policy_path
+    assert first.read_bytes() == second.read_bytes()
+    saved = [checkpoint.load(p.parent / "checkpoint.npz").arrays for p in (first, second)]
+    assert saved[0]["weights"].tobytes() == saved[1]["weights"].tobytes()
+
+
+def test_other_seed_gives_other_weights(small_config: TrainConfig) -> None:
+    other = dataclasses.replace(small_config, seed=4)
+    learners = [OnlineLearner(config) for config in (small_config, other)]
+    for learner in learners:
+        learner.run(100)
+    assert not np.array_equal(learners[0].weights, learners[1].weights)
+
+
+def test_how_a_run_is_cut_into_calls_changes_nothing(small_config: TrainConfig) -> None:
+    whole, pieces = OnlineLearner(small_config), OnlineLearner(small_config)
+    whole.run(1000)
+    for steps in (1, 499, 3, 497):
+        pieces.run(steps)
+    assert same_arrays(whole, pieces)
+
+
+def same_arrays(one: OnlineLearner, other: OnlineLearner) -> bool:
+    mine, theirs = one.arrays(), other.arrays()
+    return mine.keys() == theirs.keys() and all(
+        mine[name].tobytes() == theirs[name].tobytes() for name in mine
+    )
+
+
+@pytest.mark.parametrize("after", [0, 500, 1200])
+def test_resumed_run_equals_an_uninterrupted_one(
+    after: int, small_config: TrainConfig, whole_run: train.TrainResult, tmp_path: Path
+) -> None:
+    listen, should_stop = stop_after(after)
+    broken = train.train(small_config, tmp_path, progress=listen, should_stop=should_stop)
+    assert broken.interrupted
+    assert after <= broken.steps < after + 300
+    assert names(tmp_path) == FILES
+    mended = train.resume(tmp_path)
+    assert (mended.steps, mended.interrupted) == (2000, False)
+    assert mended.policy_path.read_bytes() == whole_run.policy_path.read_bytes()
+    folders = (whole_run.policy_path.parent, tmp_path)
+    learners = [checkpoint.load(folder / "checkpoint.npz").learner() for folder in folders]
+    assert same_arrays(*learners)
+    rows = [[row._replace(seconds=0.0) for row in result.history] for result in (whole_run, mended)]
+    assert rows[0] == rows[1]
+
+
+def test_ctrl_c_leaves_a_policy_of_what_was_learned(
+    small_config: TrainConfig, tmp_path: Path
+) -> None:
+    def interrupt(progress: Progress) -> None:
+        if progress.step >= 900:
+            raise KeyboardInterrupt
+
+    result = train.train(small_config, tmp_path, progress=interrupt)
+    assert result.interrupted
+    assert names(tmp_path) == FILES
+    assert load_policy(result.policy_path).contract.provenance.scores["steps"] == result.steps
+
+
+def test_checkpoint_exports_the_same_policy(whole_run: train.TrainResult, tmp_path: Path) -> None:
+    source = whole_run.policy_path.parent / "checkpoint.npz"
+    export_checkpoint(source, tmp_path / "again.onnx")
+    assert (tmp_path / "again.onnx").read_bytes() == whole_run.policy_path.read_bytes()
+
+
+@pytest.mark.parametrize("content", [b"", b"PK\x03\x04 torn", b"weights"])
+def test_file_that_is_no_checkpoint_is_refused_in_one_line(content: bytes, tmp_path: Path) -> None:
+    (tmp_path / "checkpoint.npz").write_bytes(content)
+    with pytest.raises(UsageError, match=r"checkpoint\.npz: expected a checkpoint") as refusal:
+        train.resume(tmp_path)
+    assert "\n" not in str(refusal.value)
+
+
+def test_missing_checkpoint_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="no checkpoint here"):
+        train.resume(tmp_path)
+
+
+def test_checkpoint_of_another_network_is_refused(
+    small_config: TrainConfig, tmp_path: Path
+) -> None:
+    learner = OnlineLearner(small_config)
+    other = dataclasses.replace(small_config, learner=LearnerConfig(hidden=4))
+    with pytest.raises(UsageError, match="weights: expected shape"):
+        OnlineLearner(other).restore(learner.arrays())
+
+
+def test_divergence_is_said_and_not_exported(tmp_path: Path) -> None:
+    learner = LearnerConfig(step="literal", alpha=1000.0, initial_weights="normal")
+    with pytest.raises(UsageError, match="weights are not finite"):
+        train.train(TrainConfig(steps=5000, learner=learner), tmp_path)
+    assert not (tmp_path / "policy.onnx").exists()
+
+
+def test_short_run_learns_to_avoid_half_of_the_contacts(tmp_path: Path) -> None:
+    validation = ValidationConfig(points=1, agents=64, steps=200)
+    config = TrainConfig(steps=100_000, validation=validation)
+    result = train.train(config, tmp_path)
+    assert result.history[-1].validation_contacts_per_100m < 0.5 * 36.0
