@@ -6,9 +6,11 @@ Exit status: 0 success, 1 the answer is no, 2 wrong use or bad input, said in on
 import contextlib
 import io
 import logging
+import os
 import re
 import sys
 from collections.abc import Sequence
+from inspect import cleandoc
 from typing import Annotated, Any
 
 import tyro
@@ -28,12 +30,15 @@ from reflexarc_runtime.errors import ReflexarcError
 COMMANDS = (Demo, Train, Export, Evaluate, Sim, Run, Record, Replay, Recover, Info)
 BAD_INPUT = 2
 
+_STYLE = (tyro.conf.FlagCreatePairsOff, tyro.conf.OmitArgPrefixes, tyro.conf.DisallowNone)
+
 DESCRIPTION = "A learned reflex for robots: train, export, run, record, replay."
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit status."""
     logging.basicConfig(format="reflexarc: %(message)s", level=logging.WARNING)
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # its threads would fight numba's
     words = list(sys.argv[1:] if arguments is None else arguments) or ["--help"]
     try:
         return _parse(words).run()
@@ -41,9 +46,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _refuse(str(error))
     except ModuleNotFoundError as error:
         return _refuse(_explain_missing(error))
-    except BrokenPipeError:
-        sys.stderr.close()  # the reader went away; nothing is left to say, and nobody to hear it
-        return 0
+    except OSError as error:
+        if isinstance(error, BrokenPipeError):
+            return _nobody_listens()
+        return _refuse(f"{error.filename or 'system'}: {error.strerror or error}")
     except KeyboardInterrupt:
         return 130
 
@@ -54,11 +60,11 @@ def _parse(words: list[str]) -> Any:
     try:
         with contextlib.redirect_stderr(complaint):
             return tyro.cli(
-                _any_command(),
+                _any_command(words[0]),
                 prog="reflexarc",
                 description=DESCRIPTION,
                 args=words,
-                config=(tyro.conf.FlagCreatePairsOff, tyro.conf.OmitArgPrefixes),
+                config=_STYLE,
             )
     except SystemExit as end:
         if end.code:
@@ -66,13 +72,14 @@ def _parse(words: list[str]) -> Any:
         raise
 
 
-def _any_command() -> Any:
-    choices = tuple(
-        Annotated[kind, tyro.conf.subcommand(name=kind.__name__.lower())] for kind in COMMANDS
-    )
-    union: Any = choices[0]
-    for choice in choices[1:]:
-        union = union | choice
+def _any_command(asked: str) -> Any:
+    """The union of all commands; the one that is asked for tells all, the others their summary."""
+    union: Any = None
+    for kind in COMMANDS:
+        name, text = kind.__name__.lower(), cleandoc(kind.__doc__ or "")
+        description = text if name == asked else text.partition("\n\n")[0].replace("\n", " ")
+        choice = Annotated[kind, tyro.conf.subcommand(name, description=description)]
+        union = choice if union is None else union | choice
     return union
 
 
@@ -88,6 +95,12 @@ def _explain_missing(error: ModuleNotFoundError) -> str:
         f"this command needs {error.name}, which is not installed here; "
         f"install the extra: pip install 'reflexarc[{extra}]'"
     )
+
+
+def _nobody_listens() -> int:
+    """The reader went away (`| head`): nothing is left to say, and Python must not try at exit."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    return 0
 
 
 def _refuse(reason: str) -> int:

@@ -6,6 +6,7 @@ closer than twice that is rounding; everything else is a divergence.
 """
 
 import dataclasses
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -196,8 +197,8 @@ def find_flip(tick: int, q_values: Sequence[float], recorded: int, replayed: int
 
 def is_close(recorded: float, replayed: float) -> bool:
     """Whether two Q-values agree as two backends must; what is not finite, only with itself."""
-    if recorded == replayed or (recorded != recorded and replayed != replayed):
-        return True
+    if not (math.isfinite(recorded) and math.isfinite(replayed)):
+        return recorded == replayed or (math.isnan(recorded) and math.isnan(replayed))
     return abs(replayed - recorded) <= Q_TOLERANCE * max(1.0, abs(recorded))
 
 

@@ -77,8 +77,10 @@ def stream_records(path: Path, limit: int | None = None) -> Iterator[Located]:
         ).records
         while (record := _next(records, bounded)) is not None:
             if isinstance(record, Footer) and limit is None:
-                _check_summary(file, record, size)
+                _check_summary(file, record, bounded.position)
             yield Located(record, bounded.position)
+        if bounded.position < size:
+            raise DamagedError("there are bytes after its end")
 
 
 def unpack(chunk: Chunk) -> list[McapRecord]:
@@ -138,18 +140,17 @@ def _check_chunk(chunk: Chunk) -> None:
         raise DamagedError(f"a chunk: expected at most 32 MiB, got {max(sizes)} bytes")
 
 
-def _check_summary(file: BinaryIO, footer: Footer, size: int) -> None:
-    """The index at the end, which replay does not use and viewers trust."""
+def _check_summary(file: BinaryIO, footer: Footer, end: int) -> None:
+    """The index before `end`, which replay does not use and viewers trust."""
     if not footer.summary_crc:
         return
-    position = file.tell()
     file.seek(footer.summary_start)
-    left = size - _MAGIC_BYTES - _CRC_BYTES - footer.summary_start
+    left = end - _CRC_BYTES - footer.summary_start
     crc = 0
     while left > 0 and (block := file.read(min(left, _BLOCK_BYTES))):
         crc = zlib.crc32(block, crc)
         left -= len(block)
-    file.seek(position)
+    file.seek(end)
     if crc != footer.summary_crc:
         raise DamagedError("the CRC of its index does not fit")
 

@@ -19,7 +19,7 @@ from reflexarc_sim_bridge.params import CHUNK_M, WorldParams, world_params
 from reflexarc_sim_bridge.worlds import World
 
 GENERATOR_VERSION = 1
-"""Part of every key. Any change to what a seed means takes a new one (and a new reference field)."""
+"""Part of every key. Any change to what a seed means takes a new one, and a new reference field."""
 
 OBSTACLE_DTYPE = np.dtype(
     [
@@ -59,10 +59,11 @@ def obstacles_of_chunk(world: World, seed: int, chunk: int) -> npt.NDArray[np.vo
     Returns:
         Array of `OBSTACLE_DTYPE`: (count,), y within the world's width.
     """
-    params = world_params(world, PolicyContract())
-    key = chunk_key(params, np.uint64(seed), chunk)
-    rows = [_obstacle(params, key, chunk, j) for j in range(chunk_count(params, key))]
-    return np.array(rows, OBSTACLE_DTYPE)
+    rows = _listed(world_params(world, PolicyContract()), np.uint64(seed), chunk)
+    obstacles = np.empty(len(rows), OBSTACLE_DTYPE)
+    for name, column in zip(OBSTACLE_DTYPE.names or (), rows.T, strict=True):
+        obstacles[name] = column
+    return obstacles
 
 
 @compiled
@@ -117,21 +118,22 @@ def obstacle_colour(world: WorldParams, key: np.uint64, j: int) -> float:
 
 
 @compiled
-def random_place(
-    world: WorldParams, seed: np.uint64, lane: np.uint64, number: np.uint64
-) -> float:
+def random_place(world: WorldParams, seed: np.uint64, lane: np.uint64, number: np.uint64) -> float:
     """Random number of an agent, in [0, 1): `number` counts, `lane` tells agents apart."""
     return _uniform(_joined(_world_key(world, seed, _PLACES), lane), number)
 
 
 @compiled
-def _obstacle(
-    world: WorldParams, key: np.uint64, chunk: int, j: int
-) -> tuple[float, float, float, float, bool, float]:
-    half_length_m, half_width_m, is_disc = obstacle_size_m(world.sizes, key, j)
-    y_m = obstacle_y_m(world.width_m, world.periodic, key, j, half_width_m)
-    colour = obstacle_colour(world, key, j)
-    return obstacle_x_m(key, chunk, j), y_m, half_length_m, half_width_m, is_disc, colour
+def _listed(world: WorldParams, seed: np.uint64, chunk: int) -> npt.NDArray[np.float64]:
+    """A chunk's obstacles as rows, columns as in `OBSTACLE_DTYPE`: (count, 6)."""
+    key = chunk_key(world, seed, chunk)
+    rows = np.empty((chunk_count(world, key), 6))
+    for j in range(len(rows)):
+        half_length_m, half_width_m, is_disc = obstacle_size_m(world, key, j)
+        rows[j, 0], rows[j, 1] = obstacle_x_m(key, chunk, j), obstacle_y_m(world, key, j)
+        rows[j, 2], rows[j, 3] = half_length_m, half_width_m
+        rows[j, 4], rows[j, 5] = is_disc, obstacle_colour(world, key, j)
+    return rows
 
 
 @compiled

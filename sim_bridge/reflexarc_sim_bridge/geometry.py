@@ -11,10 +11,13 @@ No branch inside, so that the compiler turns a loop over rays into vector instru
 """
 
 import math
+from typing import TypeAlias
 
 import numpy as np
 
 from reflexarc_sim_bridge.compiled import compiled
+
+Real: TypeAlias = float | np.float32
 
 # float32, so that arithmetic on float32 stays in float32 and on float64 in float64.
 _ZERO = np.float32(0.0)
@@ -23,11 +26,11 @@ _NEVER = np.float32(np.inf)
 
 @compiled
 def meets_rectangle_m(
-    x: float, y: float, half_length: float, half_width: float, per_ahead: float, per_left: float
-) -> float:
+    x: Real, y: Real, half_length: Real, half_width: Real, per_ahead: Real, per_left: Real
+) -> Real:
     """Length of the path up to a rectangle. `per_ahead` is 1/ahead, `per_left` 1/left, finite."""
-    middle_x, reach_x = x * per_ahead, half_length * abs(per_ahead)
-    middle_y, reach_y = y * per_left, half_width * abs(per_left)
+    middle_x, reach_x = x * per_ahead, half_length * math.fabs(per_ahead)
+    middle_y, reach_y = y * per_left, half_width * math.fabs(per_left)
     enters_x, leaves_x = middle_x - reach_x, middle_x + reach_x
     enters_y, leaves_y = middle_y - reach_y, middle_y + reach_y
     enters = enters_x if enters_x > enters_y else enters_y
@@ -36,7 +39,7 @@ def meets_rectangle_m(
 
 
 @compiled
-def meets_disc_m(x: float, y: float, radius: float, ahead: float, left: float) -> float:
+def meets_disc_m(x: Real, y: Real, radius: Real, ahead: Real, left: Real) -> Real:
     """Length of the path up to a disc."""
     beside = x * left - y * ahead
     half_chord_2 = radius * radius - beside * beside
@@ -47,7 +50,7 @@ def meets_disc_m(x: float, y: float, radius: float, ahead: float, left: float) -
 
 
 @compiled
-def _first(enters: float, leaves: float) -> float:
+def _first(enters: Real, leaves: Real) -> Real:
     met = (enters <= leaves) & (leaves >= _ZERO)
     length = enters if enters > _ZERO else _ZERO
     return length if met else _NEVER

@@ -34,7 +34,6 @@ from reflexarc_sim_bridge.params import (
 )
 
 _STEEPEST = 1e-12
-_SHORTEST_M = 1e-12
 # A place this close to an obstacle is not free: the face just run into counts as taken.
 _TOUCHING_M = 1e-9
 # So many draws miss every free place of a half-covered line once in 1e19; a line that refuses
@@ -64,19 +63,21 @@ def free_share(
     """
     if _boxes_touched(near, count, x_m, y_m, forward_m, aside_m) == 0:
         return math.inf
-    length_m = max(math.hypot(forward_m, aside_m), _SHORTEST_M)
-    ahead, left = forward_m / length_m, aside_m / length_m
+    length_m = math.hypot(forward_m, aside_m)
+    ahead, left = (forward_m / length_m, aside_m / length_m) if length_m > 0.0 else (1.0, 0.0)
     per_ahead, per_left = _reciprocal(ahead), _reciprocal(left)
     nearest_m = math.inf
     for k in range(count):
         x, y = near[NEAR_X, k] - x_m, near[NEAR_Y, k] - y_m
         half_length, half_width = near[NEAR_HALF_LENGTH, k], near[NEAR_HALF_WIDTH, k]
         if near[NEAR_ROUND, k] != 0.0:
-            met_m = meets_disc_m(x, y, half_length, ahead, left)
+            met = meets_disc_m(x, y, half_length, ahead, left)
         else:
-            met_m = meets_rectangle_m(x, y, half_length, half_width, per_ahead, per_left)
-        nearest_m = min(nearest_m, met_m)
-    return nearest_m / length_m if nearest_m <= length_m else math.inf
+            met = meets_rectangle_m(x, y, half_length, half_width, per_ahead, per_left)
+        nearest_m = min(nearest_m, float(met))
+    if nearest_m > length_m:
+        return math.inf
+    return nearest_m / length_m if length_m > 0.0 else 0.0
 
 
 @compiled
@@ -96,13 +97,13 @@ def go_to_free_place(world: WorldParams, agents: Agents, i: int) -> None:
 @compiled
 def is_free(world: WorldParams, seed: np.uint64, x_m: float, y_m: float) -> bool:
     """Whether no obstacle covers or touches a place."""
-    first = math.floor((x_m - world.half_max_m) / CHUNK_M)
-    last = math.floor((x_m + world.half_max_m) / CHUNK_M)
+    reach_m = world.half_max_m + _TOUCHING_M
+    first, last = math.floor((x_m - reach_m) / CHUNK_M), math.floor((x_m + reach_m) / CHUNK_M)
     for chunk in range(first, last + 1):
         key = chunk_key(world, seed, chunk)
         for j in range(chunk_count(world, key)):
             x = obstacle_x_m(key, chunk, j) - x_m
-            if abs(x) <= world.half_max_m + _TOUCHING_M and _covers(world, key, j, x, y_m):
+            if abs(x) <= reach_m and _covers(world, key, j, x, y_m):
                 return False
     return True
 

@@ -29,7 +29,7 @@ NEAR_X, NEAR_Y, NEAR_HALF_LENGTH, NEAR_HALF_WIDTH, NEAR_ROUND, NEAR_COLOUR = ran
 NEAR_ROWS = 6
 
 _STEEPEST = 1e-9
-"""Direction components below this are taken for this: a finite slope in place of a division by 0."""
+"""Smaller direction components are taken for this: a finite slope, no division by zero."""
 
 
 class WorldParams(NamedTuple):

@@ -182,5 +182,5 @@ def _check_same_form(
 def _require(holds: bool, where: str, expected: str, got: object) -> None:
     if not holds:
         raise WorldError(
-            f"contract.{where}: this simulator supports {expected}, got {got}; choose another policy"
+            f"contract.{where}: the simulator supports {expected}, got {got}; choose another policy"
         )

@@ -25,7 +25,7 @@ from reflexarc_sim_bridge.params import (
     EyeParams,
 )
 
-shade = numba.njit(retina.shade, error_model="numpy")
+shade = numba.njit(error_model="numpy")(retina.shade)
 
 
 @compiled

@@ -156,7 +156,11 @@ class World:
 
     @property
     def blind_contacts_per_100m(self) -> float:
-        """What an agent that never steers scores: 100 · 2ρR (Poisson field, mean free path)."""
+        """What an agent that never steers scores: 100 · 2ρR (Poisson field, mean free path).
+
+        Exact for rectangles. Beside the disc just met, its wider part still lies ahead, and a
+        new place there meets it again: on discs 20 m wide a blind agent scores 3.4 % more.
+        """
         return 100.0 * self.density_per_m2 * self.mean_width_m
 
     def _mean(self, values: list[float]) -> float:

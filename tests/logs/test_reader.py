@@ -18,9 +18,6 @@ from support.recordings import RUN as RUN_INFO
 from support.recordings import retina_at
 from support.rewriting import edit_decision_schema, flip_bit, rewrite
 
-HEAD_BYTES = 1000
-"""Within the attached policy; the metadata of the run stands before it."""
-
 MAGIC = b"\x89MCAP0\r\n"
 
 
@@ -125,7 +122,7 @@ def test_a_chunk_that_would_unpack_to_too_much_is_never_unpacked(case, tmp_path)
 
 def test_a_flipped_bit_anywhere_in_the_file_is_noticed(log_path, tmp_path):
     data, path = log_path.read_bytes(), tmp_path / "flipped.mcap"
-    for position in range(0, len(data), 23):
+    for position in range(0, len(data), 67):
         path.write_bytes(flip_bit(data, position, position % 8))
         with pytest.raises(LogError) as caught:
             read_log(path)
@@ -139,7 +136,7 @@ def test_a_log_cut_anywhere_is_a_readable_prefix_or_a_clear_error(log_path, tmp_
         path.write_bytes(data[:size])
         with pytest.raises(LogError):
             read_log(path)
-        if size < HEAD_BYTES:
+        if size <= data.index(b"wall_offset_ns"):  # the last field of the run's metadata
             with pytest.raises(LogError, match=r"truncated before|another kind"):
                 read_log(path, allow_truncated=True)
             continue
@@ -150,6 +147,12 @@ def test_a_log_cut_anywhere_is_a_readable_prefix_or_a_clear_error(log_path, tmp_
         lengths.append(len(part))
     assert lengths == sorted(lengths)
     assert lengths[-1] == len(whole)
+
+
+def test_bytes_after_the_end_of_a_log_are_noticed(log_path, tmp_path):
+    (tmp_path / "log.mcap").write_bytes(log_path.read_bytes() + b"x")
+    with pytest.raises(LogError, match="bytes after its end"):
+        read_log(tmp_path / "log.mcap")
 
 
 def test_a_truncated_log_names_the_command_that_saves_it(log_path, tmp_path):
@@ -172,7 +175,7 @@ def test_a_log_without_ticks_cannot_be_replayed(policy, tmp_path):
     path = tmp_path / "log.mcap"
     with Recorder(path, RUN_INFO, policy, {}, wall_offset_ns=0) as recorder:
         recorder.put(retina_at(1, np.zeros((1, 16, 1), np.uint8)))
-    with pytest.raises(LogError, match="expected ticks .*, found none; nothing to replay"):
+    with pytest.raises(LogError, match=r"expected ticks .*, found none; nothing to replay"):
         replay(path)
 
 

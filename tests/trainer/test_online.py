@@ -103,8 +103,8 @@ def test_compiled_value_and_gradient_are_those_of_autograd(output: Any) -> None:
     "changes",
     [
         {},
-        {"output": "sigmoid", "step": "literal"},
-        {"held_actions": 3},
+        {"step": "literal"},
+        {"output": "linear", "held_actions": 3},
         {"after_contact": "terminal", "trace_decay": 0.5},
         {"initial_weights": "normal", "hidden": 7},
     ],

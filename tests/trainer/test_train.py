@@ -181,7 +181,7 @@ def test_checkpoint_of_another_network_is_refused(
 
 
 def test_divergence_is_said_and_not_exported(tmp_path: Path) -> None:
-    learner = LearnerConfig(step="literal", alpha=1000.0, initial_weights="normal")
+    learner = LearnerConfig(step="literal", alpha=1000.0, output="linear")
     with pytest.raises(UsageError, match="weights are not finite"):
         train.train(TrainConfig(steps=5000, learner=learner), tmp_path)
     assert not (tmp_path / "policy.onnx").exists()

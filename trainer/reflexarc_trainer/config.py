@@ -45,8 +45,9 @@ class LearnerConfig:
     """κ of the bounded step: 1/κ of the TD error is the most that one update may remove."""
     hidden: int = 10
     """Hidden units."""
-    output: OutputUnits = "linear"
-    """Output units. Sigmoid ones, read literally from the paper, cannot hold a negative value."""
+    output: OutputUnits = "sigmoid"
+    """Output units. Sigmoid ones, the paper's words taken literally, cannot hold the negative value
+    of a certain collision, and yet learn as well as linear ones and more evenly over seeds."""
     initial_weights: InitialWeights = "scaled"
     """`scaled`: standard deviation 1/√(inputs of the unit), biases 0; `normal`: N(0, 1)."""
     reward_step: float = 0.1
@@ -116,7 +117,7 @@ class TrainConfig:
     """Name of the preset that this configuration started from."""
     seed: int = 0
     """Seed of the initial weights, the exploration and the training world."""
-    steps: int = 2_000_000
+    steps: int = 500_000
     """Transitions to learn from."""
     world: str = "reference-1"
     """Name of the world to learn in."""
