@@ -30,7 +30,7 @@ def main() -> None:
         path = Path(folder) / "run.mcap"
         recording_s = _record(path, arguments.ticks)
         figures = _figures(path, arguments.ticks)
-    figures["record, ticks a second"] = arguments.ticks / recording_s
+    figures["loop and recorder, ticks a second"] = arguments.ticks / recording_s
     if arguments.json:
         print(json.dumps(figures))
         return

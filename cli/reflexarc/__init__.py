@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from reflexarc_logs.replay import replay
     from reflexarc_runtime.contract import PolicyContract, RetinaSpec
     from reflexarc_runtime.errors import ReflexarcError
-    from reflexarc_runtime.policy import Policy
+    from reflexarc_runtime.policy import Policy, load_policy
     from reflexarc_sim_bridge.environment import ReferenceEnv
     from reflexarc_sim_bridge.reference_field import measure
     from reflexarc_trainer.export import export
@@ -26,6 +26,7 @@ _HOMES = {
     "ReflexarcError": "reflexarc_runtime.errors",
     "RetinaSpec": "reflexarc_runtime.contract",
     "export": "reflexarc_trainer.export",
+    "load_policy": "reflexarc_runtime.policy",
     "measure": "reflexarc_sim_bridge.reference_field",
     "preset_named": "reflexarc_trainer.presets",
     "read_log": "reflexarc_logs.reader",
@@ -40,6 +41,7 @@ __all__ = [
     "ReflexarcError",
     "RetinaSpec",
     "export",
+    "load_policy",
     "measure",
     "preset_named",
     "read_log",

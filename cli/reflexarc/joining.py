@@ -17,7 +17,7 @@ class Joining:
     port: int = 7447
     """Port of 127.0.0.1 on which the body listens."""
     zenoh: Path | None = None
-    """Zenoh configuration (JSON5) in place of the loopback defaults: other machines, TLS, access."""
+    """Zenoh configuration (JSON5) in place of the loopback: other machines, TLS, access."""
 
     def config(self, *, listens: bool = False) -> "BusConfig":
         """How to join; `listens` for the one body."""

@@ -41,7 +41,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # its threads would fight numba's
     words = list(sys.argv[1:] if arguments is None else arguments) or ["--help"]
     try:
-        return _parse(words).run()
+        status: int = _parse(words).run()
+        return status
     except ReflexarcError as error:
         return _refuse(str(error))
     except ModuleNotFoundError as error:
@@ -78,7 +79,10 @@ def _any_command(asked: str) -> Any:
     for kind in COMMANDS:
         name, text = kind.__name__.lower(), cleandoc(kind.__doc__ or "")
         description = text if name == asked else text.partition("\n\n")[0].replace("\n", " ")
-        choice = Annotated[kind, tyro.conf.subcommand(name, description=description)]
+        choice: Any = Annotated[
+            kind,
+            tyro.conf.subcommand(name, description=description),
+        ]
         union = choice if union is None else union | choice
     return union
 

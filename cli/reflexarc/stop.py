@@ -13,6 +13,7 @@ class StopFlag:
         self._before: dict[signal.Signals, Any] = {}
 
     def __call__(self) -> bool:
+        """Whether a signal came."""
         return self._set
 
     def __enter__(self) -> Self:

@@ -30,13 +30,17 @@ END = "reflexarc.end"
 class LogFile:
     """An MCAP file that one thread writes.
 
+    Args:
+        path: its name when it is finished.
+        unfinished: what is added to the name until then.
+
     Raises:
         LogError: something of that name is there already, or the place cannot be written.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, unfinished: str = PARTIAL) -> None:
         self.path = path
-        self.partial = path.with_name(path.name + PARTIAL)
+        self.partial = path.with_name(path.name + unfinished)
         self._file = _open(path, self.partial)
         self._writer = Writer(
             self._file,
@@ -121,7 +125,7 @@ def _open(path: Path, partial: Path) -> BinaryIO:
         return open_for_writing(partial)
     except FileExistsError:
         raise LogError(
-            f"{partial}: an unfinished recording is there; `reflexarc recover` it or remove it"
+            f"{partial}: an unfinished log is there; `reflexarc recover` it or remove it"
         ) from None
     except OSError as error:
         raise LogError(

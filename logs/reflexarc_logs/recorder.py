@@ -120,6 +120,9 @@ class Recorder:
         except OSError as error:
             self._file.discard()
             raise LogError(f"{self.path}: cannot be written: {error.strerror}") from None
+        except BaseException:  # a configuration that is no JSON is the caller's mistake
+            self._file.discard()
+            raise
 
     def _own(self) -> None:
         """The owner thread."""

@@ -16,6 +16,9 @@ from reflexarc_logs.reader import read_log
 from reflexarc_logs.survey import Survey, survey
 from reflexarc_runtime.errors import LogError
 
+UNFINISHED = ".recovering"
+"""Not the recorder's: `log.mcap.partial` is recovered to `log.mcap`, and stays."""
+
 _MEDIA_TYPES = {".onnx": "application/onnx", ".json": "application/json"}
 
 
@@ -44,7 +47,7 @@ def recover(path: Path | str, out: Path | str) -> Recovered:
         LogError: nothing of it says that it is a log of ours, or `out` cannot be written.
     """
     found = survey(Path(path), salvage=True)
-    rescue = _Rescue(Path(path), found, LogFile(Path(out)))
+    rescue = _Rescue(Path(path), found, LogFile(Path(out), UNFINISHED))
     try:
         rescue.run()
     except OSError as error:

@@ -50,11 +50,6 @@ class Policy(Protocol):
         """
         ...
 
-    @staticmethod
-    def load(source: Path | str | bytes, backend: Backend | str = Backend.NUMPY) -> "LoadedPolicy":
-        """Load an exported policy: see `load_policy`."""
-        return load_policy(source, backend)
-
 
 class Graph(Protocol):
     """A backend with a graph in it."""

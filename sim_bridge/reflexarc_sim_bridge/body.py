@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+
 from reflexarc_runtime.arrays import Retina
 from reflexarc_runtime.contract import PolicyContract
 from reflexarc_runtime.decision import Command
@@ -60,7 +61,8 @@ class Body:
 
     def see(self) -> Retina:
         """The retina now: uint8 (eyes, rays, channels)."""
-        return self.simulation.sense()[0]
+        retina: Retina = self.simulation.sense()[0]
+        return retina
 
     @property
     def place(self) -> Place:

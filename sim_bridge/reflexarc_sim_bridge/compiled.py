@@ -25,6 +25,11 @@ def compiled(function: _Function) -> _Function:
 
 
 def compiled_parallel(function: _Function) -> _Function:
-    """The same, with its `prange` loops shared among threads."""
+    """The same, with its `prange` loops shared among threads.
+
+    A loop's body is one call that is given the whole tuple of arrays. Where the body also names an
+    array of that tuple, the two are compiled as if they shared no memory, and what the call wrote
+    is not seen.
+    """
     dispatcher: Any = numba.njit(cache=True, error_model="numpy", parallel=True)(function)
     return dispatcher  # type: ignore[no-any-return]  # it is called as the function is

@@ -119,10 +119,15 @@ def step_all(
 def place_all(world: WorldParams, agents: Agents) -> None:
     """Put every agent at a free place of its x and gather what is near."""
     for i in prange(agents.x_m.size):
-        go_to_free_place(world, agents, i)
-        agents.cell_x[i] = math.floor(agents.x_m[i] / CELL_M)
-        agents.cell_y[i] = math.floor(agents.y_m[i] / CELL_M)
-        _gather_near(world, agents, i)
+        _place_agent(world, agents, i)
+
+
+@compiled
+def _place_agent(world: WorldParams, agents: Agents, i: int) -> None:
+    go_to_free_place(world, agents, i)
+    agents.cell_x[i] = math.floor(agents.x_m[i] / CELL_M)
+    agents.cell_y[i] = math.floor(agents.y_m[i] / CELL_M)
+    _gather_near(world, agents, i)
 
 
 @compiled

@@ -18,7 +18,7 @@ from matplotlib.patches import Ellipse, Patch, Rectangle
 
 INK, PATH_COLOUR, OBSTACLE_COLOUR, CONTACT_COLOUR = "#22313f", "#d1495b", "#9fb3c8", "#f2a900"
 ACTION_COLOURS = ("#e6ebf0", "#3d7ea6", "#d1495b")
-MARGIN_M = 3.0
+MARGIN_M = 4.0
 
 Floats: TypeAlias = npt.NDArray[np.float64]
 
@@ -71,9 +71,9 @@ def _draw_from_above(axes: Axes, drive: Drive) -> None:
             *drive.contacts.T, "o", color=CONTACT_COLOUR, markeredgecolor=INK, label="contact"
         )
         axes.legend(loc="upper right", frameon=False)
-    axes.set_xlim(drive.x_m.min() - MARGIN_M / 2, drive.x_m.max() + MARGIN_M)
+    axes.set_xlim(drive.x_m.min() - MARGIN_M, drive.x_m.max() + MARGIN_M)
     axes.set_ylim(drive.y_m.min() - MARGIN_M, drive.y_m.max() + MARGIN_M)
-    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_aspect("equal", adjustable="box", anchor="W")
     axes.set_title(drive.title, loc="left", color=INK)
     axes.set_xlabel("ahead (m)")
     axes.set_ylabel("to the left (m)")
@@ -83,7 +83,12 @@ def _draw_strip(axes: Axes, drive: Drive) -> None:
     end_s = drive.time_s[-1] if len(drive.time_s) else 1.0
     rays = drive.retinas.shape[1]
     axes.imshow(
-        drive.retinas.T, aspect="auto", cmap="magma", vmin=0, vmax=255, interpolation="nearest",
+        drive.retinas.T,
+        aspect="auto",
+        cmap="magma",
+        vmin=0,
+        vmax=255,
+        interpolation="nearest",
         extent=(0.0, float(end_s), rays, 0.0),
     )
     axes.set_ylabel("ray (0 = leftmost)")
@@ -95,8 +100,13 @@ def _draw_actions(axes: Axes, drive: Drive) -> None:
     end_s = drive.time_s[-1] if len(drive.time_s) else 1.0
     palette = mpl.colors.ListedColormap(["#ffffff", *ACTION_COLOURS])
     axes.imshow(
-        drive.actions[np.newaxis], aspect="auto", cmap=palette, vmin=-1, vmax=2,
-        interpolation="nearest", extent=(0.0, float(end_s), 0.0, 1.0),
+        drive.actions[np.newaxis],
+        aspect="auto",
+        cmap=palette,
+        vmin=-1,
+        vmax=2,
+        interpolation="nearest",
+        extent=(0.0, float(end_s), 0.0, 1.0),
     )
     axes.set_yticks([])
     axes.set_xlabel("time (s)")

@@ -4,10 +4,10 @@ import sys
 from pathlib import Path
 
 import pytest
-from support.processes import reflexarc as call
 
 import reflexarc
 from reflexarc.main import COMMANDS, main
+from support.processes import reflexarc as call
 
 PUBLIC = [
     "Policy",
@@ -16,6 +16,7 @@ PUBLIC = [
     "ReflexarcError",
     "RetinaSpec",
     "export",
+    "load_policy",
     "measure",
     "preset_named",
     "read_log",
@@ -63,9 +64,8 @@ def test_a_policy_and_a_log_say_what_they_are(golden: Path, tmp_path: Path):
 
 
 def test_replay_answers_with_its_exit_status(golden: Path, tmp_path: Path):
-    from support.policies import exported
-
     from reflexarc_runtime.contract import PolicyContract
+    from support.policies import exported
 
     other = tmp_path / "other.onnx"
     other.write_bytes(exported(PolicyContract(), seed=99))

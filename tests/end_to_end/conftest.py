@@ -2,9 +2,9 @@ import socket
 from pathlib import Path
 
 import pytest
-from support.policies import exported
 
 from reflexarc_runtime.contract import PolicyContract
+from support.policies import exported
 
 
 @pytest.fixture(scope="session")

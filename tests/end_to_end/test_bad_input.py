@@ -6,10 +6,10 @@ from pathlib import Path
 
 import onnx
 import pytest
-from support.policies import exported, network
-from support.processes import reflexarc
 
 from reflexarc_runtime.contract import PolicyContract
+from support.policies import exported, network
+from support.processes import reflexarc
 
 
 @pytest.fixture

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 from foxglove_schemas_protobuf.PoseInFrame_pb2 import PoseInFrame
-from support.processes import finished, reflexarc, said_line, started, wait_for_records
 
 from reflexarc_logs.reader import Log, read_log
 from reflexarc_logs.replay import replay
 from reflexarc_runtime.messages_pb2 import Tick
 from reflexarc_runtime.policy import policy_hash
+from support.processes import finished, reflexarc, said_line, started, wait_for_records
 
 
 def ticks_of(path: Path) -> list[Tick]:

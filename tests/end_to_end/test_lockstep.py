@@ -6,10 +6,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from support.processes import finished, started
-
 from reflexarc_logs.reader import read_log
 from reflexarc_logs.replay import replay
+from support.processes import finished, started
 
 STEPS = 300
 
@@ -37,9 +36,7 @@ def drive(policy: Path, port: int, log: Path, *, recorder: bool = False) -> list
     """Decisions of a lockstep drive, as bytes."""
     words = ("run", policy, "--lockstep", "--port", port, "--record", log, "--json")
     with (
-        started("record", "-o", log.with_suffix(".heard"), "--port", port)
-        if recorder
-        else load(0),
+        started("record", "-o", log.with_suffix(".heard"), "--port", port) if recorder else load(0),
         started(*words) as runtime,
         started("sim", "--lockstep", "--steps", STEPS, "--port", port, "--json") as body,
     ):

@@ -35,7 +35,8 @@ def test_the_runtime_loads_neither_numba_nor_plotting():
 import sys
 import reflexarc_runtime.node, reflexarc_runtime.bus, reflexarc_runtime.policy
 import reflexarc_logs.recorder, reflexarc_logs.replay, reflexarc.commands.run, reflexarc.main
-print(sorted({n.partition(".")[0] for n in sys.modules} & {"numba", "gymnasium", "matplotlib", "torch"}))
+loaded = {name.partition(".")[0] for name in sys.modules}
+print(sorted(loaded & {"numba", "gymnasium", "matplotlib", "torch"}))
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
@@ -51,7 +52,9 @@ def target(tmp_path_factory: pytest.TempPathFactory) -> Path:
     venv.create(folder / "env", with_pip=True)
     pip = [str(folder / "env/bin/python"), "-m", "pip", "install", "--quiet"]
     constraints = ["-c", str(ROOT / "constraints.txt")]
-    done = subprocess.run([*pip, *constraints, str(wheel)], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [*pip, *constraints, str(wheel)], capture_output=True, text=True, check=False
+    )
     if done.returncode != 0 and "onnectionError" in done.stderr:
         pytest.skip("no package index can be reached from here")
     assert done.returncode == 0, done.stderr
@@ -71,16 +74,24 @@ def test_the_wheel_without_extras_runs_and_replays(
     )
     try:
         words = ["run", str(policy), "--port", str(port), "--record", str(log), "--ticks", "200"]
-        ran = subprocess.run([command, *words], capture_output=True, text=True, env=clean, check=False)
+        ran = subprocess.run(
+            [command, *words], capture_output=True, text=True, env=clean, check=False
+        )
         assert ran.returncode == 0, ran.stderr
     finally:
         body.send_signal(signal.SIGINT)
         body.wait()
-    again = subprocess.run([command, "replay", str(log)], capture_output=True, text=True, env=clean, check=False)
+    again = subprocess.run(
+        [command, "replay", str(log)], capture_output=True, text=True, env=clean, check=False
+    )
     assert again.returncode == 0, again.stderr
-    listed = subprocess.run([str(target / "python"), "-m", "pip", "list"], capture_output=True, text=True, check=True)
+    listed = subprocess.run(
+        [str(target / "python"), "-m", "pip", "list"], capture_output=True, text=True, check=True
+    )
     assert "torch" not in listed.stdout
     assert "numba" not in listed.stdout
-    refused = subprocess.run([command, "train"], capture_output=True, text=True, env=clean, check=False)
+    refused = subprocess.run(
+        [command, "train"], capture_output=True, text=True, env=clean, check=False
+    )
     assert refused.returncode == 2
     assert "reflexarc[train]" in refused.stderr

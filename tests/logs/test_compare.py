@@ -1,6 +1,7 @@
 import json
 import math
 import struct
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -102,6 +103,11 @@ def test_the_margin_is_that_of_the_recorded_values_by_hand():
     assert near is not None
     assert near.rounding
     assert near.margin == pytest.approx(3e-7)
+    margins = {1.9e-6: True, 2.1e-6: False}  # twice the tolerance of one value, 1e-6
+    for margin, rounding in margins.items():
+        flip = find_flip(7, (0.5, 0.5 - margin), 0, 1)
+        assert flip is not None
+        assert flip.rounding == rounding
     assert find_flip(7, (0.5, 0.25), 0, -1) is None
 
 
@@ -117,6 +123,7 @@ def test_rounding_excuses_what_follows_from_the_action_and_nothing_else():
     found = [Difference(path, "0", "1") for path in ("action", "command.linear_mps", "verdict")]
     assert [d.path for d in TOLERANT.judge(found, flip)] == ["verdict"]
     assert TOLERANT.judge(found, None) == found
+    assert TOLERANT.judge(found, replace(flip, rounding=False)) == found
     assert EXACT.judge(found, flip) == found
 
 

@@ -103,20 +103,21 @@ def unsized_bomb(size: int) -> bytes:
 
 
 BOMBS = {
-    "a frame that says its size": (bomb(MAX_CHUNK_BYTES + 1), 10, b"zstd"),
-    "a header that says its size": (bomb(10), MAX_CHUNK_BYTES + 1, b"zstd"),
-    "a frame that hides its size": (unsized_bomb(MAX_CHUNK_BYTES + 1), 10, b"zstd"),
-    "no zstd at all": (b"not zstd", 10, b"zstd"),
-    "another compression": (b"", 10, b"lz4"),
+    "a frame that says its size": (bomb(MAX_CHUNK_BYTES + 1), 10, b"zstd", "at most 32 MiB"),
+    "a header that says its size": (bomb(10), MAX_CHUNK_BYTES + 1, b"zstd", "at most 32 MiB"),
+    "a frame that hides its size": (unsized_bomb(MAX_CHUNK_BYTES + 1), 10, b"zstd", ""),
+    "no zstd at all": (b"not zstd", 10, b"zstd", ""),
+    "another compression": (b"", 10, b"lz4", "expected zstd, got compression"),
 }
 
 
 @pytest.mark.parametrize("case", BOMBS)
 def test_a_chunk_that_would_unpack_to_too_much_is_never_unpacked(case, tmp_path):
     path = tmp_path / "bomb.mcap"
-    path.write_bytes(finished(with_run(chunk(*BOMBS[case]))))
+    data, claimed, compression, reason = BOMBS[case]
+    path.write_bytes(finished(with_run(chunk(data, claimed, compression))))
     log = read_log(path)
-    with pytest.raises(LogError, match="damaged: a chunk"):
+    with pytest.raises(LogError, match=f"damaged: a chunk: .*{reason}"):
         list(log.records())
 
 

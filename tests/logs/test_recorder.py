@@ -149,7 +149,7 @@ def test_an_existing_log_is_never_overwritten(tmp_path):
 
 def test_an_unfinished_recording_is_never_overwritten(tmp_path):
     (tmp_path / "log.mcap.partial").write_bytes(b"precious")
-    with pytest.raises(LogError, match="an unfinished recording is there"):
+    with pytest.raises(LogError, match="an unfinished log is there"):
         record(tmp_path / "log.mcap", [])
 
 
@@ -212,6 +212,12 @@ def test_a_disk_that_is_full_from_the_start_is_refused_and_leaves_nothing(tmp_pa
     assert not list(tmp_path.iterdir())
 
 
+def test_a_configuration_that_is_no_json_is_our_mistake_and_leaves_nothing(tmp_path):
+    with pytest.raises(TypeError):
+        Recorder(tmp_path / "log.mcap", RUN, b"", {"no": object()}, wall_offset_ns=0)
+    assert not list(tmp_path.iterdir())
+
+
 def test_the_node_drives_on_when_its_recording_stops(tmp_path, monkeypatch, policy, caplog):
     monkeypatch.setattr(log_file, "open_for_writing", lambda path: FullDisk(path, 8_000))
     verdicts = drive(tmp_path / "log.mcap", policy, nominal(300), 300)
@@ -226,8 +232,10 @@ def test_a_backlog_that_is_full_drops_and_counts_by_records_and_by_bytes():
         small.put(GOOD)
     assert (few.dropped, small.dropped) == (2, 2)
     assert [few.take(0.0), few.take(0.0)] == [GOOD, GOOD]
+    small.take(0.0)
     few.put(GOOD)
-    assert few.dropped == 2
+    small.put(GOOD)
+    assert (few.dropped, small.dropped) == (2, 2)
 
 
 def test_a_log_with_dropped_records_says_how_many_and_so_does_the_state(tmp_path, monkeypatch):

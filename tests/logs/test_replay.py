@@ -12,7 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from reflexarc_logs.log_file import END
+from reflexarc_logs.node_level import events
 from reflexarc_logs.reader import read_log
+from reflexarc_logs.recorder import Recorder
 from reflexarc_logs.replay import replay
 from reflexarc_logs.run_info import RUN as RUN_METADATA
 from reflexarc_runtime.contract import RetinaSpec
@@ -30,6 +32,7 @@ from support.recordings import (
     PERIOD_NS,
     RUN,
     START_NS,
+    WALL_OFFSET_NS,
     drive,
     faults,
     nominal,
@@ -70,6 +73,29 @@ def test_a_run_on_scans_replays(policy, tmp_path):
     assert verdicts["OK"] == 37
     assert report.exit_status == 0
     assert len(report.levels) == 2
+
+
+def test_counts_decide_which_inputs_a_tick_had_and_not_their_place_or_time(
+    log_path, policy, tmp_path
+):
+    log = read_log(log_path)
+    inputs = [event for event in events(log) if isinstance(event, Message)]
+    encoding = protobuf_encoding("reflexarc.Tick")
+    ticks = [
+        Message("robot0/tick", r.payload, encoding, pack_stamp(Stamp(r.sequence, r.publish_ns)), 0)
+        for r in log.records("/robot0/tick")
+    ]
+    path = tmp_path / "log.mcap"
+    with Recorder(path, RUN, policy, {}, wall_offset_ns=WALL_OFFSET_NS) as recorder:
+        for message in [*inputs, *ticks]:
+            recorder.put(message)
+    assert replay(path, level="node").exit_status == 0
+
+
+def test_what_was_rejected_of_another_stream_is_no_input(policy, tmp_path):
+    broken = Message("robot0/pose", b"\xff", "text/plain", b"", START_NS)
+    drive(tmp_path / "log.mcap", policy, nominal(9), 9, before=[broken])
+    assert replay(tmp_path / "log.mcap", level="node").exit_status == 0
 
 
 def test_a_policy_that_fails_replays_its_fault(policy, tmp_path):
@@ -333,6 +359,15 @@ def test_a_field_that_the_log_did_not_know_yet_is_counted_and_not_compared(log_p
     assert (node.identical, node.compared) == (61, 61)
     assert node.not_compared == ("reason",)
     assert node.fields_compared == 61 * 22
+
+
+def test_a_field_that_changed_its_type_is_counted_and_not_compared(log_path, tmp_path):
+    def retype(descriptor: DescriptorProto) -> None:
+        for field in descriptor.field:
+            field.type = 12 if field.name == "reason" else field.type  # bytes, not string
+
+    path = rewrite(log_path, tmp_path / "log.mcap", schema=edit_decision_schema(retype))
+    assert replay(path).levels[1].not_compared == ("reason",)
 
 
 def test_a_field_of_a_newer_reflexarc_is_counted_and_not_compared(log_path, tmp_path):

@@ -5,8 +5,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from support.policies import SMALL, FailingPolicy, ScriptedPolicy
-from support.sensing import MS, SPEC, retina_message
 
 from reflexarc_runtime.contract import PolicyContract, RetinaSpec
 from reflexarc_runtime.controller import RECOVERY_INPUTS, Controller, Inputs, State
@@ -14,6 +12,8 @@ from reflexarc_runtime.decision import SAFE_ACTION, Decision, Verdict
 from reflexarc_runtime.policy import Policy
 from reflexarc_runtime.senses import RetinaSense
 from reflexarc_runtime.wire import Message
+from support.policies import SMALL, FailingPolicy, ScriptedPolicy
+from support.sensing import MS, SPEC, retina_message
 
 LIMIT_NS = SMALL.max_input_age_ns
 PERIOD_NS = 20 * MS
@@ -28,7 +28,10 @@ def decide(
 ) -> list[Decision]:
     """One tick a batch, at the moment that its last message came, or a period after the last."""
     controller, state, now_ns, decisions = (
-        controller_with(policy or ScriptedPolicy(), contract), State(), 0, [],
+        controller_with(policy or ScriptedPolicy(), contract),
+        State(),
+        0,
+        [],
     )
     for slot, batch in enumerate(batches):
         now_ns = batch[-1].received_ns if batch else now_ns + PERIOD_NS

@@ -3,7 +3,6 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from support.sensing import MS, retina_message
 
 from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.contract import Action
@@ -31,6 +30,7 @@ from reflexarc_runtime.wire import (
     pack_stamp,
     unpack_stamp,
 )
+from support.sensing import MS, retina_message
 
 ECHO = Input(9, 123, 456, 789)
 LEFT = Action("left", 1.0, 0.5)
@@ -97,8 +97,18 @@ def test_bytes_that_are_no_command_are_none(payload: bytes):
 
 def test_a_tick_holds_every_field_of_its_decision():
     decision = Decision(
-        3, 5, 77, 2, ECHO, b"\x01\x02", (0.5, -0.25, math.nan), 1, Verdict.OK, "why",
-        drive_command(3, 1, LEFT, ECHO, 100), "abc",
+        3,
+        5,
+        77,
+        2,
+        ECHO,
+        b"\x01\x02",
+        (0.5, -0.25, math.nan),
+        1,
+        Verdict.OK,
+        "why",
+        drive_command(3, 1, LEFT, ECHO, 100),
+        "abc",
     )
     tick = pb.Tick.FromString(encode_tick(decision, Timing(70, 72, 1, 2, 3, 4)))
     said = tick.decision

@@ -1,8 +1,5 @@
 from dataclasses import dataclass, field
 
-from support.policies import SMALL, ScriptedPolicy
-from support.sensing import MS, retina_message
-
 from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.clock import ManualClock
 from reflexarc_runtime.controller import Controller
@@ -11,6 +8,8 @@ from reflexarc_runtime.node import Node, Outlets
 from reflexarc_runtime.pacer import LockstepPacer, Pacer, RatePacer
 from reflexarc_runtime.senses import RetinaSense
 from reflexarc_runtime.wire import Message
+from support.policies import SMALL, ScriptedPolicy
+from support.sensing import MS, retina_message
 
 
 @dataclass

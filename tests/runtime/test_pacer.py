@@ -1,8 +1,7 @@
-from support.sensing import MS, retina_message
-
 from reflexarc_runtime.clock import ManualClock
 from reflexarc_runtime.inbox import Inbox
 from reflexarc_runtime.pacer import LockstepPacer, RatePacer, Wakeup
+from support.sensing import MS, retina_message
 
 NEVER = bool  # bool() is False
 

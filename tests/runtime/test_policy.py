@@ -7,14 +7,22 @@ import onnx
 import pytest
 from onnx import helper, numpy_helper
 from onnx.reference import ReferenceEvaluator
-from support.policies import SMALL, exported, network
 
 from reflexarc_runtime.contract import METADATA_KEY, PolicyContract
 from reflexarc_runtime.errors import ContractError, PolicyError, ReflexarcError
 from reflexarc_runtime.graph import supported_operators
-from reflexarc_runtime.policy import flips, load_policy, policy_hash, with_contract, within_tolerance
+from reflexarc_runtime.policy import (
+    flips,
+    load_policy,
+    policy_hash,
+    with_contract,
+    within_tolerance,
+)
+from support.policies import SMALL, exported, network
 
-RETINAS = np.random.default_rng(3).integers(0, 256, (500, *SMALL.retina.stack_shape), dtype=np.uint8)
+RETINAS = np.random.default_rng(3).integers(
+    0, 256, (500, *SMALL.retina.stack_shape), dtype=np.uint8
+)
 
 
 def changed(data: bytes, edit: object) -> bytes:

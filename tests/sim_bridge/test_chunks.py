@@ -31,7 +31,8 @@ def test_chunks_asked_for_in_any_order_are_the_same() -> None:
 def test_the_reference_world_never_changes() -> None:
     # A change here is a new GENERATOR_VERSION and a new reference field.
     chunks = (obstacles_of_chunk(REFERENCE, seed, i) for seed in (0, 2**64 - 1) for i in (-1, 0, 9))
-    assert hashlib.sha256(b"".join(c.tobytes() for c in chunks)).hexdigest() == PINNED
+    found = hashlib.sha256(b"".join(c.tobytes() for c in chunks)).hexdigest()
+    assert found == "061dd49370267dc2902e5bb269264a092ab982d03f5e945eab17bfed05847940"
 
 
 def test_seed_chunk_and_stream_each_make_another_world() -> None:
@@ -74,7 +75,7 @@ def test_a_mixture_has_its_shares_and_discs_are_round() -> None:
     assert found["round"].mean() == pytest.approx(0.5, abs=4 * 0.5 / np.sqrt(len(found)))
     discs = found[found["round"]]
     np.testing.assert_array_equal(discs["half_length_m"], discs["half_width_m"])
-    assert 0.15 <= discs["half_width_m"].min()
+    assert discs["half_width_m"].min() >= 0.15
     assert discs["half_width_m"].max() <= 0.75
 
 

@@ -61,7 +61,9 @@ def exported(contract: PolicyContract, seed: int = 0, activation: str = "Sigmoid
     if activation in ("Sigmoid", "Relu", "Tanh"):
         bare = load_policy(with_contract(model, contract), verify=False)
         q_values, actions = bare.decide(stacks)
-    return with_contract(model, dataclasses.replace(contract, golden=_golden(stacks, q_values, actions)))
+    return with_contract(
+        model, dataclasses.replace(contract, golden=_golden(stacks, q_values, actions))
+    )
 
 
 def _golden(stacks: RetinaBatch, q_values: QValues, actions: Actions) -> GoldenVectors:
@@ -87,9 +89,15 @@ def _model(
     graph = helper.make_graph(
         nodes,
         "policy",
-        [helper.make_tensor_value_info("retina", TensorProto.UINT8, ["N", *contract.retina.stack_shape])],
         [
-            helper.make_tensor_value_info("q_values", TensorProto.FLOAT, ["N", len(contract.actions)]),
+            helper.make_tensor_value_info(
+                "retina", TensorProto.UINT8, ["N", *contract.retina.stack_shape]
+            )
+        ],
+        [
+            helper.make_tensor_value_info(
+                "q_values", TensorProto.FLOAT, ["N", len(contract.actions)]
+            ),
             helper.make_tensor_value_info("action", TensorProto.INT64, ["N"]),
         ],
         [numpy_helper.from_array(array, name) for name, array in weights.items()],

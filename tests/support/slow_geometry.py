@@ -56,9 +56,7 @@ def _to_edge(
     return along_ray if along_ray >= 0.0 and 0.0 <= along_edge <= 1.0 else math.inf
 
 
-def _to_circle(
-    obstacle: Obstacle, x_m: float, y_m: float, direction: tuple[float, float]
-) -> float:
+def _to_circle(obstacle: Obstacle, x_m: float, y_m: float, direction: tuple[float, float]) -> float:
     dx, dy = x_m - obstacle.x_m, y_m - obstacle.y_m
     half_b = dx * direction[0] + dy * direction[1]
     c = dx * dx + dy * dy - obstacle.half_length_m**2

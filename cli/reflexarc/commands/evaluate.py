@@ -55,7 +55,10 @@ class Evaluate:
         scores = {}
         with progress_bar("blind", self.steps) as progress:
             scores["blind"] = measure(
-                BlindPolicy(), reference_contract(), agents=self.agents, steps=self.steps,
+                BlindPolicy(),
+                reference_contract(),
+                agents=self.agents,
+                steps=self.steps,
                 progress=progress,
             )
         for name, policy in loaded.items():

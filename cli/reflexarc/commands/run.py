@@ -15,11 +15,10 @@ from reflexarc.stop import StopFlag
 from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:
-    from reflexarc_runtime.bus import Bus
+    from reflexarc_runtime.bus import Bus, Publisher
     from reflexarc_runtime.controller import Controller
     from reflexarc_runtime.inbox import Inbox
     from reflexarc_runtime.monitor import Summary
-    from reflexarc_runtime.node import Outlets
     from reflexarc_runtime.pacer import Pacer
     from reflexarc_runtime.policy import LoadedPolicy
     from reflexarc_runtime.sink import Sink
@@ -98,14 +97,15 @@ class Run:
     ) -> "Summary":
         from reflexarc_runtime import realtime
         from reflexarc_runtime.inbox import Inbox
-        from reflexarc_runtime.node import Node
-        from reflexarc_runtime.topics import RUNTIME_NODE
+        from reflexarc_runtime.node import Node, Outlets
+        from reflexarc_runtime.topics import COMMAND, RUNTIME_NODE, STATUS, TICK
 
-        inbox, outlets = Inbox(), self._outlets(bus)
+        inbox, command = Inbox(), bus.publisher(COMMAND)
+        outlets = Outlets(command, bus.publisher(TICK), bus.publisher(STATUS))
         self._listen_to_the_rest(bus, sink)
         bus.offer_policy(policy.data)
         if self.lockstep:
-            self._wait_for_body(outlets, stop)
+            self._wait_for_body(command, stop)
         bus.subscribe([controller.sense.topic], inbox.put)
         bus.announce(RUNTIME_NODE)
         said = "; ".join(realtime.prepare(self.fifo))
@@ -121,17 +121,13 @@ class Run:
         )
         return node.run(stop, self.ticks)
 
-    def _outlets(self, bus: "Bus") -> "Outlets":
-        from reflexarc_runtime.node import Outlets
-        from reflexarc_runtime.topics import COMMAND, STATUS, TICK
-
-        return Outlets(bus.publisher(COMMAND), bus.publisher(TICK), bus.publisher(STATUS))
-
     def _pacer(self, rate_hz: float, inbox: "Inbox") -> "Pacer":
         from reflexarc_runtime.clock import MonotonicClock
         from reflexarc_runtime.pacer import LockstepPacer, RatePacer
 
-        return LockstepPacer(inbox) if self.lockstep else RatePacer(rate_hz, MonotonicClock(), inbox)
+        return (
+            LockstepPacer(inbox) if self.lockstep else RatePacer(rate_hz, MonotonicClock(), inbox)
+        )
 
     def _listen_to_the_rest(self, bus: "Bus", sink: "Sink") -> None:
         """Record what the loop does not decide on; it goes past the inbox."""
@@ -146,12 +142,12 @@ class Run:
 
         bus.subscribe([POSE, TRANSFORM, SCENE, CONTACT, STATUS, LOG], keep)
 
-    def _wait_for_body(self, outlets: "Outlets", stop: StopFlag) -> None:
+    def _wait_for_body(self, command: "Publisher", stop: StopFlag) -> None:
         """In lockstep a command that nobody hears would be waited for in vain."""
         import time
 
         aside.print("reflexarc run: waiting for a body in lockstep …")
-        while not outlets.command.has_listener and not stop():
+        while not command.has_listener and not stop():
             time.sleep(LISTENER_POLL_S)
 
     @contextmanager

@@ -9,7 +9,7 @@ from reflexarc.stop import StopFlag
 
 if TYPE_CHECKING:
     from reflexarc_trainer.config import TrainConfig
-    from reflexarc_trainer.train import Progress, TrainResult
+    from reflexarc_trainer.train import TrainResult
 
 
 @dataclass(frozen=True)

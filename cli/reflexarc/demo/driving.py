@@ -87,8 +87,9 @@ def _finish(process: "subprocess.Popen[str]") -> dict[str, Any]:
     try:
         said, complaint = process.communicate(timeout=PATIENCE_S)
     except subprocess.TimeoutExpired:
-        raise BusError(f"{' '.join(process.args[2:4])} did not end in time") from None  # type: ignore[index]  # a list
+        raise BusError(f"a process of the drive did not end: {process.args!r}") from None
     if process.returncode != 0:
-        raise BusError(complaint.strip().splitlines()[-1] if complaint.strip() else "a process failed")
+        lines = complaint.strip().splitlines()
+        raise BusError(lines[-1] if lines else "a process of the drive failed")
     result: dict[str, Any] = json.loads(said)
     return result

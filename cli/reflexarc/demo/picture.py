@@ -3,6 +3,8 @@
 from pathlib import Path
 
 import numpy as np
+from foxglove_schemas_protobuf.CubePrimitive_pb2 import CubePrimitive
+from foxglove_schemas_protobuf.CylinderPrimitive_pb2 import CylinderPrimitive
 from foxglove_schemas_protobuf.PoseInFrame_pb2 import PoseInFrame
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 
@@ -11,6 +13,9 @@ from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.policy import load_policy
 from reflexarc_runtime.topics import CONTACT, POSE, SCENE
 from reflexarc_sim_bridge.render import Drive, Floats, draw_drive
+
+Extent = tuple[float, float, float, float]
+"""Centre x and y, length along x, width along y."""
 
 
 def draw_log(path: Path, picture: Path) -> None:
@@ -30,7 +35,7 @@ def draw_log(path: Path, picture: Path) -> None:
         title=f"{path.name}: {len(decisions)} decisions",
         x_m=poses[:, 0],
         y_m=poses[:, 1],
-        contacts=_rows([[c.x_m, c.y_m] for _, c in log.messages(log.topic(CONTACT.name), pb.Contact)], 2),
+        contacts=_contacts(log),
         boxes=boxes,
         discs=discs,
         time_s=np.array([(d.now_ns - began_ns) * 1e-9 for d in decisions]),
@@ -46,18 +51,24 @@ def _poses(log: Log) -> Floats:
     return _rows([[p.x, p.y] for p in positions], 2)
 
 
+def _contacts(log: Log) -> Floats:
+    began = log.messages(log.topic(CONTACT.name), pb.Contact)
+    return _rows([[contact.x_m, contact.y_m] for _, contact in began], 2)
+
+
 def _obstacles(log: Log) -> tuple[Floats, Floats]:
     """Every obstacle that any scene showed, once."""
-    boxes, discs = set(), set()
+    boxes: set[Extent] = set()
+    discs: set[Extent] = set()
     for _, scene in log.messages(log.topic(SCENE.name), SceneUpdate):
         for entity in scene.entities:
-            boxes.update((_extent(shape)) for shape in entity.cubes)
-            discs.update((_extent(shape)) for shape in entity.cylinders)
+            boxes.update(_extent(shape) for shape in entity.cubes)
+            discs.update(_extent(shape) for shape in entity.cylinders)
     return _rows(sorted(boxes), 4), _rows(sorted(discs), 4)
 
 
-def _extent(shape: object) -> tuple[float, float, float, float]:
-    position, size = shape.pose.position, shape.size  # type: ignore[attr-defined]  # a cube or a cylinder
+def _extent(shape: CubePrimitive | CylinderPrimitive) -> Extent:
+    position, size = shape.pose.position, shape.size
     return (position.x, position.y, size.x, size.y)
 
 

@@ -43,9 +43,7 @@ def _learning(found: Found) -> list[Row]:
 
 def _drive(found: Found) -> list[Row]:
     drive = found.drive
-    late = (
-        f"p50 {microseconds(drive.lateness_p50_ns)}, p99 {microseconds(drive.lateness_p99_ns)}"
-    )
+    late = f"p50 {microseconds(drive.lateness_p50_ns)}, p99 {microseconds(drive.lateness_p99_ns)}"
     verdicts = ", ".join(f"{name} {count}" for name, count in drive.verdicts.items())
     return [
         ("drive", "ticks", f"{drive.ticks} at {drive.rate_hz:.2f} Hz"),
