@@ -6,7 +6,7 @@ import uuid
 from pathlib import Path
 
 from reflexarc_logs.recorder import Recorder
-from reflexarc_logs.run_info import RunInfo, installed_versions
+from reflexarc_logs.run_info import UNKNOWN_BACKEND, RunInfo, installed_versions
 from reflexarc_runtime.clock import wall_offset_ns
 from reflexarc_runtime.policy import LoadedPolicy
 
@@ -47,6 +47,7 @@ def recorder_of_bus(path: Path, policy: bytes, robot: str) -> Recorder:
         run_id=uuid.uuid4().hex,
         robot=robot,
         recorded_by="record",
+        backend=UNKNOWN_BACKEND,
         host=platform.node(),
         versions=installed_versions(),
     )

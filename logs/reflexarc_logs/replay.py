@@ -42,7 +42,7 @@ def replay(
     source = log if isinstance(log, Log) else read_log(log)
     chosen = _policy(source, policy, backend)
     rules = Rules(
-        exact=Backend.ONNXRUNTIME not in (chosen.backend, Backend(source.run.backend)),
+        exact=Backend.NUMPY == chosen.backend == source.run.backend,
         same_policy=chosen.policy_hash == source.run.policy_hash,
     )
     source.tick_descriptor()  # a log without ticks says so before any level begins
@@ -70,7 +70,7 @@ def attached_policy(log: Log, backend: Backend | str | None = None) -> LoadedPol
         raise LogError(f"{log.path}: no policy is attached; give one with --policy")
     _check_identity(log)
     try:
-        return load_policy(log.policy, backend or log.run.backend)
+        return load_policy(log.policy, backend or log.run.replay_backend)
     except ReflexarcError as error:
         raise type(error)(f"{log.path}: attached {error}") from None
 
@@ -81,7 +81,7 @@ def _policy(
     if given is None:
         return attached_policy(log, backend)
     if not isinstance(given, LoadedPolicy):
-        return load_policy(given, backend or log.run.backend)
+        return load_policy(given, backend or log.run.replay_backend)
     if backend is None or given.backend == Backend(backend):
         return given
     return load_policy(given.data, backend)

@@ -19,6 +19,9 @@ RUN = "reflexarc.run"
 """Name of the metadata record."""
 
 CLOCKS = ("monotonic", "lockstep")
+UNKNOWN_BACKEND = "unknown"
+"""A listener on the bus cannot tell what computed a tick; its log is compared to 1e-6."""
+
 RECORDERS = ("run", "record")
 
 _PACKAGES = ("reflexarc", "numpy", "onnx", "onnxruntime", "protobuf", "mcap", "eclipse-zenoh")
@@ -35,7 +38,7 @@ class RunInfo:
     input: str = "retina"
     """Which sensor the runtime decided on: retina or scan."""
     backend: str = Backend.NUMPY.value
-    """What computed the policy; replay uses the same unless told otherwise."""
+    """What computed the policy, as far as the recorder knows."""
     rate_hz: float = 0.0
     clock: str = "monotonic"
     """monotonic or lockstep."""
@@ -56,6 +59,11 @@ class RunInfo:
         document = {f.name: str(getattr(self, f.name)) for f in dataclasses.fields(self)}
         versions = json.dumps(dict(self.versions), sort_keys=True)
         return {**document, "rate_hz": repr(float(self.rate_hz)), "versions": versions}
+
+    @property
+    def replay_backend(self) -> Backend:
+        """What replay computes with, unless told otherwise: the same; NumPy where unknown."""
+        return Backend.NUMPY if self.backend == UNKNOWN_BACKEND else Backend(self.backend)
 
     @classmethod
     def from_metadata(cls, document: Mapping[str, str]) -> Self:
@@ -96,7 +104,7 @@ def _read(name: str, kind: object, text: str) -> Any:
 def _check(info: RunInfo) -> None:
     choices = {
         "input": (info.input, tuple(SENSORS)),
-        "backend": (info.backend, tuple(b.value for b in Backend)),
+        "backend": (info.backend, (*(b.value for b in Backend), UNKNOWN_BACKEND)),
         "clock": (info.clock, CLOCKS),
         "recorded_by": (info.recorded_by, RECORDERS),
     }

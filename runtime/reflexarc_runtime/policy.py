@@ -118,7 +118,9 @@ def policy_hash(data: bytes) -> str:
 
 
 def within_tolerance(q_values: QValues, reference: QValues) -> bool:
-    """Whether two sets of Q-values agree as two backends must."""
+    """Whether two sets of finite Q-values agree as two backends must."""
+    if not (np.isfinite(q_values).all() and np.isfinite(reference).all()):
+        return False
     allowed = Q_TOLERANCE * np.maximum(1.0, np.abs(reference))
     return bool(np.all(np.abs(q_values - reference) <= allowed))
 

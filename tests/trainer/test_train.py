@@ -189,6 +189,6 @@ def test_divergence_is_said_and_not_exported(tmp_path: Path) -> None:
 
 def test_short_run_learns_to_avoid_half_of_the_contacts(tmp_path: Path) -> None:
     validation = ValidationConfig(points=1, agents=64, steps=200)
-    config = TrainConfig(steps=100_000, validation=validation)
+    config = TrainConfig(steps=200_000, validation=validation)
     result = train.train(config, tmp_path)
     assert result.history[-1].validation_contacts_per_100m < 0.5 * 36.0

@@ -99,13 +99,12 @@ class OnlineLearner:
         Raises:
             UsageError: the weights are no longer finite.
         """
-        motions = [(a.linear_mps, a.lateral_mps) for a in self.contract.actions]
         drive(
             self._rules,
             self._state,
             self._scratch,
             *self._simulation.params,
-            np.array(motions, np.float64),
+            motions_of(self.contract),
             steps,
         )
         if not np.isfinite(self._state.weights).all():
@@ -117,7 +116,7 @@ class OnlineLearner:
 
     def report(self) -> Report:
         """What happened since the last report; the next one begins here."""
-        td_errors, contacts, step, distance_m = self._state.totals
+        td_errors, contacts, step, distance_m = self._state.totals.tolist()
         driven_m = float(self._simulation.distance_m[0])
         report = Report(
             mean_abs_td_error=td_errors / max(1.0, self.step - step),
@@ -143,6 +142,11 @@ class OnlineLearner:
             mine[:] = arrays[name]
         world = {k.removeprefix(_WORLD): v for k, v in arrays.items() if k.startswith(_WORLD)}
         self._simulation.restore(world)
+
+
+def motions_of(contract: PolicyContract) -> Floats:
+    """Linear and lateral speed of each action: (actions, 2)."""
+    return np.array([(a.linear_mps, a.lateral_mps) for a in contract.actions], np.float64)
 
 
 def rules_for(learner: LearnerConfig, contract: PolicyContract, steps: int) -> Rules:

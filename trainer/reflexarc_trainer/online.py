@@ -112,7 +112,7 @@ def new_scratch(rules: Rules) -> Scratch:
 @compiled
 def begin(rules: Rules, state: LearnerState, scratch: Scratch) -> None:
     """Choose the first action for the retina in `scratch`."""
-    see(scratch)
+    see(scratch.retina, scratch.inputs)
     forward(rules, state.weights, scratch.inputs, scratch.hidden, scratch.q_values)
     state.pending[0] = _next_action(rules, state, scratch.q_values, 0, True)
     state.inputs[:] = scratch.inputs
@@ -126,7 +126,7 @@ def learn_step(rules: Rules, state: LearnerState, scratch: Scratch, contact: boo
         The TD error δ.
     """
     action, step = state.pending[0], state.pending[2] + 1
-    see(scratch)
+    see(scratch.retina, scratch.inputs)
     forward(rules, state.weights, scratch.inputs, scratch.hidden, scratch.q_values)
     next_action = _next_action(rules, state, scratch.q_values, step, contact)
     target = rules.reward_contact if contact else rules.reward_step
@@ -146,10 +146,10 @@ def learn_step(rules: Rules, state: LearnerState, scratch: Scratch, contact: boo
 
 
 @compiled
-def see(scratch: Scratch) -> None:
+def see(retina: Bytes, inputs: Floats) -> None:
     """Bytes to inputs in [0, 1]; the constant after them stays."""
-    for i in range(len(scratch.retina)):
-        scratch.inputs[i] = scratch.retina[i] / FULL_SCALE
+    for i in range(len(retina)):
+        inputs[i] = retina[i] / FULL_SCALE
 
 
 @compiled
