@@ -71,6 +71,7 @@ def speeds() -> list[dict[str, Any]]:
 
 
 def scores(steps: int | None, seeds: int, agents: int) -> list[dict[str, Any]]:
+    OnlineLearner(TrainConfig()).run(1)  # compiles
     return [
         score(dataclasses.replace(config, seed=seed, steps=steps or config.steps), agents)
         for config in PRESETS.values()

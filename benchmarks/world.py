@@ -47,9 +47,7 @@ print(time.perf_counter() - start_s)
 def rates(threads: int) -> dict[str, float]:
     """Millions of agent-steps a second: sensing, stepping, both."""
     numba.set_num_threads(threads)
-    simulation = Simulation(
-        world_named(WORLD_NAME), reference_contract(), training_seeds(AGENTS)
-    )
+    simulation = Simulation(world_named(WORLD_NAME), reference_contract(), training_seeds(AGENTS))
     drawn = np.random.default_rng(0).integers(0, 3, (STEPS // HELD_STEPS, AGENTS))
     actions = np.repeat(drawn, HELD_STEPS, axis=0)
     sense_s, step_s = [], []

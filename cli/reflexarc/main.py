@@ -18,17 +18,37 @@ import tyro
 from reflexarc.commands.demo import Demo
 from reflexarc.commands.evaluate import Evaluate
 from reflexarc.commands.export import Export
+from reflexarc.commands.importing import Import
 from reflexarc.commands.info import Info
+from reflexarc.commands.play import Play
 from reflexarc.commands.record import Record
 from reflexarc.commands.recover import Recover
 from reflexarc.commands.replay import Replay
+from reflexarc.commands.ros2 import Ros2
 from reflexarc.commands.run import Run
 from reflexarc.commands.sim import Sim
 from reflexarc.commands.train import Train
 from reflexarc_runtime.errors import ReflexarcError
 
-COMMANDS = (Demo, Train, Export, Evaluate, Sim, Run, Record, Replay, Recover, Info)
+COMMANDS = (
+    Demo,
+    Train,
+    Export,
+    Evaluate,
+    Sim,
+    Ros2,
+    Run,
+    Record,
+    Play,
+    Replay,
+    Import,
+    Recover,
+    Info,
+)
 BAD_INPUT = 2
+
+_EXTRAS = {"torch": "train", "matplotlib": "train", "rosbags": "ros2", "cv2": "camera"}
+"""Which extra brings a module; `sim` brings the others."""
 
 _STYLE = (tyro.conf.FlagCreatePairsOff, tyro.conf.OmitArgPrefixes, tyro.conf.DisallowNone)
 
@@ -94,10 +114,9 @@ def _one_line(complaint: str) -> str:
 
 
 def _explain_missing(error: ModuleNotFoundError) -> str:
-    extra = "train" if error.name in ("torch", "matplotlib") else "sim"
     return (
         f"this command needs {error.name}, which is not installed here; "
-        f"install the extra: pip install 'reflexarc[{extra}]'"
+        f"install the extra: pip install 'reflexarc[{_EXTRAS.get(error.name or '', 'sim')}]'"
     )
 
 

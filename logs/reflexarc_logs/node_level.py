@@ -79,6 +79,8 @@ def events(log: Log) -> Iterator[Message | Tick]:
 
 def why_not(log: Log) -> str:
     """What keeps a log from being replayed at level `node`; empty if nothing does."""
+    if log.run.recorded_by == "import":
+        return "it was imported from another system; no loop of ours decided on it"
     if log.run.recorded_by != "run":
         return "it was recorded by a listener, whose order is not the loop's"
     if log.dropped:

@@ -22,7 +22,7 @@ CLOCKS = ("monotonic", "lockstep")
 UNKNOWN_BACKEND = "unknown"
 """A listener on the bus cannot tell what computed a tick; its log is compared to 1e-6."""
 
-RECORDERS = ("run", "record")
+RECORDERS = ("run", "record", "import")
 
 _PACKAGES = ("reflexarc", "numpy", "onnx", "onnxruntime", "protobuf", "mcap", "eclipse-zenoh")
 
@@ -44,7 +44,8 @@ class RunInfo:
     """monotonic or lockstep."""
     recorded_by: str = "run"
     """`run`: the loop handed over its own inputs, in the order in which it used them. `record`:
-    a listener on the bus wrote what it heard, in its own order; ticks and inputs do not pair."""
+    a listener on the bus wrote what it heard, in its own order; ticks and inputs do not pair.
+    `import`: made of a file of another system; it has no ticks."""
     seed: int = 0
     commit: str = ""
     host: str = ""

@@ -109,12 +109,22 @@ class Bus:
     ) -> None:
         self._session.close()  # type: ignore[no-untyped-call]  # the stub has no type
 
+    @property
+    def session_id(self) -> str:
+        """Zenoh's identifier of this session, in hexadecimal."""
+        return str(self._session.info.zid())
+
     def publisher(self, topic: Topic) -> Publisher:
         """A publisher with the topic's quality of service."""
-        urgent = topic.quality is Quality.CONTROL
+        encoding = protobuf_encoding(topic.schema)
+        return self.publisher_of_key(topic.key(self._config.robot), encoding, topic.quality)
+
+    def publisher_of_key(self, key: str, encoding: str, quality: Quality) -> Publisher:
+        """A publisher on a key of somebody else's table."""
+        urgent = quality is Quality.CONTROL
         publisher = self._session.declare_publisher(
-            topic.key(self._config.robot),
-            encoding=zenoh.Encoding(protobuf_encoding(topic.schema)),
+            key,
+            encoding=zenoh.Encoding(encoding),
             express=urgent,
             priority=zenoh.Priority.REAL_TIME if urgent else zenoh.Priority.DATA,
             congestion_control=zenoh.CongestionControl.DROP,
@@ -123,18 +133,24 @@ class Bus:
 
     def subscribe(self, topics: Iterable[Topic], deliver: Callable[[Message], None]) -> None:
         """Deliver every message of these topics; called on a thread of Zenoh's."""
+        for topic in topics:
+            self.subscribe_to_key(topic.key(self._config.robot), deliver)
+
+    def subscribe_to_key(self, key: str, deliver: Callable[[Message], None]) -> None:
+        """Deliver every message of a key of somebody else's table."""
 
         def on_sample(sample: zenoh.Sample) -> None:
             deliver(_message(sample, self._now_ns()))
 
-        for topic in topics:
-            key = topic.key(self._config.robot)
-            self._kept.append(self._session.declare_subscriber(key, on_sample))
+        self._kept.append(self._session.declare_subscriber(key, on_sample))
 
     def announce(self, node: str) -> None:
         """Declare that a node is alive, for as long as this session is open."""
-        token = self._session.liveliness().declare_token(alive_key(self._config.robot, node))
-        self._kept.append(token)
+        self.announce_key(alive_key(self._config.robot, node))
+
+    def announce_key(self, key: str) -> None:
+        """Declare a liveliness token of somebody else's table, for as long as this one."""
+        self._kept.append(self._session.liveliness().declare_token(key))
 
     def is_alive(self, node: str) -> bool:
         """Whether a node has announced itself."""

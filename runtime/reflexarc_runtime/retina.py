@@ -15,6 +15,8 @@ from reflexarc_runtime.errors import ContractError
 
 FULL_SCALE = 255
 MAX_UNKNOWN_SHARE = 0.25
+MIN_STEP_RAD = 1e-9
+"""Beams closer than that are no scan, and their count to a bearing may be no number."""
 
 
 def ray_bearing_rad(ray: int, rays: int, fov_rad: float) -> float:
@@ -95,7 +97,7 @@ def retina_from_scan(scan: Scan, spec: RetinaSpec) -> Retina:
 
 def _beams(scan: Scan, spec: RetinaSpec) -> list[int]:
     count = len(scan.ranges_m)
-    if count < 2 or not scan.step_rad > 0.0:
+    if count < 2 or not MIN_STEP_RAD <= scan.step_rad <= math.pi:
         raise UnusableScanError(f"{count} beams from {scan.start_rad} to {scan.end_rad} rad")
     bearings = (ray_bearing_rad(ray, spec.rays, spec.fov_rad) for ray in range(spec.rays))
     beams = [nearest_beam(bearing, scan.start_rad, scan.step_rad) for bearing in bearings]

@@ -46,6 +46,7 @@ TICK = Topic("tick", "reflexarc.Tick", "runtime", "tick")
 STATUS = Topic("status", "reflexarc.Status", "runtime, body", "1 Hz")
 POSE = Topic("pose", "foxglove.PoseInFrame", "body", "sensor")
 TRANSFORM = Topic("tf", "foxglove.FrameTransform", "body", "sensor")
+ODOMETRY = Topic("odometry", "foxglove.PoseInFrame", "body", "sensor")
 SCENE = Topic("scene", "foxglove.SceneUpdate", "body", "1 Hz")
 LOG = Topic("log", "foxglove.Log", "runtime, body", "event")
 CONTACT = Topic("contact", "reflexarc.Contact", "body", "event")
@@ -59,6 +60,7 @@ TOPICS: tuple[Topic, ...] = (
     STATUS,
     POSE,
     TRANSFORM,
+    ODOMETRY,
     SCENE,
     LOG,
     CONTACT,

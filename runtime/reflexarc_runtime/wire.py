@@ -61,9 +61,10 @@ def unpack_stamp(attachment: bytes) -> Stamp:
         UndecodableError: it is missing, of another size, or holds numbers that no log can keep.
     """
     if len(attachment) != _ATTACHMENT.size:
+        # No exact size of what is far too long: a log keeps only its head, and must say the same.
+        got = len(attachment) if len(attachment) <= 2 * _ATTACHMENT.size else "more"
         raise UndecodableError(
-            f"attachment: expected {_ATTACHMENT.size} bytes (sequence, time, sender), "
-            f"got {len(attachment)}"
+            f"attachment: expected {_ATTACHMENT.size} bytes (sequence, time, sender), got {got}"
         )
     sequence, time_ns, _, _ = _ATTACHMENT.unpack(attachment)
     if not 0 <= sequence <= MAX_SEQUENCE or time_ns < 0:

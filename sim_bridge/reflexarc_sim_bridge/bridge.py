@@ -7,10 +7,11 @@ the number of the step: the same drive on any machine, under any load.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 from reflexarc_runtime.bus import Bus
-from reflexarc_runtime.errors import BusError
 from reflexarc_runtime.inbox import Inbox
+from reflexarc_runtime.lockstep import await_command, wait_for_runtime
 from reflexarc_runtime.messages import (
     Status,
     decode_command,
@@ -32,14 +33,13 @@ from reflexarc_runtime.topics import (
     Topic,
 )
 from reflexarc_sim_bridge.body import Body, Place
+from reflexarc_sim_bridge.courier import Courier
+from reflexarc_sim_bridge.fault_script import FaultScript
+from reflexarc_sim_bridge.faults import Sending
 from reflexarc_sim_bridge.viewers import encode_pose, encode_scene, encode_transform
-
-LOCKSTEP_PATIENCE_S = 10.0
-"""How long a body waits for the command of a retina before it gives up."""
 
 _SPOKEN = (RETINA, POSE, TRANSFORM, SCENE, CONTACT, STATUS)
 _SECOND_NS = 1_000_000_000
-_POLL_S = 0.05
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,11 +51,32 @@ class Journey:
     distance_m: float
 
 
+class RetinaOutlet(Protocol):
+    """Takes the retinas to the bus."""
+
+    def put(self, payload: bytes, time_ns: int) -> None:
+        """Take a retina that was seen at `time_ns`; never blocks."""
+        ...
+
+
+def faulty_retinas(bus: Bus, script: FaultScript, now_ns: Callable[[], int]) -> Courier:
+    """A way to the bus on which a script goes wrong; a context manager."""
+    publisher = bus.publisher(RETINA)
+
+    def send(sending: Sending) -> None:
+        publisher.put_raw(sending.payload, sending.attachment, sending.encoding)
+
+    return Courier(script, send, now_ns)
+
+
 class Voice:
     """Says on the bus what a body sees and where it is."""
 
-    def __init__(self, bus: Bus, body: Body, robot: str) -> None:
+    def __init__(
+        self, bus: Bus, body: Body, robot: str, retinas: RetinaOutlet | None = None
+    ) -> None:
         self._publishers = {topic: bus.publisher(topic) for topic in _SPOKEN}
+        self._retinas = retinas or self._publishers[RETINA]
         self._body = body
         self._robot = robot
         self._steps = 0
@@ -68,7 +89,7 @@ class Voice:
     def say(self, contact: Place | None, now_ns: int) -> None:
         """Publish the state of the body: the retina first, as somebody waits for it."""
         retina = encode_retina(self._body.see(), self._body.contract.retina, now_ns, self._robot)
-        self._publishers[RETINA].put(retina, now_ns)
+        self._retinas.put(retina, now_ns)
         place = self._body.place
         self._publishers[POSE].put(encode_pose(place, now_ns), now_ns)
         self._publishers[TRANSFORM].put(encode_transform(place, self._robot, now_ns), now_ns)
@@ -96,13 +117,16 @@ class Bridge:
         body: who drives.
         robot: first part of every key.
         inbox: where the bus delivers the commands.
+        retinas: where the retinas go; straight to the bus by default.
     """
 
-    def __init__(self, bus: Bus, body: Body, robot: str, inbox: Inbox) -> None:
+    def __init__(
+        self, bus: Bus, body: Body, robot: str, inbox: Inbox, retinas: RetinaOutlet | None = None
+    ) -> None:
         self._bus = bus
         self._body = body
         self._inbox = inbox
-        self._voice = Voice(bus, body, robot)
+        self._voice = Voice(bus, body, robot, retinas)
         bus.subscribe([COMMAND], inbox.put)
         bus.announce(BODY_NODE)
 
@@ -116,7 +140,9 @@ class Bridge:
             if wakeup is None:
                 break
             for message in wakeup.messages:
-                self._hear(message.payload)
+                command = decode_command(message.payload)
+                if command is not None:
+                    self._body.hear(command)
             self._voice.say(self._body.move(wakeup.now_ns), wakeup.now_ns)
             done += 1
         return self._journey(done)
@@ -129,44 +155,18 @@ class Bridge:
         Raises:
             BusError: no command came for a retina.
         """
-        self._wait_for_runtime(should_stop)
+        wait_for_runtime(self._inbox, self._runtime_is_ready, should_stop)
         done, contact = 0, None
         while not should_stop() and (steps is None or done < steps):
             now_ns = done * period_ns
             self._voice.say(contact, now_ns)
-            self._await_command(done, should_stop)
+            await_command(self._inbox, done, self._body.hear, should_stop)
             contact = self._body.move(now_ns)
             done += 1
         return self._journey(done)
 
-    def _hear(self, payload: bytes) -> int | None:
-        """Take a command; its number, or None where the bytes are none."""
-        command = decode_command(payload)
-        if command is None:
-            return None
-        self._body.hear(command)
-        return command.sequence
-
-    def _wait_for_runtime(self, should_stop: Callable[[], bool]) -> None:
-        """A runtime in lockstep announces itself only when it hears us, and we hear it."""
-        while not self._runtime_is_ready() and not should_stop():
-            self._inbox.take(_POLL_S)
-
     def _runtime_is_ready(self) -> bool:
         return self._voice.is_heard(RETINA) and self._bus.is_alive(RUNTIME_NODE)
-
-    def _await_command(self, sequence: int, should_stop: Callable[[], bool]) -> None:
-        waited_s = 0.0
-        while not should_stop():
-            message = self._inbox.take(_POLL_S)
-            if message is not None and self._hear(message.payload) == sequence:
-                return
-            waited_s += _POLL_S if message is None else 0.0
-            if waited_s > LOCKSTEP_PATIENCE_S:
-                raise BusError(
-                    f"lockstep: no command for retina {sequence} within {LOCKSTEP_PATIENCE_S:g} s; "
-                    "is `reflexarc run --lockstep` still there, and newly started?"
-                )
 
     def _journey(self, steps: int) -> Journey:
         distance_m = float(self._body.simulation.distance_m[0])

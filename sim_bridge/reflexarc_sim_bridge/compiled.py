@@ -13,6 +13,8 @@ from typing import Any, TypeVar
 
 import numba
 
+from reflexarc_sim_bridge.compile_cache import keyed_by_sources
+
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
 prange = numba.prange
@@ -20,7 +22,8 @@ prange = numba.prange
 
 def compiled(function: _Function) -> _Function:
     """Compile a function at its first call; other compiled functions can call it."""
-    dispatcher: Any = numba.njit(cache=True, error_model="numpy")(function)
+    with keyed_by_sources():
+        dispatcher: Any = numba.njit(cache=True, error_model="numpy")(function)
     return dispatcher  # type: ignore[no-any-return]  # it is called as the function is
 
 
@@ -31,5 +34,6 @@ def compiled_parallel(function: _Function) -> _Function:
     array of that tuple, the two are compiled as if they shared no memory, and what the call wrote
     is not seen.
     """
-    dispatcher: Any = numba.njit(cache=True, error_model="numpy", parallel=True)(function)
+    with keyed_by_sources():
+        dispatcher: Any = numba.njit(cache=True, error_model="numpy", parallel=True)(function)
     return dispatcher  # type: ignore[no-any-return]  # it is called as the function is

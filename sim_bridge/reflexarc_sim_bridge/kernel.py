@@ -147,16 +147,15 @@ def _gather_near(world: WorldParams, agents: Agents, i: int) -> None:
     back_m = agents.cell_x[i] * CELL_M - world.behind_m - world.half_max_m
     front_m = (agents.cell_x[i] + 1) * CELL_M + world.ahead_m + world.half_max_m
     right_m = agents.cell_y[i] * CELL_M - world.aside_m - world.half_max_m
-    per_width = 1.0 / world.width_m
     left_m = (agents.cell_y[i] + 1) * CELL_M + world.aside_m + world.half_max_m
     for chunk in range(math.floor(back_m / CHUNK_M), math.floor(front_m / CHUNK_M) + 1):
-        key = chunk_key(world, seed, chunk)
+        key, first = chunk_key(world, seed, chunk), count
         for j in range(chunk_count(world, key)):
             x_m, y_m = obstacle_x_m(key, chunk, j), obstacle_y_m(world, key, j)
-            if world.periodic:
-                y_m += world.width_m * np.ceil((right_m - y_m) * per_width)
-            if (back_m <= x_m) & (x_m <= front_m) & (right_m <= y_m) & (y_m <= left_m):
-                count = _list_images(world, near, count, key, j, x_m, y_m, left_m)
+            along = (back_m <= x_m) & (x_m <= front_m)
+            count = _list_images(world, near, count, j, x_m, y_m, along, right_m, left_m)
+        for k in range(first, count):
+            _fill_in(world, near, k, key)
     agents.near_count[i] = count
 
 
@@ -165,19 +164,34 @@ def _list_images(
     world: WorldParams,
     near: npt.NDArray[np.float64],
     count: int,
-    key: np.uint64,
     j: int,
     x_m: float,
     y_m: float,
+    along: bool,
+    right_m: float,
     left_m: float,
 ) -> int:
-    """List an obstacle, and again one period farther to the left as long as that is near too."""
+    """List an obstacle's place and number, once for each period in which it lies in the box.
+
+    Written first and counted after: half of the obstacles are out, and no branch foresees which.
+    """
+    period_m = world.width_m if world.periodic else math.inf
+    if world.periodic:
+        y_m += period_m * np.ceil((right_m - y_m) / period_m)
+    inside = along & (right_m <= y_m) & (y_m <= left_m)
+    while True:
+        near[NEAR_X, count], near[NEAR_Y, count], near[NEAR_COLOUR, count] = x_m, y_m, j
+        count = min(count + inside, near.shape[1] - 1)
+        y_m += period_m
+        if not (inside & (y_m <= left_m)):
+            return count
+
+
+@compiled
+def _fill_in(world: WorldParams, near: npt.NDArray[np.float64], k: int, key: np.uint64) -> None:
+    """Size, kind and colour of an obstacle whose number lies in its row of colours."""
+    j = int(near[NEAR_COLOUR, k])
     half_length_m, half_width_m, is_disc = obstacle_size_m(world, key, j)
-    while y_m <= left_m and count < near.shape[1]:
-        near[NEAR_X, count], near[NEAR_Y, count] = x_m, y_m
-        near[NEAR_HALF_LENGTH, count], near[NEAR_HALF_WIDTH, count] = half_length_m, half_width_m
-        near[NEAR_ROUND, count] = 1.0 if is_disc else 0.0
-        near[NEAR_COLOUR, count] = obstacle_colour(world, key, j)
-        count += 1
-        y_m += world.width_m if world.periodic else math.inf
-    return count
+    near[NEAR_HALF_LENGTH, k], near[NEAR_HALF_WIDTH, k] = half_length_m, half_width_m
+    near[NEAR_ROUND, k] = 1.0 if is_disc else 0.0
+    near[NEAR_COLOUR, k] = obstacle_colour(world, key, j)

@@ -1,7 +1,7 @@
 """The named starting points of a run.
 
-Figures in the help are contacts per 100 m on the reference field's test worlds, where an agent
-that never steers scores 36.0; `python benchmarks/learner.py --presets` measures them.
+Figures in the help are contacts per 100 m on validation worlds of the reference field, seeds 0 to
+19; `python benchmarks/learner.py --presets` measures the same on test worlds.
 """
 
 from collections.abc import Mapping
@@ -25,7 +25,23 @@ PRESETS: Mapping[str, TrainConfig] = MappingProxyType(
     }
 )
 
-HELP: Mapping[str, str] = MappingProxyType({"reflex": "", "paper": ""})
+HELP: Mapping[str, str] = MappingProxyType(
+    {
+        "reflex": (
+            "The default, for use: the paper's network and learner (16-10-3, alpha 0.5, lambda "
+            "0.9, gamma 0.9) behind the eye of the reference field, whose rays grow brighter as "
+            "things come nearer, up to 5 m. Reaches about 4 contacts per 100 m in 500,000 steps "
+            "(3.0 to 5.2 over 20 seeds), where a blind agent has 36.0."
+        ),
+        "paper": (
+            "For comparison with the paper: the same network and learner behind its literal eye: "
+            "a ray shows the colour of the first thing within the immediate proximity (1.5 m) "
+            "and says nothing of its distance. Reaches about 6.4 contacts per 100 m in 500,000 "
+            "steps (6.1 to 6.8 over 20 seeds), where a blind agent has 36.0. Two things are not "
+            "in the paper: the bounded step, and what follows a contact."
+        ),
+    }
+)
 """For each preset one paragraph: what it is for, what it reaches."""
 
 

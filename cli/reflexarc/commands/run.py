@@ -131,7 +131,7 @@ class Run:
 
     def _listen_to_the_rest(self, bus: "Bus", sink: "Sink") -> None:
         """Record what the loop does not decide on; it goes past the inbox."""
-        from reflexarc_runtime.topics import CONTACT, LOG, POSE, SCENE, STATUS, TRANSFORM
+        from reflexarc_runtime.topics import CONTACT, LOG, ODOMETRY, POSE, SCENE, STATUS, TRANSFORM
         from reflexarc_runtime.wire import Message, at_source_time
 
         if self.record is None:
@@ -140,7 +140,7 @@ class Run:
         def keep(message: Message) -> None:
             sink.put(at_source_time(message) if self.lockstep else message)
 
-        bus.subscribe([POSE, TRANSFORM, SCENE, CONTACT, STATUS, LOG], keep)
+        bus.subscribe([POSE, TRANSFORM, ODOMETRY, SCENE, CONTACT, STATUS, LOG], keep)
 
     def _wait_for_body(self, command: "Publisher", stop: StopFlag) -> None:
         """In lockstep a command that nobody hears would be waited for in vain."""

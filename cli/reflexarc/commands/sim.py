@@ -1,5 +1,6 @@
 """`reflexarc sim`: a simulated body on the bus."""
 
+from contextlib import nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
     from reflexarc_runtime.bus import Bus
     from reflexarc_runtime.contract import PolicyContract
     from reflexarc_sim_bridge.bridge import Journey
+    from reflexarc_sim_bridge.fault_script import FaultScript
 
 MAX_RATE_HZ = 1000.0
 
@@ -28,6 +30,7 @@ class Sim:
       reflexarc sim
       reflexarc sim --world discs --seed 7 --policy runs/reflex/policy.onnx
       reflexarc sim --lockstep --steps 500
+      reflexarc sim --faults seed:17
     """
 
     world: str = "reference-1"
@@ -42,6 +45,8 @@ class Sim:
     """Wait for the command of every retina; time is the number of the step."""
     steps: int | None = None
     """End after so many steps; by default, at Ctrl-C."""
+    faults: str | None = None
+    """Harm the retinas on their way: a fault script (TOML), or seed:N for a random one."""
     joining: Joining = field(default_factory=Joining)
     json: bool = False
     """Print one JSON object at the end."""
@@ -54,10 +59,11 @@ class Sim:
 
         world_named(self.world)
         self._check_flags()
+        script = self._script()
         config = self.joining.config(listens=True)
         with StopFlag() as stop, Bus(config, MonotonicClock().now_ns) as bus:
             contract = self._contract(bus, stop)
-            journey = self._drive(bus, contract, stop) if contract else None
+            journey = self._drive(bus, contract, stop, script) if contract else None
         if journey is not None:
             self._tell(journey)
         return 0
@@ -69,6 +75,17 @@ class Sim:
             raise UsageError(f"--steps: expected 1 or more, got {self.steps}")
         if not 0 <= self.seed < 1 << 64:
             raise UsageError(f"--seed: expected 0 to 2^64 − 1, got {self.seed}")
+
+    def _script(self) -> "FaultScript | None":
+        from reflexarc_sim_bridge.random_faults import script_named
+
+        if self.faults is None:
+            return None
+        if self.lockstep:
+            raise UsageError(
+                "--faults: not with --lockstep, which waits for the command of every retina"
+            )
+        return script_named(self.faults)
 
     def _contract(self, bus: "Bus", stop: StopFlag) -> "PolicyContract | None":
         from reflexarc_runtime.policy import load_policy
@@ -82,22 +99,29 @@ class Sim:
                 return load_policy(found, verify=False).contract
         return None
 
-    def _drive(self, bus: "Bus", contract: "PolicyContract", stop: StopFlag) -> "Journey":
+    def _drive(
+        self,
+        bus: "Bus",
+        contract: "PolicyContract",
+        stop: StopFlag,
+        script: "FaultScript | None",
+    ) -> "Journey":
         from reflexarc_runtime.clock import MonotonicClock
         from reflexarc_runtime.inbox import Inbox
         from reflexarc_runtime.pacer import RatePacer
         from reflexarc_sim_bridge.body import Body
-        from reflexarc_sim_bridge.bridge import Bridge
+        from reflexarc_sim_bridge.bridge import Bridge, faulty_retinas
         from reflexarc_sim_bridge.worlds import world_named
 
         rate_hz = self.rate or contract.rate_hz
         body = Body(world_named(self.world), contract, rate_hz, self.seed)
-        inbox = Inbox()
-        bridge = Bridge(bus, body, self.joining.robot, inbox)
-        aside.print(f"reflexarc sim: {self.world}, seed {self.seed}, {rate_hz:g} Hz")
-        if self.lockstep:
-            return bridge.drive_in_lockstep(round(1e9 / rate_hz), stop, self.steps)
-        return bridge.drive(RatePacer(rate_hz, MonotonicClock(), inbox), stop, self.steps)
+        inbox, clock = Inbox(), MonotonicClock()
+        with faulty_retinas(bus, script, clock.now_ns) if script else nullcontext() as retinas:
+            bridge = Bridge(bus, body, self.joining.robot, inbox, retinas)
+            aside.print(f"reflexarc sim: {self.world}, seed {self.seed}, {rate_hz:g} Hz")
+            if self.lockstep:
+                return bridge.drive_in_lockstep(round(1e9 / rate_hz), stop, self.steps)
+            return bridge.drive(RatePacer(rate_hz, clock, inbox), stop, self.steps)
 
     def _tell(self, journey: "Journey") -> None:
         if self.json:

@@ -1,0 +1,134 @@
+"""The CARMEN log format: one message a line, words separated by blanks, SI units.
+
+    FLASER n r_1 … r_n x y theta odom_x odom_y odom_theta time host logger_time
+    ODOM x y theta tv rv accel time host logger_time
+
+n ranges, evenly spread from −90° (right) to +90° (left); then the pose that the mapper corrected.
+Every other line is counted and passed over. Source: the CARMEN toolkit's logger, as the Robotics
+Data Set Repository (Radish) keeps its logs.
+
+Distances of 50 m and more are no return: SICK scanners report 50, 51.05 to 51.16 or 81.8 to 81.9 m
+for it, indoors nothing else is as far, and a file that is read once cannot be asked for its largest
+value first. Distances that are not positive are unknown.
+
+Mappers write the corrected pose into the odometry's fields too, and an ODOM line at time 0 behind
+it. So the odometry of a scan is its own only where it differs from its pose; elsewhere it is the
+newest ODOM line with a time since the scan before, if there is one.
+"""
+
+import math
+from collections import Counter
+
+from reflexarc_logs.sweep import (
+    MAX_BEAMS,
+    NO_RETURN,
+    UNKNOWN,
+    BrokenLineError,
+    Distances,
+    Place,
+    Sweep,
+    nanoseconds,
+    place,
+    plain,
+)
+
+NO_RETURN_M = 50.0
+START_RAD, END_RAD = -math.pi / 2, math.pi / 2
+
+_SCAN, _ODOMETRY = b"FLASER", b"ODOM"
+_WORDS_AROUND = 11
+"""Words of a FLASER line that are no ranges: keyword, n, six of poses, three of times."""
+_KEYWORDS = frozenset(
+    b"PARAM SYNC NEFF RLASER TRUEPOS RAWLASER1 RAWLASER2 RAWLASER3 RAWLASER4 ROBOTLASER0 "
+    b"ROBOTLASER1 LASER3 LASER4".split()
+)
+"""What the logs' own headers name, and what GMapping adds."""
+
+
+class Carmen:
+    """Reads the lines of one CARMEN log, in order."""
+
+    expects = "lines that begin with FLASER"
+    no_distance = "not positive"
+    blind_beams = 0
+
+    def __init__(self) -> None:
+        self.distances = Distances(_metres)
+        self.passed_over: Counter[str] = Counter()
+        self._newest_odometry = b""
+
+    def sweep(self, line: bytes) -> Sweep | None:
+        """See `LineReader.sweep`."""
+        if line.startswith(_SCAN):
+            words = line.split()
+            if words[0] == _SCAN:
+                return self._scan(words)
+        if line.startswith(_ODOMETRY):
+            self.passed_over["ODOM"] += 1
+            if not line.endswith(b" 0\n"):  # time 0: what a mapper repeats of its own pose
+                self._newest_odometry = line
+            return None
+        self._pass_over(line)
+        return None
+
+    def notes(self) -> tuple[str, ...]:
+        """See `LineReader.notes`."""
+        return ()
+
+    def _scan(self, words: list[bytes]) -> Sweep:
+        beams = _beams(words)
+        ranges_m = self.distances.of(words[2 : 2 + beams])
+        pose_words, odometry_words = words[2 + beams : 5 + beams], words[5 + beams : 8 + beams]
+        time_ns = nanoseconds(words[8 + beams])
+        pose = place(pose_words, time_ns)
+        if odometry_words == pose_words:
+            odometry = self._odometry()
+        else:
+            odometry = place(odometry_words, time_ns)
+        self._newest_odometry = b""
+        return Sweep(time_ns, START_RAD, END_RAD, ranges_m, pose, odometry)
+
+    def _odometry(self) -> Place | None:
+        """What the newest ODOM line says, if there was one."""
+        words = self._newest_odometry.split()
+        if not words:
+            return None
+        try:
+            _, x, y, heading, _, _, _, time, _, _ = words
+            return place([x, y, heading], nanoseconds(time))
+        except ValueError:
+            self.passed_over["ODOM, broken"] += 1
+            return None
+
+    def _pass_over(self, line: bytes) -> None:
+        """Count a line that carries no scan.
+
+        Raises:
+            BrokenLineError: no log of this format has such lines.
+        """
+        word = b"".join(line.split(None, 1)[:1])
+        if word.startswith(b"#"):
+            self.passed_over["#"] += 1
+        elif word in _KEYWORDS:
+            self.passed_over[word.decode()] += 1
+        elif word:
+            raise BrokenLineError("unknown keyword")
+
+
+def _beams(words: list[bytes]) -> int:
+    """How many ranges a FLASER line has.
+
+    Raises:
+        BrokenLineError: not as many as it says.
+    """
+    beams = len(words) - _WORDS_AROUND
+    if not 2 <= beams <= MAX_BEAMS or words[1] != b"%d" % beams:
+        raise BrokenLineError("wrong count of ranges")
+    return beams
+
+
+def _metres(word: bytes) -> float:
+    distance_m = float(plain(word))
+    if distance_m >= NO_RETURN_M:
+        return NO_RETURN
+    return distance_m if distance_m > 0.0 else UNKNOWN

@@ -1,0 +1,83 @@
+"""The log format of CoreSLAM (tinySLAM): one scan of a Hokuyo URG-04LX a line, numbers and blanks.
+
+Word 0 is the time in microseconds, words 2 and 3 the counts of the two wheel encoders, words 24 to
+705 are 682 ranges in millimetres from the right (−120°) to the left (+120°); one more number may
+stand at the end. Source: Steux and El Hamzaoui, "tinySLAM", and BreezySLAM's copy of its data.
+
+0 is no return; 1 to 19 are the sensor's error codes, and negative numbers none that it knows:
+unknown. The first and the last 70 beams see the robot itself or nothing, whatever number they give
+(the detection margin of tinySLAM's own example), so they are unknown too: ±95° remain. The wheels'
+geometry does not stand in the file, so no odometry is made of their counts.
+"""
+
+import math
+from collections import Counter
+
+from reflexarc_logs.sweep import (
+    NO_RETURN,
+    UNKNOWN,
+    BrokenLineError,
+    Distances,
+    Sweep,
+    calendar_ns,
+    plain,
+)
+
+BEAMS = 682
+BLIND_BEAMS = 70
+"""On each side."""
+FIRST_DISTANCE_MM = 20
+START_RAD, END_RAD = -math.radians(120.0), math.radians(120.0)
+
+_FIRST_RANGE = 24
+_WORDS = _FIRST_RANGE + BEAMS
+_SEEING = slice(_FIRST_RANGE + BLIND_BEAMS, _WORDS - BLIND_BEAMS)
+_BLIND = [UNKNOWN] * BLIND_BEAMS
+
+
+class CoreSlam:
+    """Reads the lines of one CoreSLAM log, in order."""
+
+    expects = f"lines of {_WORDS} or {_WORDS + 1} numbers"
+    no_distance = "error code"
+    blind_beams = 2 * BLIND_BEAMS
+
+    def __init__(self) -> None:
+        self.distances = Distances(_metres)
+        self.passed_over: Counter[str] = Counter()
+        self._wheel_counts = 0
+
+    def sweep(self, line: bytes) -> Sweep | None:
+        """See `LineReader.sweep`."""
+        words = line.split()
+        if not words:
+            return None
+        if not _WORDS <= len(words) <= _WORDS + 1:
+            raise BrokenLineError("wrong count of numbers")
+        if len(words) == _WORDS and not line.endswith(b"\n"):
+            raise BrokenLineError("cut off")  # its last number may have lost digits
+        ranges_m = [*_BLIND, *self.distances.of(words[_SEEING]), *_BLIND]
+        sweep = Sweep(_time_ns(words[0]), START_RAD, END_RAD, ranges_m)
+        self._wheel_counts += 1
+        return sweep
+
+    def notes(self) -> tuple[str, ...]:
+        """See `LineReader.notes`."""
+        return (
+            f"{self._wheel_counts} pairs of wheel encoder counts were read and not written: the "
+            "file does not say how far a count is",
+        )
+
+
+def _time_ns(word: bytes) -> int | None:
+    try:
+        return calendar_ns(int(plain(word)) * 1000)
+    except ValueError:
+        raise BrokenLineError("a pose or a time is no number") from None
+
+
+def _metres(word: bytes) -> float:
+    distance_mm = int(plain(word))
+    if distance_mm == 0:
+        return NO_RETURN
+    return distance_mm / 1000 if distance_mm >= FIRST_DISTANCE_MM else UNKNOWN

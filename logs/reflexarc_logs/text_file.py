@@ -1,0 +1,66 @@
+"""The lines of a text log, plain or gzip, whatever is really in the file.
+
+What kind of file it is, its first bytes say and not its name. Lines are read one at a time and are
+at most 1 MiB long, so that no file, however large or strange, takes more memory than that.
+"""
+
+import gzip
+import io
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, BinaryIO
+
+from reflexarc_runtime.errors import LogError
+
+MAX_LINE_BYTES = 1 << 20
+"""A longer line is given in part, without its end, and cannot be a scan."""
+
+_GZIP_MAGIC = b"\x1f\x8b"
+_LOOKED_AT_BYTES = 4096
+_BUFFER_BYTES = 1 << 18
+
+
+def text_lines(path: Path) -> Iterator[bytes]:
+    """Yield every line with its end; the last one may have none.
+
+    Raises:
+        LogError: the file is missing, empty, binary, or gzip that is damaged.
+    """
+    try:
+        with _opened(path) as stream:
+            _check_text(path, stream.peek(_LOOKED_AT_BYTES)[:_LOOKED_AT_BYTES])
+            while line := stream.readline(MAX_LINE_BYTES):
+                yield line
+                if len(line) == MAX_LINE_BYTES:
+                    _skip_line(stream, line)
+    except (EOFError, zlib.error, gzip.BadGzipFile) as error:
+        raise LogError(
+            f"{path}: damaged gzip ({error}); `gzip -dc` saves the lines before the damage"
+        ) from None
+    except OSError as error:
+        raise LogError(f"{path}: cannot be read: {error.strerror}; give a text log") from None
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator["io.BufferedReader[Any]"]:
+    with io.BufferedReader(io.FileIO(path), _BUFFER_BYTES) as file:
+        if file.peek(len(_GZIP_MAGIC)).startswith(_GZIP_MAGIC):
+            with gzip.GzipFile(fileobj=file) as unpacked:
+                yield io.BufferedReader(unpacked, _BUFFER_BYTES)
+        else:
+            yield file
+
+
+def _check_text(path: Path, head: bytes) -> None:
+    if not head:
+        raise LogError(f"{path}: expected a text log, got an empty file")
+    if b"\0" in head:
+        raise LogError(f"{path}: expected a text log, got a binary file")
+
+
+def _skip_line(stream: BinaryIO, part: bytes) -> None:
+    """Pass over the rest of a line that is too long."""
+    while part and not part.endswith(b"\n"):
+        part = stream.readline(MAX_LINE_BYTES)

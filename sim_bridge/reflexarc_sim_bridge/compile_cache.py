@@ -1,0 +1,63 @@
+"""Where compiled functions are kept: under a name made of the sources that they come from.
+
+Numba knows a cached function by its own file alone, and does not notice that a function which it
+calls, in another file, has changed: it would go on running the old world. So each state of the
+sources has a folder of its own; the newest few stay.
+"""
+
+import contextlib
+import hashlib
+import shutil
+import tempfile
+from collections.abc import Iterator
+from functools import lru_cache
+from importlib.util import find_spec
+from pathlib import Path
+
+import numba
+
+KEPT_STATES = 4
+
+_SOURCES = ("reflexarc_runtime", "reflexarc_sim_bridge", "reflexarc_trainer")
+
+
+@contextlib.contextmanager
+def keyed_by_sources() -> Iterator[None]:
+    """Within it, `numba.njit(cache=True)` keeps what it compiles in the folder of these sources."""
+    before = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = str(cache_folder())
+    try:
+        yield
+    finally:
+        numba.config.CACHE_DIR = before
+
+
+@lru_cache(maxsize=1)
+def cache_folder() -> Path:
+    """The folder for the sources as they are now; made if need be."""
+    home = Path(numba.config.CACHE_DIR or Path.home() / ".cache" / "reflexarc")
+    folder = home / f"compiled-{source_key()}"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        folder.touch()
+        _forget_old_states(home)
+    except OSError:
+        return Path(tempfile.mkdtemp(prefix="reflexarc-compiled-"))
+    return folder
+
+
+def source_key() -> str:
+    """Hash over every Python file that compiled code may come from."""
+    digest = hashlib.sha256(numba.__version__.encode())
+    for package in _SOURCES:
+        spec = find_spec(package)
+        for place in (spec.submodule_search_locations or []) if spec else []:
+            for path in sorted(Path(place).rglob("*.py")):
+                digest.update(path.name.encode() + path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _forget_old_states(home: Path) -> None:
+    states = sorted(home.glob("compiled-*"), key=lambda path: path.stat().st_mtime)
+    for state in states[:-KEPT_STATES]:
+        shutil.rmtree(state, ignore_errors=True)

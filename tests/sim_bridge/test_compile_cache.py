@@ -1,0 +1,68 @@
+import os
+from importlib.machinery import ModuleSpec
+from pathlib import Path
+
+import numba
+import pytest
+
+from reflexarc_sim_bridge import compile_cache
+from reflexarc_sim_bridge.compile_cache import cache_folder, keyed_by_sources, source_key
+
+
+@pytest.fixture
+def sources(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A package of one file in place of ours."""
+
+    def find(name: str) -> ModuleSpec:
+        spec = ModuleSpec(name, None, is_package=True)
+        spec.submodule_search_locations = [str(tmp_path)]
+        return spec
+
+    monkeypatch.setattr(compile_cache, "find_spec", find)
+    (tmp_path / "motion.py").write_text("speed = 1")
+    return tmp_path
+
+
+def test_any_edit_of_a_source_gives_another_key(sources: Path):
+    before = source_key()
+    assert source_key() == before
+    (sources / "motion.py").write_text("speed = 2")
+    assert source_key() != before
+
+
+def test_numba_s_own_folder_is_given_back():
+    before = numba.config.CACHE_DIR
+    with keyed_by_sources():
+        assert source_key() in numba.config.CACHE_DIR
+    assert before == numba.config.CACHE_DIR
+
+
+def test_only_the_newest_states_are_kept(
+    sources: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    home = tmp_path / "cache"
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(home))
+    for age in range(6):
+        old = home / f"compiled-{age}"
+        old.mkdir(parents=True)
+        os.utime(old, (age, age))
+    cache_folder.cache_clear()
+    try:
+        newest = cache_folder()
+    finally:
+        cache_folder.cache_clear()
+    kept = {path.name for path in home.iterdir()}
+    assert kept == {newest.name, "compiled-5", "compiled-4", "compiled-3"}
+
+
+def test_without_a_place_to_write_it_compiles_into_a_temporary_folder(
+    monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(numba.config, "CACHE_DIR", "/proc/self/none")
+    cache_folder.cache_clear()
+    try:
+        folder = cache_folder()
+        assert folder.is_dir()
+        folder.rmdir()
+    finally:
+        cache_folder.cache_clear()

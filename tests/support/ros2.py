@@ -1,0 +1,67 @@
+"""ROS 2 messages by another library than ours: pycdr2 in place of rosbags, from the .msg files."""
+
+import math
+from dataclasses import dataclass, field
+
+from pycdr2 import IdlStruct
+from pycdr2.types import float32, float64, int32, sequence, uint32
+
+
+@dataclass
+class Time(IdlStruct, typename="builtin_interfaces/Time"):
+    sec: int32 = 0
+    nanosec: uint32 = 0
+
+
+@dataclass
+class Header(IdlStruct, typename="std_msgs/Header"):
+    stamp: Time = field(default_factory=Time)
+    frame_id: str = "laser"
+
+
+@dataclass
+class LaserScan(IdlStruct, typename="sensor_msgs/LaserScan"):
+    header: Header
+    angle_min: float32
+    angle_max: float32
+    angle_increment: float32
+    time_increment: float32
+    scan_time: float32
+    range_min: float32
+    range_max: float32
+    ranges: sequence[float32]
+    intensities: sequence[float32]
+
+
+@dataclass
+class Vector3(IdlStruct, typename="geometry_msgs/Vector3"):
+    x: float64
+    y: float64
+    z: float64
+
+
+@dataclass
+class Twist(IdlStruct, typename="geometry_msgs/Twist"):
+    linear: Vector3
+    angular: Vector3
+
+
+@dataclass
+class TwistStamped(IdlStruct, typename="geometry_msgs/TwistStamped"):
+    header: Header
+    twist: Twist
+
+
+def laser_scan(
+    ranges_m: list[float],
+    *,
+    start_rad: float = -math.pi / 2,
+    step_rad: float | None = None,
+    limits_m: tuple[float, float] = (0.1, 10.0),
+    stamp: Time | None = None,
+) -> LaserScan:
+    """A scan over half a circle ahead, unless told otherwise."""
+    step = math.pi / max(len(ranges_m) - 1, 1) if step_rad is None else step_rad
+    end_rad = start_rad + (len(ranges_m) - 1) * step
+    head = Header(stamp or Time())
+    return LaserScan(head, start_rad, end_rad, step, 0.0, 0.1, *limits_m, ranges_m, [])
