@@ -5,6 +5,10 @@ BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.installed
 PYTEST_WORKERS ?= 2
 
+# Threads of NumPy and numba must neither fight nor spin while they wait.
+export OPENBLAS_NUM_THREADS ?= 1
+export OMP_WAIT_POLICY ?= passive
+
 .PHONY: help demo test check fmt wheel golden proto clean
 
 help:            ## say what there is

@@ -4,8 +4,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from reflexarc.output import aside
+from reflexarc.stop import StopFlag
+
 if TYPE_CHECKING:
-    from reflexarc_runtime.bus import BusConfig
+    from reflexarc_runtime.bus import Bus, BusConfig
+    from reflexarc_runtime.contract import PolicyContract
+
+ASK_S = 0.5
+"""How long one question to the runtime lasts."""
 
 
 @dataclass(frozen=True)
@@ -24,3 +31,29 @@ class Joining:
         from reflexarc_runtime.bus import BusConfig
 
         return BusConfig(self.robot, self.port, listens, self.zenoh)
+
+
+def contract_of(
+    policy: Path | None, bus: "Bus", stop: StopFlag, who: str
+) -> "PolicyContract | None":
+    """What a body should see: from a policy file, or from the runtime that it meets on the bus.
+
+    Args:
+        policy: the file; None: ask, and wait for an answer.
+        bus: where to ask.
+        stop: ends the waiting.
+        who: waits, for the notice.
+
+    Returns:
+        The contract, or None when asked to stop before anyone answered.
+    """
+    from reflexarc_runtime.policy import load_policy
+
+    if policy is not None:
+        return load_policy(policy, verify=False).contract
+    aside.print(f"{who}: waiting for a runtime to say what it wants to see …")
+    while not stop():
+        found = bus.fetch_policy(timeout_s=ASK_S)
+        if found is not None:
+            return load_policy(found, verify=False).contract
+    return None

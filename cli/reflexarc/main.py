@@ -15,6 +15,7 @@ from typing import Annotated, Any
 
 import tyro
 
+from reflexarc.commands.camera import Camera
 from reflexarc.commands.demo import Demo
 from reflexarc.commands.evaluate import Evaluate
 from reflexarc.commands.export import Export
@@ -37,6 +38,7 @@ COMMANDS = (
     Evaluate,
     Sim,
     Ros2,
+    Camera,
     Run,
     Record,
     Play,
@@ -48,7 +50,10 @@ COMMANDS = (
 BAD_INPUT = 2
 
 _EXTRAS = {"torch": "train", "matplotlib": "train", "rosbags": "ros2", "cv2": "camera"}
-"""Which extra brings a module; `sim` brings the others."""
+"""Which extra brings a module."""
+
+_NEEDS = {"demo": "train", "train": "train", "export": "train"}
+"""Which extra a command needs, where the missing module does not tell; `sim` for the others."""
 
 _STYLE = (tyro.conf.FlagCreatePairsOff, tyro.conf.OmitArgPrefixes, tyro.conf.DisallowNone)
 
@@ -58,7 +63,7 @@ DESCRIPTION = "A learned reflex for robots: train, export, run, record, replay."
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit status."""
     logging.basicConfig(format="reflexarc: %(message)s", level=logging.WARNING)
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # its threads would fight numba's
+    _quieten_threads()
     words = list(sys.argv[1:] if arguments is None else arguments) or ["--help"]
     try:
         status: int = _parse(words).run()
@@ -66,13 +71,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except ReflexarcError as error:
         return _refuse(str(error))
     except ModuleNotFoundError as error:
-        return _refuse(_explain_missing(error))
+        return _refuse(_explain_missing(error, words[0]))
     except OSError as error:
         if isinstance(error, BrokenPipeError):
             return _nobody_listens()
         return _refuse(f"{error.filename or 'system'}: {error.strerror or error}")
     except KeyboardInterrupt:
         return 130
+
+
+def _quieten_threads() -> None:
+    """Before NumPy and numba load: their threads must neither fight nor spin while they wait."""
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
 
 def _parse(words: list[str]) -> Any:
@@ -113,10 +124,12 @@ def _one_line(complaint: str) -> str:
     return re.sub(r"-{3,}", " ", re.sub(r"\s+", " ", words)).strip()
 
 
-def _explain_missing(error: ModuleNotFoundError) -> str:
+def _explain_missing(error: ModuleNotFoundError, command: str) -> str:
+    module = (error.name or "").partition(".")[0]
+    extra = _EXTRAS.get(module) or _NEEDS.get(command, "sim")
     return (
-        f"this command needs {error.name}, which is not installed here; "
-        f"install the extra: pip install 'reflexarc[{_EXTRAS.get(error.name or '', 'sim')}]'"
+        f"this command needs {module}, which is not installed here; "
+        f"install the extra: pip install 'reflexarc[{extra}]'"
     )
 
 

@@ -54,22 +54,28 @@ class Carmen:
 
     def __init__(self) -> None:
         self.distances = Distances(_metres)
-        self.passed_over: Counter[str] = Counter()
+        self._passed_over: Counter[str] = Counter()
+        self._odometry_lines = 0
         self._newest_odometry = b""
 
     def sweep(self, line: bytes) -> Sweep | None:
         """See `LineReader.sweep`."""
+        if line.startswith(_ODOMETRY):  # the most frequent line by far
+            self._odometry_lines += 1
+            if not line.endswith(b" 0\n"):  # time 0: what a mapper repeats of its own pose
+                self._newest_odometry = line
+            return None
         if line.startswith(_SCAN):
             words = line.split()
             if words[0] == _SCAN:
                 return self._scan(words)
-        if line.startswith(_ODOMETRY):
-            self.passed_over["ODOM"] += 1
-            if not line.endswith(b" 0\n"):  # time 0: what a mapper repeats of its own pose
-                self._newest_odometry = line
-            return None
         self._pass_over(line)
         return None
+
+    def passed_over(self) -> dict[str, int]:
+        """See `LineReader.passed_over`."""
+        odometry = {"ODOM": self._odometry_lines} if self._odometry_lines else {}
+        return odometry | dict(self._passed_over)
 
     def notes(self) -> tuple[str, ...]:
         """See `LineReader.notes`."""
@@ -97,7 +103,7 @@ class Carmen:
             _, x, y, heading, _, _, _, time, _, _ = words
             return place([x, y, heading], nanoseconds(time))
         except ValueError:
-            self.passed_over["ODOM, broken"] += 1
+            self._passed_over["ODOM, broken"] += 1
             return None
 
     def _pass_over(self, line: bytes) -> None:
@@ -108,9 +114,9 @@ class Carmen:
         """
         word = b"".join(line.split(None, 1)[:1])
         if word.startswith(b"#"):
-            self.passed_over["#"] += 1
+            self._passed_over["#"] += 1
         elif word in _KEYWORDS:
-            self.passed_over[word.decode()] += 1
+            self._passed_over[word.decode()] += 1
         elif word:
             raise BrokenLineError("unknown keyword")
 

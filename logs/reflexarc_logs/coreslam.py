@@ -11,7 +11,6 @@ geometry does not stand in the file, so no odometry is made of their counts.
 """
 
 import math
-from collections import Counter
 
 from reflexarc_logs.sweep import (
     NO_RETURN,
@@ -44,7 +43,6 @@ class CoreSlam:
 
     def __init__(self) -> None:
         self.distances = Distances(_metres)
-        self.passed_over: Counter[str] = Counter()
         self._wheel_counts = 0
 
     def sweep(self, line: bytes) -> Sweep | None:
@@ -60,6 +58,10 @@ class CoreSlam:
         sweep = Sweep(_time_ns(words[0]), START_RAD, END_RAD, ranges_m)
         self._wheel_counts += 1
         return sweep
+
+    def passed_over(self) -> dict[str, int]:
+        """See `LineReader.passed_over`."""
+        return {}
 
     def notes(self) -> tuple[str, ...]:
         """See `LineReader.notes`."""

@@ -5,6 +5,7 @@ the new times; the file's own time stays in the messages. What is broken is coun
 """
 
 import json
+import math
 import platform
 import uuid
 from collections import Counter
@@ -135,8 +136,8 @@ class _Import:
 
     def run(self) -> Imported:
         self._begin()
+        number = 0
         for number, line in enumerate(text_lines(self._path), 1):
-            self._said.lines = number
             try:
                 sweep = self._format.sweep(line)
             except BrokenLineError as error:
@@ -144,6 +145,7 @@ class _Import:
                 continue
             if sweep is not None:
                 self._take(sweep, number)
+        self._said.lines = number
         self._check()
         self.file.finish()
         return self._conclude()
@@ -181,8 +183,9 @@ class _Import:
         said.seconds = time_ns / 1e9
         said.times_left_out += sweep.time_ns is None
         said.beams += len(ranges_m)
-        said.no_return += ranges_m.count(NO_RETURN)
-        self._unknown += ranges_m.count(UNKNOWN)  # finds the object; no NaN equals another
+        if not math.isfinite(sum(ranges_m)):
+            said.no_return += ranges_m.count(NO_RETURN)
+            self._unknown += ranges_m.count(UNKNOWN)  # finds the object; no NaN equals another
 
     def _note_broken(self, number: int, line: bytes, kind: str) -> None:
         if len(line) == MAX_LINE_BYTES:
@@ -218,7 +221,7 @@ class _Import:
         }
         said.unknown = {kind: count for kind, count in kinds.items() if count}
         said.broken_lines = dict(self._broken)
-        said.passed_over = dict(log_format.passed_over)
+        said.passed_over = log_format.passed_over()
         said.notes = log_format.notes()
         return said
 

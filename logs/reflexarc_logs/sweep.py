@@ -5,7 +5,6 @@ nothing is guessed.
 """
 
 import math
-from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
@@ -63,8 +62,6 @@ class LineReader(Protocol):
     blind_beams: int
     """Beams of every scan that say nothing, whatever they give."""
     distances: "Distances"
-    passed_over: Counter[str]
-    """Good lines that carry no scan, by keyword."""
 
     def sweep(self, line: bytes) -> Sweep | None:
         """The scan of a line; None where it holds something else.
@@ -72,6 +69,10 @@ class LineReader(Protocol):
         Raises:
             BrokenLineError: it begins as a scan and is none, or is no line of this format.
         """
+        ...
+
+    def passed_over(self) -> dict[str, int]:
+        """Good lines that carry no scan, by keyword."""
         ...
 
     def notes(self) -> tuple[str, ...]:

@@ -52,7 +52,10 @@ class Body:
         Returns:
             Where a collision began, or None.
         """
-        motion = self._watchdog.obeyed(now_ns) or self.contract.safe_command
+        command = self._watchdog.obeyed(now_ns)
+        # The safe thing is this body's own: a command without an echo moves nothing, whatever
+        # speeds it names, for it would hold for ever.
+        motion = self.contract.safe_command if command is None or command.is_safe else command
         world, _, agents = self.simulation.params
         if not kernel.step_agent(world, agents, 0, motion.linear_mps, motion.lateral_mps):
             return None

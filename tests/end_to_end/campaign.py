@@ -21,17 +21,17 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1]))  # the tests' support package
 
-from reflexarc_runtime.contract import PolicyContract, RetinaSpec  # noqa: E402  # by the line above
-from reflexarc_sim_bridge.fault_script import KINDS  # noqa: E402
-from support.fault_judge import MS  # noqa: E402
-from support.fault_runs import (  # noqa: E402
+from reflexarc_runtime.contract import PolicyContract, RetinaSpec
+from reflexarc_sim_bridge.fault_script import KINDS
+from support.fault_judge import MS
+from support.fault_runs import (
     Outcome,
     fault_run,
     free_ports,
     killed_body_run,
     killed_runtime_run,
 )
-from support.policies import exported  # noqa: E402
+from support.policies import exported
 
 
 def campaign(seeds: Sequence[int], folder: Path, parallel: int = 4) -> list[Outcome]:
@@ -55,6 +55,8 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as temporary:
         folder = arguments.keep or Path(temporary)
         folder.mkdir(parents=True, exist_ok=True)
+        if any(folder.iterdir()):
+            raise SystemExit(f"--keep: {folder}: expected an empty folder; choose another one")
         outcomes = campaign(seeds, folder, arguments.parallel)
     report = summary(outcomes)
     print(json.dumps(report) if arguments.json else table(report))
@@ -76,16 +78,18 @@ def summary(outcomes: Sequence[Outcome]) -> dict[str, Any]:
 def table(report: dict[str, Any]) -> str:
     """The same for a person, as Markdown."""
     lines = [
-        "| kind | runs | stops | ms to safe: median | p99 | worst | stopped by | verdicts seen "
+        "| kind | runs | stops | ms to safe: median | p99 | worst | stopped by "
+        "| told: how many, worst | verdicts seen "
         "| replays identical |",
-        "|---|---|---|---|---|---|---|---|---|",
+        "|---|---|---|---|---|---|---|---|---|---|",
     ]
     lines += [_row(kind, figures) for kind, figures in report["kinds"].items()]
     lines += [_row("**all**", report["all"]), ""]
     figures = report["all"]
     lines.append(
         f"{figures['ticks']} ticks; {figures['sent']} messages sent by judged bodies, "
-        f"{figures['lost']} of them never arrived; latest wake-up of a body "
+        f"{figures['lost']} of them never arrived; {figures['over the bound']} stops over the "
+        f"bound, {figures['of these overslept']} of them overslept; latest wake-up of a body "
         f"{figures['latest look, ms']} ms, of a runtime {figures['latest tick, ms']} ms"
     )
     lines += [f"FAILED {name}: {'; '.join(what)}" for name, what in report["failures"].items()]
@@ -96,6 +100,7 @@ def table(report: dict[str, Any]) -> str:
 def _figures(outcomes: Sequence[Outcome]) -> dict[str, Any]:
     stops = [o for outcome in outcomes for o in outcome.outages if o.to_safe_ns is not None]
     times_ms = [(stop.to_safe_ns or 0) / MS for stop in stops]
+    told_ms = [stop.to_told_ns / MS for stop in stops if stop.to_told_ns is not None]
     median, p99, worst = np.percentile(times_ms, [50, 99, 100]) if times_ms else (None,) * 3
     return {
         "runs": len(outcomes),
@@ -103,6 +108,8 @@ def _figures(outcomes: Sequence[Outcome]) -> dict[str, Any]:
         "median": median,
         "p99": p99,
         "worst": worst,
+        "told": sum(stop.told_ns is not None for stop in stops),
+        "told, worst": max(told_ms, default=None),
         "over the bound": sum(stop.is_late for stop in stops),
         "of these overslept": sum(stop.is_the_machine_s for stop in stops),
         "causes": _counted([stop.cause for stop in stops]),
@@ -125,7 +132,8 @@ def _row(kind: str, figures: dict[str, Any]) -> str:
     causes = ", ".join(f"{name} {count}" for name, count in figures["causes"].items()) or "–"
     verdicts = ", ".join(name for name in figures["verdicts"] if name not in ("OK", "STOPPED"))
     replays = f"{figures['replayed']} of {figures['runs']}"
-    cells = [kind, figures["runs"], figures["stops"], *times, causes, verdicts, replays]
+    told = f"{figures['told']}, {figures['told, worst']:.0f} ms" if figures["told"] else "–"
+    cells = [kind, figures["runs"], figures["stops"], *times, causes, told, verdicts, replays]
     return "| " + " | ".join(map(str, cells)) + " |"
 
 

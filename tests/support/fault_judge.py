@@ -38,11 +38,18 @@ class Outage:
     """How late that look was."""
     cause: str
     """Verdict of the command that stopped it, or `watchdog`."""
+    told_ns: int | None = None
+    """When it heard the runtime's safe command, be it already stopped; None: not in this outage."""
 
     @property
     def to_safe_ns(self) -> int | None:
         """From the last good input to the stop; None where it did not drive at all."""
         return None if self.stopped_ns is None else self.stopped_ns - self.last_good_ns
+
+    @property
+    def to_told_ns(self) -> int | None:
+        """From the last good input to the runtime's safe command: the guard behind the watchdog."""
+        return None if self.told_ns is None else self.told_ns - self.last_good_ns
 
     @property
     def is_late(self) -> bool:
@@ -115,9 +122,16 @@ def _outage(
     if drove[-1] + 1 >= len(polls):  # it drove to the very end: no stop was seen
         return Outage(last_good_ns, decided_ns, decided_ns, 0, "none")
     stopped_ns, oversleep_ns, _ = polls[drove[-1] + 1]
-    return Outage(last_good_ns, decided_ns, stopped_ns, oversleep_ns, _cause(heard, stopped_ns))
+    cause = _cause(heard, stopped_ns)
+    told_ns = _told_ns(heard, last_good_ns, polls[end - 1][0])
+    return Outage(last_good_ns, decided_ns, stopped_ns, oversleep_ns, cause, told_ns)
 
 
 def _cause(heard: Sequence[tuple[int, str]], stopped_ns: int) -> str:
     verdicts = [verdict for time_ns, verdict in heard if time_ns <= stopped_ns]
     return "watchdog" if not verdicts or verdicts[-1] == "OK" else verdicts[-1]
+
+
+def _told_ns(heard: Sequence[tuple[int, str]], begin_ns: int, end_ns: int) -> int | None:
+    times_ns = (time_ns for time_ns, name in heard if name != "OK" and begin_ns < time_ns <= end_ns)
+    return next(times_ns, None)

@@ -10,6 +10,7 @@ from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -195,7 +196,7 @@ def _judge_outages(outcome: Outcome, polls: Any, worths: Any, heard: Any) -> Non
 def _judge_silence_in_log(outcome: Outcome, log: Path) -> None:
     """A dead body notes nothing: the runtime's own ticks say when it stopped."""
     ticks = list(read_log(log).ticks())
-    for before, after in zip(ticks, ticks[1:], strict=False):
+    for before, after in pairwise(ticks):
         if before.decision.verdict == Verdict.OK and after.decision.verdict == Verdict.STALE_INPUT:
             last_ns, stop_ns = after.decision.input.received_ns, after.decision.now_ns
             outage = Outage(

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from reflexarc.joining import Joining
+from reflexarc.joining import Joining, contract_of
 from reflexarc.output import aside, console, facts, print_json
 from reflexarc.stop import StopFlag
 from reflexarc_runtime.errors import UsageError
@@ -62,7 +62,7 @@ class Sim:
         script = self._script()
         config = self.joining.config(listens=True)
         with StopFlag() as stop, Bus(config, MonotonicClock().now_ns) as bus:
-            contract = self._contract(bus, stop)
+            contract = contract_of(self.policy, bus, stop, "reflexarc sim")
             journey = self._drive(bus, contract, stop, script) if contract else None
         if journey is not None:
             self._tell(journey)
@@ -86,18 +86,6 @@ class Sim:
                 "--faults: not with --lockstep, which waits for the command of every retina"
             )
         return script_named(self.faults)
-
-    def _contract(self, bus: "Bus", stop: StopFlag) -> "PolicyContract | None":
-        from reflexarc_runtime.policy import load_policy
-
-        if self.policy is not None:
-            return load_policy(self.policy, verify=False).contract
-        aside.print("reflexarc sim: waiting for a runtime to say what it wants to see …")
-        while not stop():
-            found = bus.fetch_policy(timeout_s=0.5)
-            if found is not None:
-                return load_policy(found, verify=False).contract
-        return None
 
     def _drive(
         self,

@@ -1,0 +1,1 @@
+"""A real camera as the body's eye: from images to retinas."""

@@ -1,0 +1,78 @@
+import socket
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from reflexarc.main import main
+from reflexarc_runtime.contract import PolicyContract, RetinaSpec, Shading
+from support.images import bar, write_image
+from support.policies import exported
+
+
+@pytest.fixture
+def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    colours = PolicyContract(retina=RetinaSpec(rays=4, fov_rad=1.5, shading=Shading.COLOUR))
+    (tmp_path / "colours.onnx").write_bytes(exported(colours))
+    (tmp_path / "nearness.onnx").write_bytes(exported(PolicyContract()))
+    (tmp_path / "text.avi").write_text("none")
+    (tmp_path / "ears.toml").write_text("[ears]")
+    (tmp_path / "narrow.toml").write_text("[lens]\nfov_rad = 1.0")
+    write_image(tmp_path / "frame.png", bar(0))
+    return tmp_path
+
+
+SEES = ["--policy", "colours.onnx"]
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        ([], "STR"),
+        (["none.avi"], "none.avi"),
+        (["text.avi"], "text.avi"),
+        (["97"], "camera 97"),
+        (["*.jpg"], "found none"),
+        (["frame.png", "--rate", "0"], "--rate"),
+        (["frame.png", "--calibration", "none.toml"], "none.toml"),
+        (["frame.png", "--calibration", "ears.toml"], "ears"),
+        (["frame.png", "--policy", "none.onnx"], "none.onnx"),
+        (["frame.png", "--policy", "nearness.onnx"], "--preset paper"),
+        (["frame.png", "--calibration", "narrow.toml", *SEES], "lens.fov_rad"),
+        (["frame.png", "--right", "frame.png", *SEES], "--right"),
+    ],
+)
+def test_what_cannot_work_is_said_in_one_line(
+    files: Path, words: list[str], expected: str, port: int, capfd: pytest.CaptureFixture[str]
+):
+    try:
+        status = main(["camera", *words, "--port", str(port)])
+    except SystemExit as end:
+        status = end.code
+    said = capfd.readouterr().err
+    assert status == 2
+    assert expected in said
+    assert len(said.strip().splitlines()) == 1
+
+
+def test_without_its_extra_it_says_which_one_to_install():
+    code = """
+import sys
+sys.modules["cv2"] = None
+from reflexarc.main import main
+raise SystemExit(main(["camera", "0"]))
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert "reflexarc[camera]" in done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1
+
+
+@pytest.fixture
+def port() -> int:
+    """A port that nobody listens on."""
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
+        return int(listener.getsockname()[1])

@@ -1,0 +1,45 @@
+import subprocess
+import sys
+
+import pytest
+
+from reflexarc.main import main
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["--topic", "a b"], "--topic"),
+        (["--command", "~/x"], "--command"),
+        (["--wire", "rmw", "--domain", "233"], "--domain"),
+        (["--wire", "dds"], "--wire"),
+        (["--rate", "nan"], "--rate"),
+        (["--topic", "robot0/scan"], "--robot"),
+        (["--command", "robot0/command"], "--robot"),
+        (["--zenoh", "none.json5"], "no such file"),
+    ],
+)
+def test_what_cannot_work_is_said_in_one_line(
+    words: list[str], expected: str, capsys: pytest.CaptureFixture[str]
+):
+    try:
+        status = main(["ros2", *words])
+    except SystemExit as end:
+        status = end.code
+    said = capsys.readouterr().err
+    assert status == 2
+    assert expected in said
+    assert len(said.strip().splitlines()) == 1
+
+
+def test_without_its_extra_it_says_which_one_to_install():
+    code = """
+import sys
+sys.modules["rosbags"] = None
+from reflexarc.main import main
+raise SystemExit(main(["ros2"]))
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert "reflexarc[ros2]" in done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1
