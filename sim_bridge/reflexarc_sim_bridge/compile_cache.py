@@ -13,10 +13,13 @@ from collections.abc import Iterator
 from functools import lru_cache
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import numba
 
 KEPT_STATES = 4
+
+_config: Any = numba.config  # its stub names no settings
 
 _SOURCES = ("reflexarc_runtime", "reflexarc_sim_bridge", "reflexarc_trainer")
 
@@ -24,18 +27,18 @@ _SOURCES = ("reflexarc_runtime", "reflexarc_sim_bridge", "reflexarc_trainer")
 @contextlib.contextmanager
 def keyed_by_sources() -> Iterator[None]:
     """Within it, `numba.njit(cache=True)` keeps what it compiles in the folder of these sources."""
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(cache_folder())
+    before = _config.CACHE_DIR
+    _config.CACHE_DIR = str(cache_folder())
     try:
         yield
     finally:
-        numba.config.CACHE_DIR = before
+        _config.CACHE_DIR = before
 
 
 @lru_cache(maxsize=1)
 def cache_folder() -> Path:
     """The folder for the sources as they are now; made if need be."""
-    home = Path(numba.config.CACHE_DIR or Path.home() / ".cache" / "reflexarc")
+    home = Path(_config.CACHE_DIR or Path.home() / ".cache" / "reflexarc")
     folder = home / f"compiled-{source_key()}"
     try:
         folder.mkdir(parents=True, exist_ok=True)

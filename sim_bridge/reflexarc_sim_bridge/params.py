@@ -17,8 +17,9 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_runtime.contract import PolicyContract, RetinaSpec, Shading
-from reflexarc_runtime.retina import ray_bearing_rad
-from reflexarc_sim_bridge.worlds import Discs, Edges, Rectangles, World
+from reflexarc_runtime.errors import WorldError
+from reflexarc_runtime.retina import nearest_beam, ray_bearing_rad
+from reflexarc_sim_bridge.worlds import Discs, Edges, Rectangles, Scanner, World
 
 CELL_M = 2.0
 CHUNK_M = 2.5
@@ -129,9 +130,18 @@ def world_params(world: World, contract: PolicyContract) -> WorldParams:
     )
 
 
-def eye_params(spec: RetinaSpec) -> EyeParams:
-    """One eye of a retina specification."""
+def eye_params(spec: RetinaSpec, scanner: Scanner | None = None) -> EyeParams:
+    """One eye of a retina specification.
+
+    Behind a scanner a ray looks along the beam nearest to its bearing: what the runtime would take
+    from the whole sweep, without casting the other beams.
+
+    Raises:
+        WorldError: the scanner does not cover the field of view.
+    """
     bearings = [ray_bearing_rad(ray, spec.rays, spec.fov_rad) for ray in range(spec.rays)]
+    if scanner is not None:
+        bearings = [_beam_bearing_rad(bearing, scanner) for bearing in bearings]
     ahead, left = np.cos(bearings), np.sin(bearings)
     return EyeParams(
         range_m=spec.range_m,
@@ -164,6 +174,16 @@ def agents_at_zero(
         ray_distance_m=np.zeros((n, rays), np.float32),
         ray_colour=np.zeros((n, rays), np.float32),
     )
+
+
+def _beam_bearing_rad(bearing_rad: float, scanner: Scanner) -> float:
+    beam = nearest_beam(bearing_rad, scanner.start_rad, scanner.step_rad)
+    if beam >= scanner.beams:
+        raise WorldError(
+            f"world.scanner: a sweep of {scanner.sweep_rad:.3f} rad has no beam at "
+            f"{bearing_rad:.3f} rad; expected one that covers the field of view"
+        )
+    return scanner.start_rad + beam * scanner.step_rad
 
 
 def _fastest_mps(contract: PolicyContract) -> float:

@@ -63,7 +63,7 @@ class Simulation:
         self.contract = contract
         params = world_params(world, contract)
         agents = agents_at_zero(seeds, world, params, contract.retina.rays)
-        self.params = Params(params, eye_params(contract.retina), agents)
+        self.params = Params(params, eye_params(contract.retina, world.scanner), agents)
         self._linear_mps = np.array([action.linear_mps for action in contract.actions])
         self._lateral_mps = np.array([action.lateral_mps for action in contract.actions])
         kernel.place_all(params, agents)

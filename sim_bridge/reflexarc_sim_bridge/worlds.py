@@ -102,6 +102,31 @@ Shape: TypeAlias = Rectangles | Discs
 
 
 @dataclass(frozen=True)
+class Scanner:
+    """A planar range scanner: beams at equal angles, the outermost ones at ±half of the sweep."""
+
+    beams: int = 181
+    """Beams of one sweep, 2 or more."""
+    sweep_rad: float = math.pi
+    """Angle from the first beam to the last, in (0, 2π)."""
+
+    def __post_init__(self) -> None:
+        _require(2 <= self.beams <= 100_000, "scanner.beams", "2 to 100000", self.beams)
+        fits = 0.0 < self.sweep_rad < 2 * math.pi
+        _require(fits, "scanner.sweep_rad", "in (0, 2π)", self.sweep_rad)
+
+    @property
+    def start_rad(self) -> float:
+        """Bearing of the first, rightmost beam."""
+        return -self.sweep_rad / 2
+
+    @property
+    def step_rad(self) -> float:
+        """Angle from one beam to the next."""
+        return self.sweep_rad / (self.beams - 1)
+
+
+@dataclass(frozen=True)
 class World:
     """An endless field of obstacles. With a seed it is one world, to the bit."""
 
@@ -117,6 +142,8 @@ class World:
     """Grey value of an obstacle, between 0 (as the background) and 1."""
     dt_s: float = 0.1
     """Duration of a step."""
+    scanner: Scanner | None = None
+    """Agents see through this scanner, each ray the beam nearest to it; None: along their rays."""
     stream: int = 0
     """Worlds of one seed and different streams share no random number."""
 
@@ -198,6 +225,8 @@ def _require(holds: bool, where: str, expected: str, got: object) -> None:
         raise WorldError(f"world.{where}: expected {expected}, got {got}")
 
 
+# "scanned" is "reference-1" seen as the lidars of the CARMEN logs see: 181 beams over 180°.
+#
 # Any change to "reference-1" makes a "reference-2": figures of different versions are never
 # compared. The discs have the same mean width and density, so a blind agent scores the same.
 #
@@ -211,6 +240,7 @@ WORLDS: Mapping[str, World] = MappingProxyType(
         for world in (
             World("reference-1"),
             World("discs", shapes=(Discs(),)),
+            World("scanned", scanner=Scanner()),
             World("mixed", shapes=(Rectangles(share=0.5), Discs(share=0.5))),
             World(
                 "legacy",

@@ -78,10 +78,11 @@ def summary(outcomes: Sequence[Outcome]) -> dict[str, Any]:
 def table(report: dict[str, Any]) -> str:
     """The same for a person, as Markdown."""
     lines = [
-        "| kind | runs | stops | ms to safe: median | p99 | worst | stopped by "
+        "| kind | runs | stops | ms to safe: median | p99 | worst "
+        "| overslept: how many, worst | stopped by "
         "| told: how many, worst | verdicts seen "
         "| replays identical |",
-        "|---|---|---|---|---|---|---|---|---|---|",
+        "|---|---|---|---|---|---|---|---|---|---|---|",
     ]
     lines += [_row(kind, figures) for kind, figures in report["kinds"].items()]
     lines += [_row("**all**", report["all"]), ""]
@@ -89,7 +90,7 @@ def table(report: dict[str, Any]) -> str:
     lines.append(
         f"{figures['ticks']} ticks; {figures['sent']} messages sent by judged bodies, "
         f"{figures['lost']} of them never arrived; {figures['over the bound']} stops over the "
-        f"bound, {figures['of these overslept']} of them overslept; latest wake-up of a body "
+        f"bound, {figures['overslept']} of them overslept; latest wake-up of a body "
         f"{figures['latest look, ms']} ms, of a runtime {figures['latest tick, ms']} ms"
     )
     lines += [f"FAILED {name}: {'; '.join(what)}" for name, what in report["failures"].items()]
@@ -99,7 +100,8 @@ def table(report: dict[str, Any]) -> str:
 
 def _figures(outcomes: Sequence[Outcome]) -> dict[str, Any]:
     stops = [o for outcome in outcomes for o in outcome.outages if o.to_safe_ns is not None]
-    times_ms = [(stop.to_safe_ns or 0) / MS for stop in stops]
+    times_ms = [(s.to_safe_ns or 0) / MS for s in stops if not s.is_the_machine_s]
+    overslept_ms = [(s.to_safe_ns or 0) / MS for s in stops if s.is_the_machine_s]
     told_ms = [stop.to_told_ns / MS for stop in stops if stop.to_told_ns is not None]
     median, p99, worst = np.percentile(times_ms, [50, 99, 100]) if times_ms else (None,) * 3
     return {
@@ -111,7 +113,8 @@ def _figures(outcomes: Sequence[Outcome]) -> dict[str, Any]:
         "told": sum(stop.told_ns is not None for stop in stops),
         "told, worst": max(told_ms, default=None),
         "over the bound": sum(stop.is_late for stop in stops),
-        "of these overslept": sum(stop.is_the_machine_s for stop in stops),
+        "overslept": len(overslept_ms),
+        "overslept, worst": max(overslept_ms, default=None),
         "causes": _counted([stop.cause for stop in stops]),
         "verdicts": _counted([v for outcome in outcomes for v in outcome.verdicts]),
         "replayed": sum(outcome.replayed for outcome in outcomes),
@@ -132,9 +135,14 @@ def _row(kind: str, figures: dict[str, Any]) -> str:
     causes = ", ".join(f"{name} {count}" for name, count in figures["causes"].items()) or "–"
     verdicts = ", ".join(name for name in figures["verdicts"] if name not in ("OK", "STOPPED"))
     replays = f"{figures['replayed']} of {figures['runs']}"
-    told = f"{figures['told']}, {figures['told, worst']:.0f} ms" if figures["told"] else "–"
-    cells = [kind, figures["runs"], figures["stops"], *times, causes, told, verdicts, replays]
+    told, overslept = (_counted_worst(figures, name) for name in ("told", "overslept"))
+    cells = [kind, figures["runs"], figures["stops"], *times, overslept, causes, told, verdicts]
+    cells.append(replays)
     return "| " + " | ".join(map(str, cells)) + " |"
+
+
+def _counted_worst(figures: dict[str, Any], name: str) -> str:
+    return f"{figures[name]}, {figures[f'{name}, worst']:.0f}" if figures[name] else "–"
 
 
 def _counted(names: Sequence[str]) -> dict[str, int]:

@@ -4,9 +4,6 @@ import signal
 from pathlib import Path
 
 import pytest
-from support.lidar import CARMEN, carmen_file
-from support.policies import exported
-from support.processes import finished, reflexarc, said_line, started, wait_for_records
 
 from reflexarc.main import main
 from reflexarc_logs.importing import import_log
@@ -14,6 +11,9 @@ from reflexarc_logs.reader import Log, read_log
 from reflexarc_logs.replay import replay
 from reflexarc_runtime.contract import PolicyContract, RetinaSpec
 from reflexarc_runtime.decision import Verdict
+from support.lidar import CARMEN, carmen_file
+from support.policies import exported
+from support.processes import finished, reflexarc, said_line, started, wait_for_records
 
 LIVE = "seattle"
 """The smallest one is played in real time; the others in lockstep, which is faster."""

@@ -8,6 +8,15 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from foxglove_schemas_protobuf.LaserScan_pb2 import LaserScan
+
+from reflexarc_logs.importing import import_log
+from reflexarc_logs.intake import accepted_message
+from reflexarc_logs.reader import read_log
+from reflexarc_logs.replay import replay
+from reflexarc_runtime.contract import PolicyContract, RetinaSpec
+from reflexarc_runtime.retina import Scan, ray_bearing_rad, retina_from_scan
+from reflexarc_runtime.senses import ScanSense
+from reflexarc_runtime.wire import Message, Stamp
 from support.lidar import (
     CARMEN,
     HALF_CARMEN_RAD,
@@ -20,15 +29,6 @@ from support.lidar import (
 )
 from support.policies import exported
 from support.recordings import CONTRACT, MS, PERIOD_NS, RUN, START_NS, drive
-
-from reflexarc_logs.importing import import_log
-from reflexarc_logs.intake import accepted_message
-from reflexarc_logs.reader import read_log
-from reflexarc_logs.replay import replay
-from reflexarc_runtime.contract import PolicyContract, RetinaSpec
-from reflexarc_runtime.retina import Scan, ray_bearing_rad, retina_from_scan
-from reflexarc_runtime.senses import ScanSense
-from reflexarc_runtime.wire import Message, Stamp
 
 EYES = [
     RetinaSpec(rays=16, fov_rad=math.pi, range_m=5.0),

@@ -10,7 +10,6 @@ from foxglove_schemas_protobuf.LaserScan_pb2 import LaserScan
 from foxglove_schemas_protobuf.PoseInFrame_pb2 import PoseInFrame
 from hypothesis import given
 from hypothesis import strategies as st
-from support.lidar import CARMEN, carmen_file, flaser, odom, slow_carmen
 
 from reflexarc_logs.importing import Imported, import_log
 from reflexarc_logs.new_times import EvenTimes, RecordedTimes
@@ -19,6 +18,7 @@ from reflexarc_logs.replay import replay
 from reflexarc_logs.sweep import nanoseconds
 from reflexarc_logs.text_file import MAX_LINE_BYTES
 from reflexarc_runtime.errors import LogError, UsageError
+from support.lidar import CARMEN, carmen_file, flaser, odom, slow_carmen
 
 S = 1_000_000_000
 

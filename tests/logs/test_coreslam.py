@@ -4,8 +4,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from foxglove_schemas_protobuf.LaserScan_pb2 import LaserScan
-from support.lidar import coreslam, coreslam_file, slow_coreslam
-from support.policies import exported
 
 from reflexarc_logs.importing import Imported, import_log
 from reflexarc_logs.intake import accepted_message
@@ -22,6 +20,8 @@ from reflexarc_runtime.pacer import RatePacer
 from reflexarc_runtime.policy import load_policy
 from reflexarc_runtime.senses import ScanSense
 from reflexarc_runtime.wire import Message, Stamp
+from support.lidar import coreslam, coreslam_file, slow_coreslam
+from support.policies import exported
 
 PERIOD_NS = 20_000_000
 LIMIT_S = 0.12

@@ -9,7 +9,6 @@ from foxglove_schemas_protobuf.PoseInFrame_pb2 import PoseInFrame
 from foxglove_schemas_protobuf.RawImage_pb2 import RawImage
 from hypothesis import given
 from hypothesis import strategies as st
-from support.recordings import CONTRACT, RUN, WALL_OFFSET_NS, drive, nominal
 
 from reflexarc_logs.log_file import LogFile
 from reflexarc_logs.player import GLANCE_NS, Player
@@ -32,12 +31,14 @@ from reflexarc_runtime.inbox import Inbox
 from reflexarc_runtime.messages import encode_command
 from reflexarc_runtime.topics import POSE, SCAN, Topic
 from reflexarc_runtime.wire import Message
+from support.recordings import CONTRACT, RUN, WALL_OFFSET_NS, drive, nominal
 
 MS = 1_000_000
+MADE = RunInfo("ab")
 Sent = tuple[str, bytes, int]
 
 
-def log_of(folder: Path, *records: tuple[str, object, int], run: RunInfo = RunInfo("ab")) -> Log:
+def log_of(folder: Path, *records: tuple[str, object, int], run: RunInfo = MADE) -> Log:
     """A log of (topic name, message or bytes, log time)."""
     file = LogFile(folder / "made.mcap")
     file.describe(RUN_METADATA, run.to_metadata())
@@ -117,7 +118,9 @@ def test_records_come_in_the_order_of_time_as_far_as_the_window_reaches(times: l
     assert sorted(r.sequence for r in ordered) == list(range(len(times)))
     latest = list(itertools.accumulate(times, max))
     if all(now - t <= REORDER_WINDOW_NS for now, t in zip(latest, times, strict=True)):
-        assert [(r.log_ns, r.sequence) for r in ordered] == sorted(zip(times, itertools.count()))  # noqa: B905
+        assert [(r.log_ns, r.sequence) for r in ordered] == sorted(
+            zip(times, range(len(times)), strict=True)
+        )
 
 
 def test_a_log_without_a_sensor_stream_has_nothing_to_play(tmp_path: Path):
@@ -146,7 +149,10 @@ def test_every_message_is_sent_at_its_time_with_the_players_own_time(three: Log)
 def test_lateness_is_what_was_due_against_what_was_done(three: Log):
     stage = Stage(oversleep_ns=3 * MS)
     account = stage.player().play(schedule(three, survey_streams(three)))
-    late = [t - 7 * MS - due for t, due in zip(stage.times_ns, (0, 100 * MS, 200 * MS, 250 * MS), strict=True)]
+    late = [
+        t - 7 * MS - due
+        for t, due in zip(stage.times_ns, (0, 100 * MS, 200 * MS, 250 * MS), strict=True)
+    ]
     assert late == [0, 3 * MS, 3 * MS, 3 * MS]
     assert (account.lateness_p50_ns, account.lateness_max_ns) == (3 * MS, 3 * MS)
 
@@ -246,7 +252,5 @@ def test_a_body_in_lockstep_waits_no_longer_when_asked_to_stop():
 def test_every_due_message_is_told_of(three: Log):
     told: list[Due] = []
     stage = Stage()
-    Player(stage.clock, stage.publish, saw=told.append).play(
-        schedule(three, survey_streams(three))
-    )
+    Player(stage.clock, stage.publish, saw=told.append).play(schedule(three, survey_streams(three)))
     assert [due.topic for due in told] == [SCAN, SCAN, SCAN, POSE]

@@ -1,5 +1,6 @@
 import dataclasses
 import itertools
+import math
 import re
 
 import numba
@@ -9,9 +10,11 @@ import pytest
 
 from reflexarc_runtime.contract import Action, PolicyContract, RetinaSpec
 from reflexarc_runtime.errors import WorldError
+from reflexarc_runtime.retina import Scan, retina_from_scan
+from reflexarc_sim_bridge.reference_field import reference_contract
 from reflexarc_sim_bridge.seeds import test_seeds, validation_seeds
 from reflexarc_sim_bridge.simulation import Simulation
-from reflexarc_sim_bridge.worlds import world_named
+from reflexarc_sim_bridge.worlds import Scanner, world_named
 
 REFERENCE = world_named("reference-1")
 CONTRACT = PolicyContract()
@@ -166,3 +169,24 @@ def test_a_hundred_thousand_steps_stay_finite() -> None:
     assert (simulation.x_m > 4000.0).all()
     assert ((simulation.y_m >= 0.0) & (simulation.y_m <= 20.0)).all()
     assert (agents.near_count < agents.near.shape[2]).all()
+
+
+def test_behind_a_scanner_the_eye_sees_what_the_runtime_takes_from_the_sweep():
+    """181 rays over 181° stand at the beams of a sweep of 181 beams over 180°."""
+    seeds, scanner = test_seeds(64), Scanner()
+    every_beam = RetinaSpec(rays=181, fov_rad=math.pi * 181 / 180, range_m=5.0)
+    sweeping = Simulation(world_named("reference-1"), reference_contract(every_beam), seeds)
+    behind = Simulation(world_named("scanned"), reference_contract(), seeds)
+    seen = behind.sense()
+    sweeping.sense()
+    for agent in range(64):
+        leftmost_first = sweeping.params.agents.ray_distance_m[agent].astype(np.float64)
+        scan = Scan(scanner.start_rad, -scanner.start_rad, leftmost_first[::-1])
+        expected = retina_from_scan(scan, reference_contract().retina)
+        assert np.abs(seen[agent].astype(int) - expected.astype(int)).max() <= 1  # float32 bearings
+
+
+def test_a_scanner_that_does_not_cover_the_eye_is_refused():
+    narrow = dataclasses.replace(world_named("scanned"), scanner=Scanner(91, math.pi / 2))
+    with pytest.raises(WorldError, match="covers the field of view"):
+        Simulation(narrow, reference_contract(), test_seeds(1))

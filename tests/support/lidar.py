@@ -64,12 +64,16 @@ def slow_carmen(path: Path) -> list[tuple[list[float], list[float], str]]:
 
 def slow_coreslam(path: Path) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float64]]:
     """Times in microseconds (n,) and the numbers of the ranges (n, 682)."""
-    table = np.loadtxt(gzip.open(path, "rt"))
+    table = np.loadtxt(path)  # by its name it knows gzip
     return table[:, 0].astype(np.int64), table[:, 24:706]
 
 
 def slow_retinas(
-    ranges_m: npt.NDArray[np.float64], half_width_rad: float, rays: int, fov_rad: float, far_m: float
+    ranges_m: npt.NDArray[np.float64],
+    half_width_rad: float,
+    rays: int,
+    fov_rad: float,
+    far_m: float,
 ) -> npt.NDArray[np.float64]:
     """Nearness, 0 to 255 before rounding, (n, rays) of scans (n, beams), by searching all beams."""
     beams = ranges_m.shape[1]

@@ -127,6 +127,8 @@ class TrainConfig:
     """Sideways speed of left and right."""
     rate_hz: float = 50.0
     """Rate at which the exported policy is meant to run."""
+    max_input_age_s: float = 0.1
+    """Age at which an input of the exported policy is stale."""
     retina: RetinaSpec = field(default_factory=RetinaSpec)
     """The eye."""
     learner: LearnerConfig = field(default_factory=LearnerConfig)
@@ -178,6 +180,7 @@ class TrainConfig:
             retina=self.retina,
             actions=sideways_actions(self.forward_mps, self.lateral_mps),
             rate_hz=self.rate_hz,
+            max_input_age_s=self.max_input_age_s,
             provenance=provenance or Provenance(),
         )
 

@@ -26,7 +26,8 @@ class Train:
     """
 
     preset: str = "reflex"
-    """reflex: the paper's learner with the reference eye; paper: with the paper's literal eye."""
+    """reflex: the paper's learner with the reference eye; paper: with the paper's literal eye;
+    lidar: for range scanners."""
     seed: int = 0
     """Seed of weights, exploration and world; the same seed gives the same bits."""
     steps: int | None = None
