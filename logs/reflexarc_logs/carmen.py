@@ -83,7 +83,6 @@ class Carmen:
 
     def _scan(self, words: list[bytes]) -> Sweep:
         beams = _beams(words)
-        ranges_m = self.distances.of(words[2 : 2 + beams])
         pose_words, odometry_words = words[2 + beams : 5 + beams], words[5 + beams : 8 + beams]
         time_ns = nanoseconds(words[8 + beams])
         pose = place(pose_words, time_ns)
@@ -92,6 +91,7 @@ class Carmen:
         else:
             odometry = place(odometry_words, time_ns)
         self._newest_odometry = b""
+        ranges_m = self.distances.of(words[2 : 2 + beams])  # last: a broken line counts no beams
         return Sweep(time_ns, START_RAD, END_RAD, ranges_m, pose, odometry)
 
     def _odometry(self) -> Place | None:

@@ -54,10 +54,10 @@ class CoreSlam:
             raise BrokenLineError("wrong count of numbers")
         if len(words) == _WORDS and not line.endswith(b"\n"):
             raise BrokenLineError("cut off")  # its last number may have lost digits
-        ranges_m = [*_BLIND, *self.distances.of(words[_SEEING]), *_BLIND]
-        sweep = Sweep(_time_ns(words[0]), START_RAD, END_RAD, ranges_m)
+        time_ns = _time_ns(words[0])
         self._wheel_counts += 1
-        return sweep
+        ranges_m = [*_BLIND, *self.distances.of(words[_SEEING]), *_BLIND]
+        return Sweep(time_ns, START_RAD, END_RAD, ranges_m)
 
     def passed_over(self) -> dict[str, int]:
         """See `LineReader.passed_over`."""

@@ -156,6 +156,6 @@ def _finite(words: Sequence[bytes]) -> list[float]:
         values = list(map(float, words))
     except ValueError:
         raise BrokenLineError(_NO_NUMBER) from None
-    if not math.isfinite(sum(values)) or any(b"_" in word for word in words):
+    if not math.isfinite(sum(values)) or b"_" in b"".join(words):
         raise BrokenLineError(_NO_NUMBER)
     return values

@@ -101,6 +101,8 @@ def _beams(scan: Scan, spec: RetinaSpec) -> list[int]:
         raise UnusableScanError(f"{count} beams from {scan.start_rad} to {scan.end_rad} rad")
     bearings = (ray_bearing_rad(ray, spec.rays, spec.fov_rad) for ray in range(spec.rays))
     beams = [nearest_beam(bearing, scan.start_rad, scan.step_rad) for bearing in bearings]
+    if abs(count * scan.step_rad - 2.0 * math.pi) < 0.5 * scan.step_rad:
+        beams = [beam % count for beam in beams]  # a full circle: after the last comes the first
     if max(beams) >= count:
         raise UnusableScanError(
             f"beams from {scan.start_rad:.3f} to {scan.end_rad:.3f} rad do not cover the "

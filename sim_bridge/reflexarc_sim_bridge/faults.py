@@ -180,7 +180,8 @@ def _packed(retina: _Retina, sender: _Sender, time_ns: int) -> Sending:
 
 def _frozen(retina: _Retina, held: _Retina, what: Frozen) -> _Retina:
     """The retina with a part of an earlier one. A frozen picture with a fresh stamp is a lie
-    that nothing but the world itself could disprove, so it counts as seen now.
+    that nothing but the world itself could disprove, so it counts as seen now; a fresh picture
+    with a frozen stamp is worth no more than it says.
     """
     match what:
         case Frozen.IMAGE:
@@ -190,8 +191,7 @@ def _frozen(retina: _Retina, held: _Retina, what: Frozen) -> _Retina:
             return replace(retina, stamp=stamp)
         case Frozen.TIME:
             stamp = replace(retina.stamp, time_ns=held.stamp.time_ns)
-            honest = stamp.time_ns == retina.seen_ns
-            return replace(retina, stamp=stamp, seen_ns=retina.seen_ns if honest else None)
+            return replace(retina, stamp=stamp, seen_ns=held.seen_ns)
         case Frozen.MESSAGE:
             return held
 

@@ -116,6 +116,11 @@ def test_every_kind_of_broken_line_is_counted_and_left_out(tmp_path: Path):
     assert said.lines == len(lines)
 
 
+def test_the_beams_of_a_broken_line_are_not_counted(tmp_path: Path):
+    said, _ = imported(tmp_path, flaser("1 x x", pose="1 2 x") + flaser("1 2 x"))
+    assert (said.beams, said.unknown) == (3, {"no number": 1})
+
+
 def test_a_whole_last_line_needs_no_end(tmp_path: Path):
     said, _ = imported(tmp_path, flaser() + flaser().rstrip())
     assert (said.scans, said.broken_lines) == (2, {})

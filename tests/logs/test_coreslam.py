@@ -71,6 +71,7 @@ def test_broken_lines_are_counted_by_kind(tmp_path: Path):
     good = coreslam([300] * 682)
     lines = [
         good,
+        coreslam(["x"] * 682, "soon"),
         coreslam([300] * 681, tail="\n"),
         coreslam([300] * 684),
         coreslam([300] * 682, "soon"),
@@ -82,10 +83,11 @@ def test_broken_lines_are_counted_by_kind(tmp_path: Path):
     assert said.scans == 2
     assert said.broken_lines == {
         "wrong count of numbers": 2,
-        "a pose or a time is no number": 1,
+        "a pose or a time is no number": 2,
         "cut off at the end of the file": 1,
     }
     assert said.first_broken_line == 2
+    assert said.unknown == {"blind": 280}
 
 
 def test_wheel_counts_are_read_counted_and_not_made_odometry(tmp_path: Path):

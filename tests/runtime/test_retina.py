@@ -85,6 +85,17 @@ def test_a_full_circle_is_read_across_its_seam():
     assert seen.ravel().tolist() == [128, 128]
 
 
+@pytest.mark.parametrize("beams", [8, 90, 180, 360, 720])
+@pytest.mark.parametrize("rays", [2, 16, 45, 180])
+def test_a_full_circle_covers_every_eye(beams: int, rays: int):
+    start = 2 * math.pi / beams
+    for first in (0.0, -math.pi, -math.pi / 2):
+        scan = Scan(first, first + 2 * math.pi - start, np.full(beams, 1.0))
+        for fov_rad in (math.pi, 2 * math.pi):
+            spec = RetinaSpec(rays=rays, fov_rad=fov_rad, range_m=2.0)
+            assert set(retina_from_scan(scan, spec).ravel().tolist()) == {128}
+
+
 def test_up_to_a_quarter_of_the_rays_may_be_unknown():
     spec = RetinaSpec(rays=8, fov_rad=math.pi, range_m=5.0)
     ranges = np.full(8, 1.0)

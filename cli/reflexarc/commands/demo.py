@@ -7,7 +7,18 @@ from pathlib import Path
 from reflexarc.output import console, print_json
 from reflexarc_runtime.errors import UsageError
 
-MADE = ("policy.onnx", "drive.mcap", "drive.mcap.partial", "drive.png", "curve.png", "training")
+MADE = (
+    "policy.onnx",
+    "drive.mcap",
+    "drive.mcap.partial",
+    "drive.png",
+    "curve.png",
+    "simulated-scans.log",
+    "lidar.mcap",
+    "lidar-drive.mcap",
+    "lidar-drive.mcap.partial",
+    "training",
+)
 DRIVE_SEED = 4
 
 
@@ -18,6 +29,7 @@ class Demo:
     Examples:
       reflexarc demo
       reflexarc demo --seconds 30 --out runs/long
+      reflexarc demo --lidar intel.log.gz
       reflexarc demo --json
     """
 
@@ -27,6 +39,8 @@ class Demo:
     """How long to drive."""
     agents: int = 1024
     """Agents that measure each figure on the reference field."""
+    lidar: Path | None = None
+    """A real lidar's log (CARMEN or CoreSLAM); a simulated one by default."""
     json: bool = False
     """Print one JSON object in place of the screen."""
 
@@ -36,12 +50,15 @@ class Demo:
             raise UsageError(f"--seconds: expected 1 to 3600, got {self.seconds}")
         if self.agents < 1:
             raise UsageError(f"--agents: expected 1 or more, got {self.agents}")
+        if self.lidar is not None and not self.lidar.is_file():
+            raise UsageError(f"--lidar: {self.lidar}: no such file")
         _clear(self.out)
         return self._go()
 
     def _go(self) -> int:
         from reflexarc.demo import stages
         from reflexarc.demo.driving import drive
+        from reflexarc.demo.lidar import drive_on_scans
         from reflexarc.demo.picture import draw_log
         from reflexarc.demo.results import Found
         from reflexarc.demo.screen import screen
@@ -67,13 +84,14 @@ class Demo:
             driven,
             stages.look_at_log(log),
             replayed,
+            drive_on_scans(policy, self.out, self.lidar),
             {name: str(path) for name, path in files.items()},
         )
         if self.json:
             print_json(found)
         else:
             console.print(screen(found))
-        return 0 if replayed.verdict == "identical" else 1
+        return 0 if replayed.verdict == found.lidar.verdict == "identical" else 1
 
 
 def _clear(out: Path) -> None:

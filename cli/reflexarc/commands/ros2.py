@@ -86,7 +86,9 @@ class Ros2:
 
         inbox = Inbox()
         bridge = RosBridge(bus, route, inbox)
-        aside.print(f"reflexarc ros2: {route.scan_key} → {route.command_key}, {self.rate:g} Hz")
+        aside.print(
+            f"reflexarc ros2: {route.scan} → {route.command} on {self.wire}, {self.rate:g} Hz"
+        )
         return bridge.serve(RatePacer(self.rate, MonotonicClock(), inbox), stop)
 
     def _tell(self, account: "Account") -> None:

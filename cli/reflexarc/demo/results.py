@@ -1,7 +1,6 @@
 """What the demo found, section by section; `--json` prints exactly this."""
 
 from dataclasses import dataclass
-from typing import Any
 
 
 @dataclass(frozen=True)
@@ -56,6 +55,23 @@ class Replayed:
 
 
 @dataclass(frozen=True)
+class Lidar:
+    """The same reflex on scans."""
+
+    source: str
+    """The file, or that it was simulated."""
+    scans: int
+    ticks: int
+    ok_share: float
+    """Share of the ticks with verdict OK."""
+    verdict: str
+    """Of the replay."""
+    levels: dict[str, int]
+    """Level → identical ticks."""
+    log: str
+
+
+@dataclass(frozen=True)
 class Found:
     """The whole demo."""
 
@@ -63,6 +79,5 @@ class Found:
     drive: Driving
     log: Logged
     replay: Replayed
+    lidar: Lidar
     files: dict[str, str]
-    lidar: dict[str, Any] | None = None
-    """Filled in once the demo reads real scans."""

@@ -14,8 +14,8 @@ def screen(found: Found) -> Panel:
     table.add_column(style="bold cyan", no_wrap=True)
     table.add_column(no_wrap=True)
     table.add_column()
-    for section in (_learning(found), _drive(found), _log(found), _files(found)):
-        for row in section:
+    for section in (_learning, _drive, _log, _lidar, _files):
+        for row in section(found):
             table.add_row(*row)
         table.add_section()
     return Panel(Group(table), title="reflexarc: a learned reflex, end to end", expand=False)
@@ -62,6 +62,16 @@ def _log(found: Found) -> list[Row]:
         same = f"{level['identical']} of {level['compared']} ticks identical"
         rows.append(("replay", f"level {name}", same))
     return rows
+
+
+def _lidar(found: Found) -> list[Row]:
+    lidar = found.lidar
+    same = ", ".join(f"{count} at level {name}" for name, count in lidar.levels.items())
+    return [
+        ("lidar", "scans", f"{lidar.scans} ({lidar.source})"),
+        ("", "verdict OK", f"{100 * lidar.ok_share:.1f} % of {lidar.ticks} ticks"),
+        ("", "replay", f"{lidar.verdict}: {same}"),
+    ]
 
 
 def _files(found: Found) -> list[Row]:

@@ -1,0 +1,99 @@
+"""The same reflex on scans: from a text log of a lidar through import, bus, runtime and replay.
+
+With a file of a real robot it is real input. Without one, a small text log is ray-cast from our own
+field, in the CARMEN format, and labelled as simulated.
+"""
+
+import contextlib
+import math
+import signal
+from pathlib import Path
+
+import numpy as np
+
+from reflexarc.demo.processes import finish, free_port, started
+from reflexarc.demo.results import Lidar
+from reflexarc_logs.importing import FORMATS, Imported, import_log
+from reflexarc_logs.replay import replay
+from reflexarc_runtime.contract import RetinaSpec
+from reflexarc_runtime.errors import LogError
+from reflexarc_runtime.policy import LoadedPolicy, load_policy
+from reflexarc_runtime.retina import Scan, retina_from_scan
+from reflexarc_sim_bridge.reference_field import reference_contract
+from reflexarc_sim_bridge.seeds import test_seeds
+from reflexarc_sim_bridge.simulation import Simulation
+from reflexarc_sim_bridge.worlds import world_named
+
+BEAMS, SWEEP_RAD = 181, math.pi
+SIMULATED_SCANS = 200
+NO_RETURN_M = 81.9
+"""What a SICK scanner writes where nothing came back."""
+
+
+def drive_on_scans(policy: Path, out: Path, file: Path | None) -> Lidar:
+    """Import a lidar's log, decide on every scan in lockstep, and replay.
+
+    Raises:
+        LogError: the file is no lidar log that can be imported.
+        BusError: a process failed.
+    """
+    text = file or simulate_scans(load_policy(policy), out / "simulated-scans.log")
+    scans, log = out / "lidar.mcap", out / "lidar-drive.mcap"
+    imported = _import(text, scans)
+    verdicts = _decide(policy, scans, log)
+    report = replay(log)
+    decided = sum(verdicts.values()) - verdicts.get("STOPPED", 0)
+    return Lidar(
+        source=str(file) if file else "simulated: ray-cast from our own field",
+        scans=imported.scans,
+        ticks=decided,
+        ok_share=verdicts.get("OK", 0) / max(1, decided),
+        verdict=report.verdict,
+        levels={level.level: level.identical for level in report.levels},
+        log=str(log),
+    )
+
+
+def simulate_scans(policy: LoadedPolicy, path: Path) -> Path:
+    """Write what a scanner would see on a drive through the reference field, as a CARMEN log."""
+    sweep = RetinaSpec(rays=BEAMS, fov_rad=SWEEP_RAD * BEAMS / (BEAMS - 1))
+    simulation = Simulation(world_named("reference-1"), reference_contract(sweep), test_seeds(1))
+    lines = []
+    for number in range(SIMULATED_SCANS):
+        simulation.sense()
+        distances = simulation.params.agents.ray_distance_m[0, ::-1].astype(np.float64)
+        ranges = np.where(distances < sweep.range_m, distances, NO_RETURN_M)
+        place = f"{simulation.x_m[0]:.4f} {simulation.y_m[0]:.4f} 0"
+        lines.append(f"FLASER {BEAMS} {_words(ranges)} {place} {place} {number / 10} sim 0\n")
+        retina = retina_from_scan(
+            Scan(-SWEEP_RAD / 2, SWEEP_RAD / 2, ranges), policy.contract.retina
+        )
+        _, actions = policy.decide(retina[np.newaxis, np.newaxis])
+        simulation.step(actions)
+    path.write_text("".join(lines))
+    return path
+
+
+def _words(ranges: object) -> str:
+    return " ".join(f"{distance:.3f}" for distance in np.asarray(ranges))
+
+
+def _import(text: Path, log: Path) -> Imported:
+    """Import it as whichever of the known formats it is; the last refusal is the one that is said."""
+    *first, last = FORMATS
+    for kind in first:
+        with contextlib.suppress(LogError):
+            return import_log(text, log, kind)
+    return import_log(text, log, last)
+
+
+def _decide(policy: Path, scans: Path, log: Path) -> dict[str, int]:
+    port = free_port()
+    words = ("run", policy, "--input", "scan", "--lockstep", "--record", log, "--port", port)
+    with (
+        started(*words, "--json") as runtime,
+        started("play", scans, "--lockstep", "--port", port, "--json") as player,
+    ):
+        finish(player)
+        verdicts: dict[str, int] = finish(runtime, signal.SIGINT)["verdicts"]
+    return verdicts
