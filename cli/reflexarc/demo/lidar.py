@@ -79,7 +79,7 @@ def _words(ranges: object) -> str:
 
 
 def _import(text: Path, log: Path) -> Imported:
-    """Import it as whichever of the known formats it is; the last refusal is the one that is said."""
+    """Import it as whichever of the known formats it is; the last refusal is the one said."""
     *first, last = FORMATS
     for kind in first:
         with contextlib.suppress(LogError):
