@@ -169,6 +169,12 @@ class Run:
         ) as recorder:
             yield recorder
 
+    def _recorded(self, state: str) -> str:
+        """A finished recording is off: then its path says more, with what was dropped, if any."""
+        if self.record is None or not state.startswith("off"):
+            return state
+        return f"{self.record}{state.removeprefix('off')}"
+
     def _tell(self, summary: "Summary", recording: str) -> None:
         if self.json:
             print_json({**_as_dict(summary), "recording": recording})
@@ -183,7 +189,7 @@ class Run:
                     f"max {microseconds(summary.lateness_max_ns)}",
                     "skipped slots": summary.skipped_slots,
                     "verdicts": ", ".join(f"{k} {v}" for k, v in summary.verdicts.items()),
-                    "recording": f"{recording} {self.record or ''}".strip(),
+                    "recording": self._recorded(recording),
                 }
             )
         )
