@@ -12,6 +12,8 @@ geometry does not stand in the file, so no odometry is made of their counts.
 
 import math
 
+import numpy as np
+
 from reflexarc_logs.sweep import (
     NO_RETURN,
     UNKNOWN,
@@ -31,7 +33,7 @@ START_RAD, END_RAD = -math.radians(120.0), math.radians(120.0)
 _FIRST_RANGE = 24
 _WORDS = _FIRST_RANGE + BEAMS
 _SEEING = slice(_FIRST_RANGE + BLIND_BEAMS, _WORDS - BLIND_BEAMS)
-_BLIND = [UNKNOWN] * BLIND_BEAMS
+_BLIND = np.full(BLIND_BEAMS, UNKNOWN)
 
 
 class CoreSlam:
@@ -56,7 +58,7 @@ class CoreSlam:
             raise BrokenLineError("cut off")  # its last number may have lost digits
         time_ns = _time_ns(words[0])
         self._wheel_counts += 1
-        ranges_m = [*_BLIND, *self.distances.of(words[_SEEING]), *_BLIND]
+        ranges_m = np.concatenate((_BLIND, self.distances.of(words[_SEEING]), _BLIND), dtype="<f8")
         return Sweep(time_ns, START_RAD, END_RAD, ranges_m)
 
     def passed_over(self) -> dict[str, int]:

@@ -5,7 +5,6 @@ the new times; the file's own time stays in the messages. What is broken is coun
 """
 
 import json
-import math
 import platform
 import uuid
 from collections import Counter
@@ -13,13 +12,15 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+
 from reflexarc_logs.carmen import Carmen
 from reflexarc_logs.coreslam import CoreSlam
 from reflexarc_logs.lidar_messages import ODOMETRY_FRAME, WORLD_FRAME, LidarMessages
 from reflexarc_logs.log_file import CONFIG_ATTACHMENT, LogFile
 from reflexarc_logs.new_times import EvenTimes, NewTimes, RecordedTimes
 from reflexarc_logs.run_info import RUN, RunInfo, installed_versions
-from reflexarc_logs.sweep import NO_RETURN, UNKNOWN, BrokenLineError, LineReader, Sweep
+from reflexarc_logs.sweep import NO_RETURN, BrokenLineError, LineReader, Sweep
 from reflexarc_logs.text_file import MAX_LINE_BYTES, text_lines
 from reflexarc_runtime.errors import LogError, UsageError
 from reflexarc_runtime.messages import SCHEMAS
@@ -183,9 +184,8 @@ class _Import:
         said.seconds = time_ns / 1e9
         said.times_left_out += sweep.time_ns is None
         said.beams += len(ranges_m)
-        if not math.isfinite(sum(ranges_m)):
-            said.no_return += ranges_m.count(NO_RETURN)
-            self._unknown += ranges_m.count(UNKNOWN)  # finds the object; no NaN equals another
+        said.no_return += np.count_nonzero(ranges_m == NO_RETURN)
+        self._unknown += np.count_nonzero(np.isnan(ranges_m))
 
     def _note_broken(self, number: int, line: bytes, kind: str) -> None:
         if len(line) == MAX_LINE_BYTES:

@@ -5,19 +5,23 @@ nothing is guessed.
 """
 
 import math
+import struct
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
 
 MAX_BEAMS = 65_536
 """More would not fit into a message on the bus."""
 
 NO_RETURN = math.inf
 UNKNOWN = math.nan
-"""This very object stands for every unknown beam, so that a list can count them."""
 
 _MAX_REMEMBERED = 65_536
+_FLOAT64 = struct.Struct("<d")
 _NO_NUMBER = "a pose or a time is no number"
 _FIRST_SECOND, _LAST_SECOND = -62_135_596_800, 253_402_300_799
 """Years 1 to 9999: what a protobuf Timestamp may say."""
@@ -46,7 +50,8 @@ class Sweep:
     """The file's own time; None where it is no time."""
     start_rad: float
     end_rad: float
-    ranges_m: Sequence[float]
+    ranges_m: npt.NDArray[np.float64]
+    """Shape (beams,), little-endian."""
     pose: Place | None = None
     """Corrected, in the world's frame."""
     odometry: Place | None = None
@@ -80,8 +85,11 @@ class LineReader(Protocol):
         ...
 
 
-class Distances(dict[bytes, float]):
+class Distances(dict[bytes, bytes]):
     """What each word of a log means as a distance, remembered: logs repeat their few values.
+
+    It is remembered as the eight bytes of a little-endian float64, so that joining them makes the
+    array of a scan, which is what a message holds too: no number is made on the way.
 
     Args:
         meaning: distance in metres, `NO_RETURN` or `UNKNOWN` of a word; ValueError where it is
@@ -93,19 +101,19 @@ class Distances(dict[bytes, float]):
         self.unreadable = 0
         """Words that were no number; unknown."""
 
-    def __missing__(self, word: bytes) -> float:
+    def __missing__(self, word: bytes) -> bytes:
         try:
-            distance_m = self._meaning(word)
+            packed = _FLOAT64.pack(self._meaning(word))
         except ValueError:
             self.unreadable += 1
-            return UNKNOWN
+            return _FLOAT64.pack(UNKNOWN)
         if len(self) < _MAX_REMEMBERED:
-            self[word] = distance_m
-        return distance_m
+            self[word] = packed
+        return packed
 
-    def of(self, words: Sequence[bytes]) -> list[float]:
-        """The distances of many words, in metres."""
-        return list(map(self.__getitem__, words))
+    def of(self, words: Sequence[bytes]) -> npt.NDArray[np.float64]:
+        """The distances of many words, in metres, shape (words,)."""
+        return np.frombuffer(b"".join(map(self.__getitem__, words)), "<f8")
 
 
 def place(words: Sequence[bytes], time_ns: int | None) -> Place:
