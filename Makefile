@@ -9,10 +9,10 @@ PYTEST_WORKERS ?= 2
 export OPENBLAS_NUM_THREADS ?= 1
 export OMP_WAIT_POLICY ?= passive
 
-.PHONY: help demo test check fmt wheel golden proto clean
+.PHONY: help demo test check fmt wheel golden proto clean real-input
 
 help:            ## say what there is
-	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/'
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/'
 
 demo: $(STAMP)   ## learn, export, drive, record, replay
 	$(BIN)/reflexarc demo
@@ -35,6 +35,10 @@ wheel: $(STAMP)  ## build dist/reflexarc-*.whl
 
 golden: $(STAMP) ## rebuild the golden logs; look at the difference before you commit it
 	$(BIN)/python tests/golden/build.py
+
+real-input: $(STAMP) ## a reflex on real lidar logs: DATA="intel.log.gz …" (CARMEN) → table and picture
+	@test -n "$(DATA)" || { echo 'real-input: DATA="path/to/intel.log.gz …": which CARMEN logs?' >&2; exit 2; }
+	$(BIN)/python docs/real_input.py $(DATA)
 
 proto:           ## generate messages_pb2 (protoc of grpcio-tools 1.71, the oldest supported protobuf)
 	$(PYTHON) -m venv $(VENV)-proto

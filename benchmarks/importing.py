@@ -22,7 +22,8 @@ from pathlib import Path
 import numpy as np
 
 MEGABYTE = 1_000_000
-VARIANTS = 50
+VARIANTS = 2000
+"""So many that no chunk holds a scan twice, which would compress too well."""
 ODOMETRY_LINES = 16
 
 

@@ -24,6 +24,7 @@ from reflexarc.commands.info import Info
 from reflexarc.commands.play import Play
 from reflexarc.commands.record import Record
 from reflexarc.commands.recover import Recover
+from reflexarc.commands.render import Render
 from reflexarc.commands.replay import Replay
 from reflexarc.commands.ros2 import Ros2
 from reflexarc.commands.run import Run
@@ -43,6 +44,7 @@ COMMANDS = (
     Record,
     Play,
     Replay,
+    Render,
     Import,
     Recover,
     Info,
@@ -52,7 +54,7 @@ BAD_INPUT = 2
 _EXTRAS = {"torch": "train", "matplotlib": "train", "rosbags": "ros2", "cv2": "camera"}
 """Which extra brings a module."""
 
-_NEEDS = {"demo": "train", "train": "train", "export": "train"}
+_NEEDS = {"demo": "train", "train": "train", "export": "train", "render": "train"}
 """Which extra a command needs, where the missing module does not tell; `sim` for the others."""
 
 _STYLE = (tyro.conf.FlagCreatePairsOff, tyro.conf.OmitArgPrefixes, tyro.conf.DisallowNone)

@@ -7,60 +7,26 @@ the new times; the file's own time stays in the messages. What is broken is coun
 import json
 import platform
 import uuid
-from collections import Counter
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Generator
+from contextlib import closing
 from pathlib import Path
 
-import numpy as np
-
-from reflexarc_logs.carmen import Carmen
-from reflexarc_logs.coreslam import CoreSlam
-from reflexarc_logs.lidar_messages import ODOMETRY_FRAME, WORLD_FRAME, LidarMessages
+from reflexarc_logs.lidar_reading import (
+    DEFAULT_RATE_HZ,
+    FORMATS,
+    RECORDED,
+    Imported,
+    Record,
+    read_lidar,
+)
 from reflexarc_logs.log_file import CONFIG_ATTACHMENT, LogFile
 from reflexarc_logs.new_times import EvenTimes, NewTimes, RecordedTimes
 from reflexarc_logs.run_info import RUN, RunInfo, installed_versions
-from reflexarc_logs.sweep import NO_RETURN, BrokenLineError, LineReader, Sweep
-from reflexarc_logs.text_file import MAX_LINE_BYTES, text_lines
 from reflexarc_runtime.errors import LogError, UsageError
 from reflexarc_runtime.messages import SCHEMAS
 from reflexarc_runtime.topics import DEFAULT_ROBOT, ODOMETRY, POSE, SCAN, TRANSFORM, Topic
 
-FORMATS: dict[str, Callable[[], LineReader]] = {"carmen": Carmen, "coreslam": CoreSlam}
-DEFAULT_RATE_HZ = 10.0
-RECORDED = "recorded"
-"""In place of a rate: the file's own times."""
-
-
-@dataclass
-class Imported:
-    """What was in a file, and what became of it."""
-
-    source: str
-    format: str
-    log: str
-    robot: str
-    rate_hz: float
-    """0 where the file's own times were kept."""
-    lines: int = 0
-    scans: int = 0
-    seconds: float = 0.0
-    """From the first scan to the last one, by their new times."""
-    poses: int = 0
-    odometry: int = 0
-    beams: int = 0
-    no_return: int = 0
-    unknown: dict[str, int] = field(default_factory=dict)
-    """Beams that say nothing, by kind."""
-    broken_lines: dict[str, int] = field(default_factory=dict)
-    """Lines that were left out, by kind."""
-    first_broken_line: int | None = None
-    """Its number, from 1."""
-    passed_over: dict[str, int] = field(default_factory=dict)
-    """Good lines that carry no scan, by keyword."""
-    times_left_out: int = 0
-    """Scans whose own time no message can hold."""
-    notes: tuple[str, ...] = ()
+__all__ = ["DEFAULT_RATE_HZ", "FORMATS", "RECORDED", "Imported", "import_log"]
 
 
 def import_log(
@@ -87,16 +53,20 @@ def import_log(
     """
     if kind not in FORMATS:
         raise UsageError(f"expected {' or '.join(FORMATS)}, got {kind!r}")
-    times = _times(rate)
-    work = _Import(Path(path), LogFile(Path(out)), kind, times, robot)
+    source, times = Path(path), _times(rate)
+    file = LogFile(Path(out))
     try:
-        return work.run()
+        said = Imported(str(path), kind, str(file.path), robot, times.rate_hz)
+        _begin(file, said)
+        said = _write(file, robot, read_lidar(source, times, said))
+        file.finish()
     except OSError as error:
-        work.file.discard()
+        file.discard()
         raise LogError(f"{out}: cannot be written: {error.strerror}; nothing is left") from None
     except BaseException:
-        work.file.discard()
+        file.discard()
         raise
+    return said
 
 
 class _Stream:
@@ -119,111 +89,36 @@ class _Stream:
         )
 
 
-class _Import:
-    """Carries lines of one file into another."""
+def _begin(file: LogFile, said: Imported) -> None:
+    run = RunInfo(
+        run_id=uuid.uuid4().hex,
+        robot=said.robot,
+        input=SCAN.name,
+        rate_hz=said.rate_hz,
+        recorded_by="import",
+        host=platform.node(),
+        versions=installed_versions(),
+    )
+    file.describe(RUN, run.to_metadata())
+    rate = said.rate_hz or RECORDED
+    config = {"import": {"format": said.format, "file": Path(said.source).name, "rate": rate}}
+    document = json.dumps(config, indent=2, sort_keys=True).encode()
+    file.attach(CONFIG_ATTACHMENT, "application/json", document)
 
-    def __init__(self, path: Path, file: LogFile, kind: str, times: NewTimes, robot: str) -> None:
-        self.file = file
-        self._path = path
-        self._format = FORMATS[kind]()
-        self._times = times
-        self._messages = LidarMessages(robot)
-        self._said = Imported(str(path), kind, str(file.path), robot, times.rate_hz)
-        self._broken: Counter[str] = Counter()
-        self._unknown = 0
-        self._scans, self._poses, self._transforms, self._odometry = (
-            _Stream(file, topic, robot) for topic in (SCAN, POSE, TRANSFORM, ODOMETRY)
-        )
 
-    def run(self) -> Imported:
-        self._begin()
-        number = 0
-        for number, line in enumerate(text_lines(self._path), 1):
+def _write(file: LogFile, robot: str, batches: Generator[list[Record], None, Imported]) -> Imported:
+    streams = {
+        topic.name: _Stream(file, topic, robot) for topic in (SCAN, POSE, TRANSFORM, ODOMETRY)
+    }
+    with closing(batches):
+        while True:
             try:
-                sweep = self._format.sweep(line)
-            except BrokenLineError as error:
-                self._note_broken(number, line, str(error))
-                continue
-            if sweep is not None:
-                self._take(sweep, number)
-        self._said.lines = number
-        self._check()
-        self.file.finish()
-        return self._conclude()
-
-    def _begin(self) -> None:
-        said = self._said
-        run = RunInfo(
-            run_id=uuid.uuid4().hex,
-            robot=said.robot,
-            input=SCAN.name,
-            rate_hz=said.rate_hz,
-            recorded_by="import",
-            host=platform.node(),
-            versions=installed_versions(),
-        )
-        self.file.describe(RUN, run.to_metadata())
-        rate = said.rate_hz or RECORDED
-        config = {"import": {"format": said.format, "file": self._path.name, "rate": rate}}
-        document = json.dumps(config, indent=2, sort_keys=True).encode()
-        self.file.attach(CONFIG_ATTACHMENT, "application/json", document)
-
-    def _take(self, sweep: Sweep, line: int) -> None:
-        time_ns = self._times.of(sweep.time_ns, line)
-        self._count(sweep, time_ns)
-        messages = self._messages
-        self._scans.add(messages.scan(sweep), time_ns)
-        if sweep.pose is not None:
-            self._poses.add(messages.pose(sweep.pose, WORLD_FRAME), time_ns)
-            self._transforms.add(messages.transform(sweep.pose), time_ns)
-        if sweep.odometry is not None:
-            self._odometry.add(messages.pose(sweep.odometry, ODOMETRY_FRAME), time_ns)
-
-    def _count(self, sweep: Sweep, time_ns: int) -> None:
-        said, ranges_m = self._said, sweep.ranges_m
-        said.seconds = time_ns / 1e9
-        said.times_left_out += sweep.time_ns is None
-        said.beams += len(ranges_m)
-        said.no_return += np.count_nonzero(ranges_m == NO_RETURN)
-        self._unknown += np.count_nonzero(np.isnan(ranges_m))
-
-    def _note_broken(self, number: int, line: bytes, kind: str) -> None:
-        if len(line) == MAX_LINE_BYTES:
-            kind = "longer than 1 MiB"
-        elif not line.endswith(b"\n"):
-            kind = "cut off at the end of the file"
-        self._broken[kind] += 1
-        self._said.first_broken_line = self._said.first_broken_line or number
-
-    def _check(self) -> None:
-        """Whether all this makes a log."""
-        if not self._scans.messages:
-            raise LogError(
-                f"{self._path}: expected a {self._said.format} log ({self._format.expects}), "
-                f"found no scan in {self._said.lines} lines"
-            )
-        if fault := self._times.fault():
-            raise LogError(
-                f"{self._path}: --rate {RECORDED} needs times that grow; {fault}; "
-                f"spread the scans evenly instead: --rate {DEFAULT_RATE_HZ:g}"
-            )
-
-    def _conclude(self) -> Imported:
-        said, log_format = self._said, self._format
-        said.scans = self._scans.messages
-        said.poses, said.odometry = self._poses.messages, self._odometry.messages
-        unreadable = log_format.distances.unreadable
-        blind = log_format.blind_beams * said.scans
-        kinds = {
-            log_format.no_distance: self._unknown - unreadable - blind,
-            "no number": unreadable,
-            "blind": blind,
-        }
-        said.unknown = {kind: count for kind, count in kinds.items() if count}
-        said.broken_lines = dict(self._broken)
-        said.passed_over = log_format.passed_over()
-        said.notes = log_format.notes()
-        return said
+                batch = next(batches)
+            except StopIteration as end:
+                said: Imported = end.value
+                return said
+            for name, time_ns, payload in batch:
+                streams[name].add(payload, time_ns)
 
 
 def _times(rate: float | str) -> NewTimes:

@@ -115,10 +115,13 @@ def step_all(
         met_out[i] = step_agent(world, agents, i, linear_mps[action], lateral_mps[action])
 
 
-@compiled_parallel
+@compiled
 def place_all(world: WorldParams, agents: Agents) -> None:
-    """Put every agent at a free place of its x and gather what is near."""
-    for i in prange(agents.x_m.size):
+    """Put every agent at a free place of its x and gather what is near.
+
+    Once a simulation, so one thread will do: a parallel loop takes 5 s more to compile.
+    """
+    for i in range(agents.x_m.size):
         _place_agent(world, agents, i)
 
 

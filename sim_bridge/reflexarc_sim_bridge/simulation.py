@@ -94,7 +94,10 @@ class Simulation:
     def sense(self) -> npt.NDArray[np.uint8]:
         """What every agent sees now: (n, eyes, rays, channels), a new array."""
         retinas = np.empty((len(self), self.contract.retina.rays), np.uint8)
-        kernel.sense_all(*self.params, retinas)
+        if len(self) == 1:  # one agent needs no threads, and no time to compile and start them
+            kernel.sense_agent(*self.params, 0, retinas[0])
+        else:
+            kernel.sense_all(*self.params, retinas)
         return retinas.reshape(len(self), *self.contract.retina.shape)
 
     def step(self, actions: Actions) -> npt.NDArray[np.bool_]:
@@ -112,7 +115,11 @@ class Simulation:
         _check_actions(actions, len(self), len(self._linear_mps))
         met = np.empty(len(self), np.bool_)
         world, _, agents = self.params
-        kernel.step_all(world, agents, self._linear_mps, self._lateral_mps, actions, met)
+        if len(self) == 1:
+            linear_mps, lateral_mps = self._linear_mps[actions[0]], self._lateral_mps[actions[0]]
+            met[0] = kernel.step_agent(world, agents, 0, linear_mps, lateral_mps)
+        else:
+            kernel.step_all(world, agents, self._linear_mps, self._lateral_mps, actions, met)
         return met
 
     def obstacles_near(self, agent: int) -> npt.NDArray[np.void]:

@@ -190,3 +190,17 @@ def test_a_scanner_that_does_not_cover_the_eye_is_refused():
     narrow = dataclasses.replace(world_named("scanned"), scanner=Scanner(91, math.pi / 2))
     with pytest.raises(WorldError, match="covers the field of view"):
         Simulation(narrow, reference_contract(), test_seeds(1))
+
+
+def test_one_agent_alone_does_to_the_bit_what_it_does_among_many():
+    seeds = test_seeds(5)
+    crowd, alone = (
+        Simulation(REFERENCE, CONTRACT, seeds),
+        Simulation(REFERENCE, CONTRACT, seeds[3:4]),
+    )
+    generator = np.random.default_rng(0)
+    for _ in range(300):
+        assert crowd.sense()[3].tobytes() == alone.sense()[0].tobytes()
+        actions = generator.integers(0, 3, 5)
+        assert crowd.step(actions)[3] == alone.step(actions[3:4])[0]
+        assert (crowd.x_m[3], crowd.y_m[3]) == (alone.x_m[0], alone.y_m[0])

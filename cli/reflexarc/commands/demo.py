@@ -59,9 +59,9 @@ class Demo:
         from reflexarc.demo import stages
         from reflexarc.demo.driving import drive
         from reflexarc.demo.lidar import drive_on_scans
-        from reflexarc.demo.picture import draw_log
         from reflexarc.demo.results import Found
         from reflexarc.demo.screen import screen
+        from reflexarc.pictures.log_picture import draw_log
         from reflexarc.stop import StopFlag
         from reflexarc_runtime.policy import load_policy
 

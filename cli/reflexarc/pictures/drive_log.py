@@ -1,6 +1,4 @@
-"""From a recorded drive to its picture."""
-
-from pathlib import Path
+"""What a log says about a drive among obstacles that the body told of."""
 
 import numpy as np
 from foxglove_schemas_protobuf.CubePrimitive_pb2 import CubePrimitive
@@ -8,42 +6,33 @@ from foxglove_schemas_protobuf.CylinderPrimitive_pb2 import CylinderPrimitive
 from foxglove_schemas_protobuf.PoseInFrame_pb2 import PoseInFrame
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 
-from reflexarc_logs.reader import Log, read_log
+from reflexarc_logs.reader import Log
 from reflexarc_runtime import messages_pb2 as pb
-from reflexarc_runtime.policy import load_policy
 from reflexarc_runtime.topics import CONTACT, POSE, SCENE
-from reflexarc_sim_bridge.render import Drive, Floats, draw_drive
+from reflexarc_sim_bridge.render import Drive
+from reflexarc_sim_bridge.strips import Decisions, Floats
 
 Extent = tuple[float, float, float, float]
 """Centre x and y, length along x, width along y."""
 
 
-def draw_log(path: Path, picture: Path) -> None:
-    """Draw a log of `reflexarc run --record` from above, with what the policy saw.
+def drive_of(log: Log, decisions: Decisions) -> Drive:
+    """Path, contacts and obstacles, each as far as the log has them.
 
     Raises:
-        LogError: the log cannot be read.
+        LogError: the log is damaged.
     """
-    log = read_log(path)
     poses = _poses(log)
     boxes, discs = _obstacles(log)
-    decisions = [tick.decision for tick in log.ticks() if tick.decision.retina]
-    began_ns = decisions[0].now_ns if decisions else 0
-    retinas = [np.frombuffer(d.retina, np.uint8) for d in decisions]
-    contract = load_policy(log.policy or b"", verify=False).contract
-    drive = Drive(
-        title=f"{path.name}: {len(decisions)} decisions",
+    return Drive(
+        title=f"{log.path.name}: {len(decisions.time_s)} decisions",
         x_m=poses[:, 0],
         y_m=poses[:, 1],
         contacts=_contacts(log),
         boxes=boxes,
         discs=discs,
-        time_s=np.array([(d.now_ns - began_ns) * 1e-9 for d in decisions]),
-        retinas=np.stack(retinas),
-        actions=np.array([d.action for d in decisions], np.int64),
-        action_names=tuple(action.name for action in contract.actions),
+        decisions=decisions,
     )
-    draw_drive(drive, picture)
 
 
 def _poses(log: Log) -> Floats:

@@ -1,0 +1,183 @@
+"""One pass over a lidar log: its lines become encoded messages with their new times.
+
+Nothing here knows the log that is written.
+"""
+
+from collections import Counter
+from collections.abc import Callable, Generator, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from reflexarc_logs.carmen import Carmen
+from reflexarc_logs.coreslam import CoreSlam
+from reflexarc_logs.lidar_messages import ODOMETRY_FRAME, WORLD_FRAME, LidarMessages
+from reflexarc_logs.new_times import NewTimes
+from reflexarc_logs.sweep import NO_RETURN, BrokenLineError, LineReader, Sweep
+from reflexarc_logs.text_file import MAX_LINE_BYTES, text_lines
+from reflexarc_runtime.errors import LogError
+from reflexarc_runtime.topics import ODOMETRY, POSE, SCAN, TRANSFORM
+
+FORMATS: dict[str, Callable[[], LineReader]] = {"carmen": Carmen, "coreslam": CoreSlam}
+DEFAULT_RATE_HZ = 10.0
+RECORDED = "recorded"
+"""In place of a rate: the file's own times."""
+
+_BATCH_BYTES = 128 * 1024
+
+Record = tuple[str, int, bytes]
+"""The name of a topic, the new time in nanoseconds, the payload."""
+
+
+@dataclass
+class Imported:
+    """What was in a file, and what became of it."""
+
+    source: str
+    format: str
+    log: str
+    robot: str
+    rate_hz: float
+    """0 where the file's own times were kept."""
+    lines: int = 0
+    scans: int = 0
+    seconds: float = 0.0
+    """From the first scan to the last one, by their new times."""
+    poses: int = 0
+    odometry: int = 0
+    beams: int = 0
+    no_return: int = 0
+    unknown: dict[str, int] = field(default_factory=dict)
+    """Beams that say nothing, by kind."""
+    broken_lines: dict[str, int] = field(default_factory=dict)
+    """Lines that were left out, by kind."""
+    first_broken_line: int | None = None
+    """Its number, from 1."""
+    passed_over: dict[str, int] = field(default_factory=dict)
+    """Good lines that carry no scan, by keyword."""
+    times_left_out: int = 0
+    """Scans whose own time no message can hold."""
+    notes: tuple[str, ...] = ()
+
+
+def read_lidar(
+    path: Path, times: NewTimes, said: Imported
+) -> Generator[list[Record], None, Imported]:
+    """Yield the messages of a file in order, some 128 KiB at once; return what was in it.
+
+    Args:
+        path: a text log, plain or gzip.
+        times: gives every scan its new time.
+        said: names the format and the robot; the rest is filled in.
+
+    Raises:
+        LogError: the file cannot be read or has no scan; its times were asked for and do not grow.
+    """
+    reading = _Reading(path, times, said)
+    batch: list[Record] = []
+    size = 0
+    for sweep, number in reading.sweeps():
+        records = reading.records(sweep, number)
+        batch += records
+        size += sum(len(payload) for _, _, payload in records)
+        if size >= _BATCH_BYTES:
+            yield batch
+            batch, size = [], 0
+    reading.conclude()
+    yield batch
+    return said
+
+
+class _Reading:
+    """Reads one file and keeps account of it."""
+
+    def __init__(self, path: Path, times: NewTimes, said: Imported) -> None:
+        self._path = path
+        self._times = times
+        self._said = said
+        self._format = FORMATS[said.format]()
+        self._messages = LidarMessages(said.robot)
+        self._broken: Counter[str] = Counter()
+        self._unknown = 0
+
+    def sweeps(self) -> Iterator[tuple[Sweep, int]]:
+        """Every scan with the number of its line."""
+        for number, line in enumerate(text_lines(self._path), 1):
+            self._said.lines = number
+            try:
+                sweep = self._format.sweep(line)
+            except BrokenLineError as error:
+                self._note_broken(number, line, str(error))
+                continue
+            if sweep is not None:
+                yield sweep, number
+
+    def records(self, sweep: Sweep, line: int) -> list[Record]:
+        """The messages of one scan."""
+        said, messages = self._said, self._messages
+        time_ns = self._times.of(sweep.time_ns, line)
+        self._count(sweep, time_ns)
+        records = [(SCAN.name, time_ns, messages.scan(sweep))]
+        if sweep.pose is not None:
+            said.poses += 1
+            records.append((POSE.name, time_ns, messages.pose(sweep.pose, WORLD_FRAME)))
+            records.append((TRANSFORM.name, time_ns, messages.transform(sweep.pose)))
+        if sweep.odometry is not None:
+            said.odometry += 1
+            odometry = messages.pose(sweep.odometry, ODOMETRY_FRAME)
+            records.append((ODOMETRY.name, time_ns, odometry))
+        return records
+
+    def conclude(self) -> None:
+        """Complete the account.
+
+        Raises:
+            LogError: all this makes no log.
+        """
+        self._check()
+        self._sum_up()
+
+    def _count(self, sweep: Sweep, time_ns: int) -> None:
+        said, ranges_m = self._said, sweep.ranges_m
+        said.scans += 1
+        said.seconds = time_ns / 1e9
+        said.times_left_out += sweep.time_ns is None
+        said.beams += len(ranges_m)
+        said.no_return += int(np.count_nonzero(ranges_m == NO_RETURN))
+        self._unknown += int(np.count_nonzero(np.isnan(ranges_m)))
+
+    def _note_broken(self, number: int, line: bytes, kind: str) -> None:
+        if len(line) == MAX_LINE_BYTES:
+            kind = "longer than 1 MiB"
+        elif not line.endswith(b"\n"):
+            kind = "cut off at the end of the file"
+        self._broken[kind] += 1
+        self._said.first_broken_line = self._said.first_broken_line or number
+
+    def _check(self) -> None:
+        """Whether all this makes a log."""
+        if not self._said.scans:
+            raise LogError(
+                f"{self._path}: expected a {self._said.format} log ({self._format.expects}), "
+                f"found no scan in {self._said.lines} lines"
+            )
+        if fault := self._times.fault():
+            raise LogError(
+                f"{self._path}: --rate {RECORDED} needs times that grow; {fault}; "
+                f"spread the scans evenly instead: --rate {DEFAULT_RATE_HZ:g}"
+            )
+
+    def _sum_up(self) -> None:
+        said, log_format = self._said, self._format
+        unreadable = log_format.distances.unreadable
+        blind = log_format.blind_beams * said.scans
+        kinds = {
+            log_format.no_distance: self._unknown - unreadable - blind,
+            "no number": unreadable,
+            "blind": blind,
+        }
+        said.unknown = {kind: count for kind, count in kinds.items() if count}
+        said.broken_lines = dict(self._broken)
+        said.passed_over = log_format.passed_over()
+        said.notes = log_format.notes()

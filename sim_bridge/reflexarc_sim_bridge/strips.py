@@ -1,0 +1,133 @@
+"""What a policy saw, how it valued its actions, and what it did, as strips over time.
+
+Each strip holds every decision from its own moment until the next one; all share one time axis (s).
+Where the policy was not asked, its retina and its values are missing and the command is the safe
+one: grey.
+"""
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
+
+INK, SAFE_COLOUR = "#22313f", "#b4bcc4"
+ACTION_COLOURS = (
+    *("#009e73", "#0072b2", "#d55e00"),  # the paper's three: stay, left, right
+    *("#cc79a7", "#e69f00", "#56b4e9", "#f0e442"),
+)
+"""One an action, again from the first where there are more; told apart by the colour-blind, too.
+Source: Okabe and Ito, "Color Universal Design" (2008)."""
+COLUMNS = 1600
+"""More than a picture has pixels across."""
+
+Floats: TypeAlias = npt.NDArray[np.float64]
+Actions: TypeAlias = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Decisions:
+    """What was decided, tick by tick, in order; at least one tick."""
+
+    time_s: Floats
+    """From the first tick on: (ticks,)."""
+    retinas: Floats
+    """The newest that the policy was given, 0 to 255; NaN where it was not asked: (ticks, rays)."""
+    q_values: Floats
+    """NaN where it was not asked: (ticks, actions)."""
+    actions: Actions
+    """Index of each action, −1 for the safe command: (ticks,)."""
+    action_names: tuple[str, ...]
+    bright: str
+    """What a large value in a retina means."""
+
+
+def colour_of(action: int) -> str:
+    """The colour of an action, in every strip and on every map; −1 is the safe command."""
+    return SAFE_COLOUR if action < 0 else ACTION_COLOURS[action % len(ACTION_COLOURS)]
+
+
+def draw_retinas(axes: Axes, decisions: Decisions) -> None:
+    """Draw one column a tick, the leftmost ray on top; brighter is a larger value."""
+    moments = _sampled(decisions.time_s)
+    axes.imshow(
+        decisions.retinas[moments].T,
+        aspect="auto",
+        cmap=colormaps["magma"].with_extremes(bad=SAFE_COLOUR),
+        vmin=0,
+        vmax=255,
+        interpolation="nearest",
+        extent=(0.0, _end_s(decisions), decisions.retinas.shape[1], 0.0),
+    )
+    _entitle(axes, f"what the policy saw (bright: {decisions.bright})", "ray (0: leftmost)")
+    axes.yaxis.set_major_locator(MaxNLocator(5, integer=True))
+    axes.tick_params(labelbottom=False)
+
+
+def draw_q_values(axes: Axes, decisions: Decisions) -> None:
+    """Draw one line an action; the highest one is what the policy does."""
+    for action in range(decisions.q_values.shape[1]):
+        values = decisions.q_values[:, action]
+        axes.step(
+            decisions.time_s,
+            values,
+            where="post",
+            color=colour_of(action),
+            linewidth=0.8,
+            alpha=0.9,
+        )
+    axes.set_xlim(0.0, _end_s(decisions))
+    axes.grid(color="#e3e7eb", linewidth=0.6)
+    axes.spines[["top", "right"]].set_visible(False)
+    _entitle(axes, "how it valued each action", "Q-value")
+    axes.tick_params(labelbottom=False)
+
+
+def draw_actions(axes: Axes, decisions: Decisions) -> None:
+    """Draw one bar a tick in the colour of its action; the time axis of all strips is here."""
+    shown = range(-1, len(decisions.action_names))
+    axes.imshow(
+        decisions.actions[np.newaxis, _sampled(decisions.time_s)],
+        aspect="auto",
+        cmap=ListedColormap([colour_of(action) for action in shown]),
+        vmin=-1,
+        vmax=len(decisions.action_names) - 1,
+        interpolation="nearest",
+        extent=(0.0, _end_s(decisions), 0.0, 1.0),
+    )
+    axes.set_yticks([])
+    axes.set_xlabel("time (s)")
+    _entitle(axes, "what it decided", "")
+
+
+def action_patches(decisions: Decisions) -> list[Patch]:
+    """Entries of a legend with their counts: the actions, and the safe command if it was sent."""
+    shown = [*enumerate(decisions.action_names)]
+    if (decisions.actions < 0).any():
+        shown.append((-1, "safe command"))
+    return [
+        Patch(facecolor=colour_of(action), label=f"{name}: {(decisions.actions == action).sum()}")
+        for action, name in shown
+    ]
+
+
+def _sampled(time_s: Floats) -> npt.NDArray[np.int64]:
+    """The tick that holds at the middle of each column; ticks need not be evenly spread."""
+    grid_s = (np.arange(COLUMNS) + 0.5) / COLUMNS * time_s[-1]
+    held: npt.NDArray[np.int64] = np.maximum(np.searchsorted(time_s, grid_s, side="right") - 1, 0)
+    return held
+
+
+def _end_s(decisions: Decisions) -> float:
+    return float(decisions.time_s[-1]) or 1.0
+
+
+def _entitle(axes: Axes, title: str, unit: str) -> None:
+    axes.set_title(title, loc="left", fontsize=10, color=INK)
+    axes.set_ylabel(unit, fontsize=9)
+    axes.tick_params(labelsize=8.5)
