@@ -27,7 +27,7 @@ def scan_of(ranges: list[float], start: float = -math.pi / 2, end: float = math.
 
 
 def slow_retina(scan: Scan, spec: RetinaSpec) -> list[Fraction]:
-    """By the words of the definition, exactly, before rounding: search all beams for the nearest."""
+    """By the words of the definition, exactly and before rounding: search all beams."""
     values = []
     for ray in range(spec.rays):
         sector = spec.fov_rad / spec.rays
