@@ -1,5 +1,6 @@
 """What every command on the bus has in common: its flags, and how it joins."""
 
+import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,6 +12,7 @@ if TYPE_CHECKING:
     from reflexarc_runtime.bus import Bus, BusConfig
     from reflexarc_runtime.contract import PolicyContract
 
+ASK_AGAIN_S = 0.1
 ASK_S = 0.5
 """How long one question to the runtime lasts."""
 
@@ -56,4 +58,5 @@ def contract_of(
         found = bus.fetch_policy(timeout_s=ASK_S)
         if found is not None:
             return load_policy(found, verify=False).contract
+        time.sleep(ASK_AGAIN_S)  # where nobody is, the question is answered at once
     return None

@@ -159,7 +159,7 @@ class PolicyContract:
         _require(2 <= len(self.actions) <= 64, "actions", "2 to 64", len(self.actions))
         names = [action.name for action in self.actions]
         _require(len(set(names)) == len(names), "actions", "distinct names", names)
-        _require(0.0 < self.rate_hz <= 10_000.0, "rate_hz", "in (0, 10000]", self.rate_hz)
+        _require(0.1 <= self.rate_hz <= 10_000.0, "rate_hz", "0.1 to 10000", self.rate_hz)
         age_s = self.max_input_age_s
         _require(0.0 < age_s <= 3600.0, "max_input_age_s", "in (0, 3600]", age_s)
         _check_golden(self)
@@ -252,7 +252,10 @@ def _number(kind: type, value: object, where: str) -> float:
     accepted = (int, float) if kind is float else (int,)
     if isinstance(value, bool) or not isinstance(value, accepted):
         raise ContractError(f"{where}: expected {kind.__name__}, got {value!r}")
-    return kind(value)  # type: ignore[no-any-return]  # int or float
+    try:
+        return kind(value)  # type: ignore[no-any-return]  # int or float
+    except OverflowError:
+        raise ContractError(f"{where}: expected {kind.__name__}, got a number too large") from None
 
 
 def _typed(kind: type[Any], value: object, where: str) -> Any:
@@ -265,6 +268,9 @@ def _check_golden(contract: PolicyContract) -> None:
     golden, count = contract.golden, len(contract.golden.retinas)
     lengths = (len(golden.q_values), len(golden.actions))
     _require(lengths == (count, count), "golden", f"{count} of each", lengths)
+    known = len(contract.actions)
+    fits = all(0 <= action < known for action in golden.actions)
+    _require(fits, "golden.actions", f"0 to {known - 1}", "others")
     size = contract.retina.frames * contract.retina.size
     for retina, q_values in zip(golden.retinas, golden.q_values, strict=True):
         _require(len(retina) == size, "golden.retinas", f"{size} values each", len(retina))

@@ -1,5 +1,6 @@
 """Between plain values and protobuf, in both directions; the same bytes on the bus and in a log."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -87,9 +88,12 @@ def encode_command(command: Command) -> bytes:
 
 
 def decode_command(payload: bytes) -> Command | None:
-    """A command from the bus; None where the bytes are no command."""
+    """A command from the bus; None where the bytes are none, or its speeds are not finite."""
     try:
         message = pb.Command.FromString(payload)
+        speeds = (message.linear_mps, message.lateral_mps, message.angular_radps)
+        if not all(map(math.isfinite, speeds)):
+            return None
         return Command(
             sequence=message.sequence,
             action=message.action,

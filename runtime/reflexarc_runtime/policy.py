@@ -138,11 +138,21 @@ def _load(data: bytes, backend: Backend, verify: bool) -> LoadedPolicy:
     model = _parse(data)
     contract = PolicyContract.from_json(_contract_text(model))
     _check_names(model)
-    graph: Graph = NumpyGraph(model) if backend is Backend.NUMPY else OnnxruntimeGraph(data)
-    policy = LoadedPolicy(contract, policy_hash(data), data, graph)
+    policy = LoadedPolicy(contract, policy_hash(data), data, _build(model, data, backend))
     if verify:
         _reproduce_golden_vectors(policy)
     return policy
+
+
+def _build(model: onnx.ModelProto, data: bytes, backend: Backend) -> Graph:
+    try:
+        return NumpyGraph(model) if backend is Backend.NUMPY else OnnxruntimeGraph(data)
+    except PolicyError:
+        raise
+    except Exception as error:  # a damaged file can break any part of it
+        raise PolicyError(
+            f"the graph is damaged ({type(error).__name__}: {_first_line(error)}); export it again"
+        ) from None
 
 
 def _parse(data: bytes) -> onnx.ModelProto:
@@ -192,8 +202,9 @@ def _decide_or_refuse(policy: LoadedPolicy, retinas: RetinaBatch) -> tuple[QValu
     try:
         q_values, actions = policy.decide(retinas)
     except Exception as error:  # a graph from outside can fail in any operator
-        reason = str(error).splitlines()[0][:200] if str(error) else type(error).__name__
-        raise PolicyError(f"the graph does not run on {policy.backend}: {reason}") from None
+        raise PolicyError(
+            f"the graph does not run on {policy.backend}: {_first_line(error)}"
+        ) from None
     wanted = (len(retinas), len(policy.contract.actions))
     if q_values.shape != wanted or actions.shape != wanted[:1]:
         raise PolicyError(
@@ -222,3 +233,8 @@ def flips(actions: Actions, winners: Actions, reference: QValues) -> Mask:
     scale = np.maximum(1.0, np.abs(reference[rows, winners]))
     mask: Mask = (actions != winners) & (margin > 2 * Q_TOLERANCE * scale)
     return mask
+
+
+def _first_line(error: Exception) -> str:
+    text = str(error).strip()
+    return text.splitlines()[0][:200] if text else type(error).__name__

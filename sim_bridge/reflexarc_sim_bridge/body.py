@@ -55,12 +55,20 @@ class Body:
         command = self._watchdog.obeyed(now_ns)
         # The safe thing is this body's own: a command without an echo moves nothing, whatever
         # speeds it names, for it would hold for ever.
-        motion = self.contract.safe_command if command is None or command.is_safe else command
+        drives = command is not None and not command.is_safe and self._can_move_so(command)
+        motion = command if command is not None and drives else self.contract.safe_command
         world, _, agents = self.simulation.params
         if not kernel.step_agent(world, agents, 0, motion.linear_mps, motion.lateral_mps):
             return None
         self.contacts += 1
         return self.place
+
+    def _can_move_so(self, command: Command) -> bool:
+        """Whether it is no faster than the contract's fastest actions: nobody else is obeyed."""
+        actions = self.contract.actions
+        forward_mps = max(abs(action.linear_mps) for action in actions)
+        aside_mps = max(abs(action.lateral_mps) for action in actions)
+        return abs(command.linear_mps) <= forward_mps and abs(command.lateral_mps) <= aside_mps
 
     def see(self) -> Retina:
         """The retina now: uint8 (eyes, rays, channels)."""

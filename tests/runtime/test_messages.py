@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
@@ -88,6 +89,12 @@ def test_in_lockstep_a_message_arrives_when_it_was_sent():
 )
 def test_a_command_survives_the_wire(command: object):
     assert decode_command(encode_command(command)) == command  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("speed", [math.nan, math.inf, -math.inf])
+def test_a_command_of_no_finite_speed_is_none(speed: float):
+    command = drive_command(3, 1, LEFT, ECHO, 100)
+    assert decode_command(encode_command(replace(command, lateral_mps=speed))) is None
 
 
 @pytest.mark.parametrize("payload", [b"", b"\xff", b"\x18\x63"])

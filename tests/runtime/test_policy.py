@@ -128,6 +128,60 @@ def another_eye(model: onnx.ModelProto) -> None:
     model.CopyFrom(onnx.ModelProto.FromString(with_contract(exported(SMALL), other)))
 
 
+def weights_of(model: onnx.ModelProto) -> onnx.TensorProto:
+    return next(t for t in model.graph.initializer if t.name == "w2")
+
+
+def cut_weights(model: onnx.ModelProto) -> None:
+    weights_of(model).raw_data = weights_of(model).raw_data[:-3]
+
+
+def unknown_type(model: onnx.ModelProto) -> None:
+    weights_of(model).data_type = 99
+
+
+def weights_elsewhere(model: onnx.ModelProto) -> None:
+    weights_of(model).ClearField("raw_data")
+    weights_of(model).data_location = onnx.TensorProto.EXTERNAL
+
+
+def no_output(model: onnx.ModelProto) -> None:
+    model.graph.node[0].ClearField("output")
+
+
+def contract_edit(model: onnx.ModelProto, change: dict[str, object]) -> None:
+    for entry in model.metadata_props:
+        if entry.key == METADATA_KEY:
+            entry.value = json.dumps({**json.loads(entry.value), **change})
+
+
+def golden_action_out_of_range(model: onnx.ModelProto) -> None:
+    golden = dataclasses.asdict(load_policy(exported(SMALL)).contract.golden)
+    contract_edit(model, {"golden": {**golden, "actions": [99] * len(golden["actions"])}})
+
+
+def endless_rate(model: onnx.ModelProto) -> None:
+    contract_edit(model, {"rate_hz": 10**400})
+
+
+@pytest.mark.parametrize("backend", ["numpy", "onnxruntime"])
+@pytest.mark.parametrize(
+    "edit",
+    [
+        cut_weights,
+        unknown_type,
+        weights_elsewhere,
+        no_output,
+        golden_action_out_of_range,
+        endless_rate,
+    ],
+)
+def test_a_damaged_policy_is_refused_in_one_line(edit: object, backend: str):
+    with pytest.raises(ReflexarcError) as caught:
+        load_policy(changed(exported(SMALL), edit), backend)
+    assert "\n" not in str(caught.value)
+
+
 @pytest.mark.parametrize(
     ("edit", "words"),
     [

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from reflexarc.output import console, print_json
+from reflexarc.stop import terminated_as_interrupted
 from reflexarc_runtime.errors import UsageError
 
 MADE = (
@@ -19,6 +20,7 @@ MADE = (
     "lidar-drive.mcap.partial",
     "training",
 )
+MARK = ".made-by-reflexarc-demo"
 DRIVE_SEED = 4
 
 
@@ -53,7 +55,8 @@ class Demo:
         if self.lidar is not None and not self.lidar.is_file():
             raise UsageError(f"--lidar: {self.lidar}: no such file")
         _clear(self.out)
-        return self._go()
+        with terminated_as_interrupted():
+            return self._go()
 
     def _go(self) -> int:
         from reflexarc.demo import stages
@@ -95,9 +98,13 @@ class Demo:
 
 
 def _clear(out: Path) -> None:
-    """Remove what an earlier demo made, and nothing else."""
+    """Remove what an earlier demo made, and nothing else: its folder bears a mark."""
+    taken = [name for name in MADE if (out / name).exists()]
+    if taken and not (out / MARK).exists():
+        raise UsageError(f"--out: {out}: {taken[0]} is there and no demo made it; choose another")
     try:
         out.mkdir(parents=True, exist_ok=True)
+        (out / MARK).touch()
         for name in MADE:
             made = out / name
             if made.is_dir():

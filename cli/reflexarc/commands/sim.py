@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from reflexarc_sim_bridge.bridge import Journey
     from reflexarc_sim_bridge.fault_script import FaultScript
 
-MAX_RATE_HZ = 1000.0
+MIN_RATE_HZ, MAX_RATE_HZ = 0.1, 1000.0
 
 
 @dataclass(frozen=True)
@@ -69,8 +69,10 @@ class Sim:
         return 0
 
     def _check_flags(self) -> None:
-        if self.rate is not None and not 0.0 < self.rate <= MAX_RATE_HZ:
-            raise UsageError(f"--rate: expected 0 to {MAX_RATE_HZ:g} Hz, got {self.rate}")
+        if self.rate is not None and not MIN_RATE_HZ <= self.rate <= MAX_RATE_HZ:
+            raise UsageError(
+                f"--rate: expected {MIN_RATE_HZ:g} to {MAX_RATE_HZ:g} Hz, got {self.rate}"
+            )
         if self.steps is not None and self.steps < 1:
             raise UsageError(f"--steps: expected 1 or more, got {self.steps}")
         if not 0 <= self.seed < 1 << 64:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from reflexarc.output import aside, console, facts, print_json
 from reflexarc.stop import StopFlag
+from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:
     from reflexarc_trainer.config import TrainConfig
@@ -44,6 +45,8 @@ class Train:
         from reflexarc.training_progress import show_progress
         from reflexarc_trainer.train import resume, train
 
+        if self.resume and self.steps is not None:
+            raise UsageError("--steps: a resumed run ends where it was meant to; leave it out")
         config = self._config()
         out = self.out or Path("runs") / f"{self.preset}-{self.seed}"
         with StopFlag() as stop, show_progress() as progress:

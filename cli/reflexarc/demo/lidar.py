@@ -7,11 +7,12 @@ field, in the CARMEN format, and labelled as simulated.
 import contextlib
 import math
 import signal
+import time
 from pathlib import Path
 
 import numpy as np
 
-from reflexarc.demo.processes import finish, free_port, started
+from reflexarc.demo.processes import Process, finish, free_port, started
 from reflexarc.demo.results import Lidar
 from reflexarc_logs.importing import FORMATS, Imported, import_log
 from reflexarc_logs.replay import replay
@@ -23,6 +24,8 @@ from reflexarc_sim_bridge.reference_field import reference_contract
 from reflexarc_sim_bridge.seeds import test_seeds
 from reflexarc_sim_bridge.simulation import Simulation
 from reflexarc_sim_bridge.worlds import world_named
+
+_POLL_S = 0.1
 
 BEAMS, SWEEP_RAD = 181, math.pi
 SIMULATED_SCANS = 200
@@ -87,6 +90,14 @@ def _import(text: Path, log: Path) -> Imported:
     return import_log(text, log, last)
 
 
+def _while_both_live(runtime: Process, player: Process) -> None:
+    """A long log takes as long as it takes; a runtime that fails says why itself."""
+    while player.poll() is None:
+        if runtime.poll() is not None:
+            finish(runtime)
+        time.sleep(_POLL_S)
+
+
 def _decide(policy: Path, scans: Path, log: Path) -> dict[str, int]:
     port = free_port()
     words = ("run", policy, "--input", "scan", "--lockstep", "--record", log, "--port", port)
@@ -94,6 +105,7 @@ def _decide(policy: Path, scans: Path, log: Path) -> dict[str, int]:
         started(*words, "--json") as runtime,
         started("play", scans, "--lockstep", "--port", port, "--json") as player,
     ):
+        _while_both_live(runtime, player)
         finish(player)
         verdicts: dict[str, int] = finish(runtime, signal.SIGINT)["verdicts"]
     return verdicts
