@@ -124,9 +124,10 @@ def _open(path: Path, partial: Path) -> BinaryIO:
     try:
         return open_for_writing(partial)
     except FileExistsError:
-        raise LogError(
-            f"{partial}: an unfinished log is there; `reflexarc recover` it or remove it"
-        ) from None
+        advice = "`reflexarc recover` it or remove it"
+        if partial.suffix != PARTIAL:
+            advice = "a recovery was cut off there; remove it"
+        raise LogError(f"{partial}: an unfinished log is there; {advice}") from None
     except OSError as error:
         raise LogError(
             f"{path}: cannot be written: {error.strerror}; choose another place"

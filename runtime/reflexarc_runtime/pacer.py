@@ -14,6 +14,9 @@ from reflexarc_runtime.clock import Clock
 from reflexarc_runtime.inbox import Inbox
 from reflexarc_runtime.wire import Message, at_source_time
 
+PATIENCE_NS = 200_000_000
+"""How often a loop that waits for a far deadline looks whether it should end."""
+
 LOCKSTEP_PATIENCE_S = 0.05
 """How often a waiting lockstep loop looks whether it should end."""
 
@@ -61,7 +64,12 @@ class RatePacer:
     def wait(self, should_stop: Callable[[], bool]) -> Wakeup | None:
         """See `Pacer.wait`."""
         self._slot = max(self._slot + 1, self._slot_due())
-        self._clock.sleep_until_ns(self._deadline_ns())
+        deadline_ns = self._deadline_ns()
+        while (now_ns := self._clock.now_ns()) + PATIENCE_NS < deadline_ns and not should_stop():
+            self._clock.sleep_until_ns(now_ns + PATIENCE_NS)
+        if should_stop():
+            return None
+        self._clock.sleep_until_ns(deadline_ns)
         return None if should_stop() else self.farewell()
 
     def farewell(self) -> Wakeup:

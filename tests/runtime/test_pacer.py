@@ -63,6 +63,19 @@ def test_asked_to_stop_it_does_not_tick():
     assert LockstepPacer(Inbox()).wait(lambda: True) is None
 
 
+def test_a_slow_loop_is_asked_to_stop_long_before_its_deadline():
+    clock = ManualClock()
+    asked: list[int] = []
+
+    def after_half_a_second() -> bool:
+        asked.append(clock.time_ns)
+        return clock.time_ns >= 500 * MS
+
+    assert RatePacer(0.1, clock, Inbox()).wait(after_half_a_second) is None
+    assert clock.time_ns == 600 * MS
+    assert len(asked) < 10
+
+
 def test_lockstep_ticks_once_an_input_on_the_input_s_own_time():
     inbox = Inbox()
     for i in (1, 2, 3):
