@@ -1,12 +1,12 @@
 """What every command on the bus has in common: its flags, and how it joins."""
 
 import time
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from reflexarc.output import aside
-from reflexarc.stop import StopFlag
 
 if TYPE_CHECKING:
     from reflexarc_runtime.bus import Bus, BusConfig
@@ -34,9 +34,18 @@ class Joining:
 
         return BusConfig(self.robot, self.port, listens, self.zenoh)
 
+    def fleet(self, robots: int) -> "list[Joining]":
+        """So many robots, numbered from this one on: robot0, then robot1, and so forth."""
+        stem = self.robot.rstrip("0123456789")
+        first = int(self.robot[len(stem) :] or 0)
+        names = (
+            [f"{stem}{first + number}" for number in range(robots)] if robots > 1 else [self.robot]
+        )
+        return [replace(self, robot=name) for name in names]
+
 
 def contract_of(
-    policy: Path | None, bus: "Bus", stop: StopFlag, who: str
+    policy: Path | None, bus: "Bus", stop: Callable[[], bool], who: str
 ) -> "PolicyContract | None":
     """What a body should see: from a policy file, or from the runtime that it meets on the bus.
 

@@ -30,6 +30,7 @@ from reflexarc.commands.ros2 import Ros2
 from reflexarc.commands.run import Run
 from reflexarc.commands.sim import Sim
 from reflexarc.commands.train import Train
+from reflexarc.commands.worlds import Worlds
 from reflexarc_runtime.errors import ReflexarcError
 
 COMMANDS = (
@@ -37,6 +38,7 @@ COMMANDS = (
     Train,
     Export,
     Evaluate,
+    Worlds,
     Sim,
     Ros2,
     Camera,

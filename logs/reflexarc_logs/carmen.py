@@ -19,25 +19,27 @@ newest ODOM line with a time since the scan before, if there is one.
 import math
 from collections import Counter
 
+import numpy as np
+import numpy.typing as npt
+
+from reflexarc_logs.distances import Distances, Ranges
 from reflexarc_logs.sweep import (
     MAX_BEAMS,
     NO_RETURN,
     UNKNOWN,
     BrokenLineError,
-    Distances,
     Place,
     Sweep,
-    nanoseconds,
-    place,
-    plain,
+    exact_ns,
+    finite,
 )
 
 NO_RETURN_M = 50.0
 START_RAD, END_RAD = -math.pi / 2, math.pi / 2
 
 _SCAN, _ODOMETRY = b"FLASER", b"ODOM"
-_WORDS_AROUND = 11
-"""Words of a FLASER line that are no ranges: keyword, n, six of poses, three of times."""
+_WORDS_BEFORE, _WORDS_BEHIND = 2, 9
+"""Words of a FLASER line around its ranges: keyword, n; six of poses, three of times."""
 _KEYWORDS = frozenset(
     b"PARAM SYNC NEFF RLASER TRUEPOS RAWLASER1 RAWLASER2 RAWLASER3 RAWLASER4 ROBOTLASER0 "
     b"ROBOTLASER1 LASER3 LASER4".split()
@@ -53,22 +55,28 @@ class Carmen:
     blind_beams = 0
 
     def __init__(self) -> None:
-        self.distances = Distances(_metres)
+        self.distances = Distances(float, _metres)
         self._passed_over: Counter[str] = Counter()
         self._odometry_lines = 0
         self._newest_odometry = b""
 
-    def sweep(self, line: bytes) -> Sweep | None:
+    def ranges(self, line: bytes) -> bytes:
+        """See `LineReader.ranges`."""
+        if not line.startswith(_SCAN):
+            return b""
+        from_ranges = b"".join(line.split(None, _WORDS_BEFORE)[_WORDS_BEFORE:])
+        ranges = from_ranges.rsplit(None, _WORDS_BEHIND)
+        return ranges[0] if len(ranges) > _WORDS_BEHIND else b""
+
+    def sweep(self, line: bytes, ranges: Ranges) -> Sweep | None:
         """See `LineReader.sweep`."""
         if line.startswith(_ODOMETRY):  # the most frequent line by far
             self._odometry_lines += 1
             if not line.endswith(b" 0\n"):  # time 0: what a mapper repeats of its own pose
                 self._newest_odometry = line
             return None
-        if line.startswith(_SCAN):
-            words = line.split()
-            if words[0] == _SCAN:
-                return self._scan(words)
+        if line.startswith(_SCAN) and line.split(None, 1)[0] == _SCAN:
+            return self._scan(line, ranges)
         self._pass_over(line)
         return None
 
@@ -81,18 +89,18 @@ class Carmen:
         """See `LineReader.notes`."""
         return ()
 
-    def _scan(self, words: list[bytes]) -> Sweep:
-        beams = _beams(words)
-        pose_words, odometry_words = words[2 + beams : 5 + beams], words[5 + beams : 8 + beams]
-        time_ns = nanoseconds(words[8 + beams])
-        pose = place(pose_words, time_ns)
-        if odometry_words == pose_words:
-            odometry = self._odometry()
-        else:
-            odometry = place(odometry_words, time_ns)
+    def _scan(self, line: bytes, ranges: Ranges) -> Sweep:
+        _check_count(line, len(ranges.distances_m))
+        _, *words, time, _, _ = line.rsplit(None, _WORDS_BEHIND)
+        x_m, y_m, heading_rad, *own, seconds = finite([*words, time])
+        time_ns = exact_ns(time, seconds)
+        pose = Place(x_m, y_m, heading_rad, time_ns)
+        repeated = words[:3] == words[3:]
+        odometry = self._odometry() if repeated else Place(own[0], own[1], own[2], time_ns)
         self._newest_odometry = b""
-        ranges_m = self.distances.of(words[2 : 2 + beams])  # last: a broken line counts no beams
-        return Sweep(time_ns, START_RAD, END_RAD, ranges_m, pose, odometry)
+        unreadable = int(np.count_nonzero(ranges.unreadable))
+        ranges_m = ranges.distances_m
+        return Sweep(time_ns, START_RAD, END_RAD, ranges_m, unreadable, pose, odometry)
 
     def _odometry(self) -> Place | None:
         """What the newest ODOM line says, if there was one."""
@@ -100,8 +108,9 @@ class Carmen:
         if not words:
             return None
         try:
-            _, x, y, heading, _, _, _, time, _, _ = words
-            return place([x, y, heading], nanoseconds(time))
+            _, *place, _, _, _, time, _, _ = words
+            x_m, y_m, heading_rad, seconds = finite([*place, time])
+            return Place(x_m, y_m, heading_rad, exact_ns(time, seconds))
         except ValueError:
             self._passed_over["ODOM, broken"] += 1
             return None
@@ -121,20 +130,17 @@ class Carmen:
             raise BrokenLineError("unknown keyword")
 
 
-def _beams(words: list[bytes]) -> int:
-    """How many ranges a FLASER line has.
+def _check_count(line: bytes, beams: int) -> None:
+    """Whether a FLASER line has as many ranges as it says.
 
     Raises:
-        BrokenLineError: not as many as it says.
+        BrokenLineError: it has not.
     """
-    beams = len(words) - _WORDS_AROUND
-    if not 2 <= beams <= MAX_BEAMS or words[1] != b"%d" % beams:
+    said = line.split(None, 2)[1:2]
+    if not 2 <= beams <= MAX_BEAMS or said != [b"%d" % beams]:
         raise BrokenLineError("wrong count of ranges")
-    return beams
 
 
-def _metres(word: bytes) -> float:
-    distance_m = float(plain(word))
-    if distance_m >= NO_RETURN_M:
-        return NO_RETURN
-    return distance_m if distance_m > 0.0 else UNKNOWN
+def _metres(numbers: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    known = np.where(numbers > 0.0, numbers, UNKNOWN)
+    return np.where(numbers >= NO_RETURN_M, NO_RETURN, known)

@@ -13,15 +13,17 @@ geometry does not stand in the file, so no odometry is made of their counts.
 import math
 
 import numpy as np
+import numpy.typing as npt
 
+from reflexarc_logs.decimals import ungrouped
+from reflexarc_logs.distances import Distances, Ranges
 from reflexarc_logs.sweep import (
+    NO_NUMBER,
     NO_RETURN,
     UNKNOWN,
     BrokenLineError,
-    Distances,
     Sweep,
     calendar_ns,
-    plain,
 )
 
 BEAMS = 682
@@ -32,7 +34,7 @@ START_RAD, END_RAD = -math.radians(120.0), math.radians(120.0)
 
 _FIRST_RANGE = 24
 _WORDS = _FIRST_RANGE + BEAMS
-_SEEING = slice(_FIRST_RANGE + BLIND_BEAMS, _WORDS - BLIND_BEAMS)
+_SEEING = slice(BLIND_BEAMS, BEAMS - BLIND_BEAMS)
 _BLIND = np.full(BLIND_BEAMS, UNKNOWN)
 
 
@@ -44,22 +46,27 @@ class CoreSlam:
     blind_beams = 2 * BLIND_BEAMS
 
     def __init__(self) -> None:
-        self.distances = Distances(_metres)
+        self.distances = Distances(int, _metres)
         self._wheel_counts = 0
 
-    def sweep(self, line: bytes) -> Sweep | None:
+    def ranges(self, line: bytes) -> bytes:
+        """See `LineReader.ranges`."""
+        return b"".join(line.split(None, _FIRST_RANGE)[_FIRST_RANGE:])
+
+    def sweep(self, line: bytes, ranges: Ranges) -> Sweep | None:
         """See `LineReader.sweep`."""
-        words = line.split()
+        words, beams = line.split(None, 1), len(ranges.distances_m)
         if not words:
             return None
-        if not _WORDS <= len(words) <= _WORDS + 1:
+        if not BEAMS <= beams <= BEAMS + 1:
             raise BrokenLineError("wrong count of numbers")
-        if len(words) == _WORDS and not line.endswith(b"\n"):
+        if beams == BEAMS and not line.endswith(b"\n"):
             raise BrokenLineError("cut off")  # its last number may have lost digits
         time_ns = _time_ns(words[0])
         self._wheel_counts += 1
-        ranges_m = np.concatenate((_BLIND, self.distances.of(words[_SEEING]), _BLIND), dtype="<f8")
-        return Sweep(time_ns, START_RAD, END_RAD, ranges_m)
+        ranges_m = np.concatenate((_BLIND, ranges.distances_m[_SEEING], _BLIND), dtype="<f8")
+        unreadable = int(np.count_nonzero(ranges.unreadable[_SEEING]))
+        return Sweep(time_ns, START_RAD, END_RAD, ranges_m, unreadable)
 
     def passed_over(self) -> dict[str, int]:
         """See `LineReader.passed_over`."""
@@ -75,13 +82,11 @@ class CoreSlam:
 
 def _time_ns(word: bytes) -> int | None:
     try:
-        return calendar_ns(int(plain(word)) * 1000)
+        return calendar_ns(int(ungrouped(word)) * 1000)
     except ValueError:
-        raise BrokenLineError("a pose or a time is no number") from None
+        raise BrokenLineError(NO_NUMBER) from None
 
 
-def _metres(word: bytes) -> float:
-    distance_mm = int(plain(word))
-    if distance_mm == 0:
-        return NO_RETURN
-    return distance_mm / 1000 if distance_mm >= FIRST_DISTANCE_MM else UNKNOWN
+def _metres(numbers: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    known = np.where(numbers >= FIRST_DISTANCE_MM, numbers / 1000.0, UNKNOWN)
+    return np.where(numbers == 0.0, NO_RETURN, known)

@@ -7,10 +7,13 @@ the new times; the file's own time stays in the messages. What is broken is coun
 import json
 import platform
 import uuid
-from collections.abc import Generator
+from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
+from functools import partial
 from pathlib import Path
 
+from reflexarc_logs.lean_writer import LeanWriter
 from reflexarc_logs.lidar_reading import (
     DEFAULT_RATE_HZ,
     FORMATS,
@@ -53,19 +56,21 @@ def import_log(
     """
     if kind not in FORMATS:
         raise UsageError(f"expected {' or '.join(FORMATS)}, got {kind!r}")
-    source, times = Path(path), _times(rate)
-    file = LogFile(Path(out))
-    try:
-        said = Imported(str(path), kind, str(file.path), robot, times.rate_hz)
-        _begin(file, said)
-        said = _write(file, robot, read_lidar(source, times, said))
-        file.finish()
-    except OSError as error:
-        file.discard()
-        raise LogError(f"{out}: cannot be written: {error.strerror}; nothing is left") from None
-    except BaseException:
-        file.discard()
-        raise
+    times = _times(rate)
+    said = Imported(str(path), kind, str(Path(out)), robot, times.rate_hz)
+    with ThreadPoolExecutor(max_workers=1) as beside:
+        file = LogFile(Path(out), make_writer=partial(LeanWriter, beside=beside))
+        try:
+            _begin(file, said)
+            with closing(read_lidar(Path(path), times, said)) as batches:
+                _write(file, robot, batches)
+            file.finish()
+        except OSError as error:
+            file.discard()
+            raise LogError(f"{out}: cannot be written: {error.strerror}; nothing is left") from None
+        except BaseException:
+            file.discard()
+            raise
     return said
 
 
@@ -106,19 +111,13 @@ def _begin(file: LogFile, said: Imported) -> None:
     file.attach(CONFIG_ATTACHMENT, "application/json", document)
 
 
-def _write(file: LogFile, robot: str, batches: Generator[list[Record], None, Imported]) -> Imported:
+def _write(file: LogFile, robot: str, batches: Iterable[list[Record]]) -> None:
     streams = {
         topic.name: _Stream(file, topic, robot) for topic in (SCAN, POSE, TRANSFORM, ODOMETRY)
     }
-    with closing(batches):
-        while True:
-            try:
-                batch = next(batches)
-            except StopIteration as end:
-                said: Imported = end.value
-                return said
-            for name, time_ns, payload in batch:
-                streams[name].add(payload, time_ns)
+    for batch in batches:
+        for name, time_ns, payload in batch:
+            streams[name].add(payload, time_ns)
 
 
 def _times(rate: float | str) -> NewTimes:

@@ -15,7 +15,7 @@ from reflexarc_logs.coreslam import CoreSlam
 from reflexarc_logs.lidar_messages import ODOMETRY_FRAME, WORLD_FRAME, LidarMessages
 from reflexarc_logs.new_times import NewTimes
 from reflexarc_logs.sweep import NO_RETURN, BrokenLineError, LineReader, Sweep
-from reflexarc_logs.text_file import MAX_LINE_BYTES, text_lines
+from reflexarc_logs.text_file import MAX_LINE_BYTES, text_blocks
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.topics import ODOMETRY, POSE, SCAN, TRANSFORM
 
@@ -23,8 +23,6 @@ FORMATS: dict[str, Callable[[], LineReader]] = {"carmen": Carmen, "coreslam": Co
 DEFAULT_RATE_HZ = 10.0
 RECORDED = "recorded"
 """In place of a rate: the file's own times."""
-
-_BATCH_BYTES = 128 * 1024
 
 Record = tuple[str, int, bytes]
 """The name of a topic, the new time in nanoseconds, the payload."""
@@ -61,32 +59,21 @@ class Imported:
     notes: tuple[str, ...] = ()
 
 
-def read_lidar(
-    path: Path, times: NewTimes, said: Imported
-) -> Generator[list[Record], None, Imported]:
-    """Yield the messages of a file in order, some 128 KiB at once; return what was in it.
+def read_lidar(path: Path, times: NewTimes, said: Imported) -> Generator[list[Record], None, None]:
+    """Yield the messages of a file in order, those of some lines at once.
 
     Args:
         path: a text log, plain or gzip.
         times: gives every scan its new time.
-        said: names the format and the robot; the rest is filled in.
+        said: names the format and the robot; the rest is filled in, in the end.
 
     Raises:
         LogError: the file cannot be read or has no scan; its times were asked for and do not grow.
     """
     reading = _Reading(path, times, said)
-    batch: list[Record] = []
-    size = 0
-    for sweep, number in reading.sweeps():
-        records = reading.records(sweep, number)
-        batch += records
-        size += sum(len(payload) for _, _, payload in records)
-        if size >= _BATCH_BYTES:
-            yield batch
-            batch, size = [], 0
+    for lines in text_blocks(path):
+        yield reading.records(lines)
     reading.conclude()
-    yield batch
-    return said
 
 
 class _Reading:
@@ -100,34 +87,14 @@ class _Reading:
         self._messages = LidarMessages(said.robot)
         self._broken: Counter[str] = Counter()
         self._unknown = 0
+        self._unreadable = 0
 
-    def sweeps(self) -> Iterator[tuple[Sweep, int]]:
-        """Every scan with the number of its line."""
-        for number, line in enumerate(text_lines(self._path), 1):
-            self._said.lines = number
-            try:
-                sweep = self._format.sweep(line)
-            except BrokenLineError as error:
-                self._note_broken(number, line, str(error))
-                continue
-            if sweep is not None:
-                yield sweep, number
-
-    def records(self, sweep: Sweep, line: int) -> list[Record]:
-        """The messages of one scan."""
-        said, messages = self._said, self._messages
-        time_ns = self._times.of(sweep.time_ns, line)
-        self._count(sweep, time_ns)
-        records = [(SCAN.name, time_ns, messages.scan(sweep))]
-        if sweep.pose is not None:
-            said.poses += 1
-            records.append((POSE.name, time_ns, messages.pose(sweep.pose, WORLD_FRAME)))
-            records.append((TRANSFORM.name, time_ns, messages.transform(sweep.pose)))
-        if sweep.odometry is not None:
-            said.odometry += 1
-            odometry = messages.pose(sweep.odometry, ODOMETRY_FRAME)
-            records.append((ODOMETRY.name, time_ns, odometry))
-        return records
+    def records(self, lines: list[bytes]) -> list[Record]:
+        """The messages of the next lines of the file."""
+        sweeps = list(self._sweeps(lines))
+        if sweeps:
+            self._count([sweep for sweep, _ in sweeps])
+        return [record for sweep, number in sweeps for record in self._encoded(sweep, number)]
 
     def conclude(self) -> None:
         """Complete the account.
@@ -138,14 +105,43 @@ class _Reading:
         self._check()
         self._sum_up()
 
-    def _count(self, sweep: Sweep, time_ns: int) -> None:
-        said, ranges_m = self._said, sweep.ranges_m
-        said.scans += 1
-        said.seconds = time_ns / 1e9
-        said.times_left_out += sweep.time_ns is None
+    def _sweeps(self, lines: list[bytes]) -> Iterator[tuple[Sweep, int]]:
+        """Every scan with the number of its line."""
+        log_format, first = self._format, self._said.lines + 1
+        self._said.lines += len(lines)
+        ranges = log_format.distances.of([log_format.ranges(line) for line in lines])
+        for number, (line, its_ranges) in enumerate(zip(lines, ranges, strict=True), first):
+            try:
+                sweep = log_format.sweep(line, its_ranges)
+            except BrokenLineError as error:
+                self._note_broken(number, line, str(error))
+                continue
+            if sweep is not None:
+                yield sweep, number
+
+    def _count(self, sweeps: list[Sweep]) -> None:
+        said, ranges_m = self._said, np.concatenate([sweep.ranges_m for sweep in sweeps])
+        said.scans += len(sweeps)
         said.beams += len(ranges_m)
         said.no_return += int(np.count_nonzero(ranges_m == NO_RETURN))
         self._unknown += int(np.count_nonzero(np.isnan(ranges_m)))
+        self._unreadable += sum(sweep.unreadable for sweep in sweeps)
+        said.times_left_out += sum(sweep.time_ns is None for sweep in sweeps)
+        said.poses += sum(sweep.pose is not None for sweep in sweeps)
+        said.odometry += sum(sweep.odometry is not None for sweep in sweeps)
+
+    def _encoded(self, sweep: Sweep, line: int) -> list[Record]:
+        """The messages of one scan."""
+        messages, time_ns = self._messages, self._times.of(sweep.time_ns, line)
+        self._said.seconds = time_ns / 1e9
+        records = [(SCAN.name, time_ns, messages.scan(sweep))]
+        if sweep.pose is not None:
+            records.append((POSE.name, time_ns, messages.pose(sweep.pose, WORLD_FRAME)))
+            records.append((TRANSFORM.name, time_ns, messages.transform(sweep.pose)))
+        if sweep.odometry is not None:
+            odometry = messages.pose(sweep.odometry, ODOMETRY_FRAME)
+            records.append((ODOMETRY.name, time_ns, odometry))
+        return records
 
     def _note_broken(self, number: int, line: bytes, kind: str) -> None:
         if len(line) == MAX_LINE_BYTES:
@@ -170,11 +166,10 @@ class _Reading:
 
     def _sum_up(self) -> None:
         said, log_format = self._said, self._format
-        unreadable = log_format.distances.unreadable
         blind = log_format.blind_beams * said.scans
         kinds = {
-            log_format.no_distance: self._unknown - unreadable - blind,
-            "no number": unreadable,
+            log_format.no_distance: self._unknown - self._unreadable - blind,
+            "no number": self._unreadable,
             "blind": blind,
         }
         said.unknown = {kind: count for kind, count in kinds.items() if count}

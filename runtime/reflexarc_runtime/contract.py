@@ -17,7 +17,8 @@ from typing import Any, Self
 
 from reflexarc_runtime.errors import ContractError
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
+"""1: first. 2: `retina.samples`."""
 METADATA_KEY = "reflexarc.contract"
 
 _MAX_RETINA_VALUES = 1 << 16
@@ -52,6 +53,9 @@ class RetinaSpec:
     """Distance between two eyes; 0 with one."""
     channels: int = 1
     """1 (grey) or 3 (RGB)."""
+    samples: int = 1
+    """Directions, evenly within a ray's sector, of whose brightness a ray shows the mean. With more
+    than 1, edges move smoothly from ray to ray (anti-aliasing)."""
 
     def __post_init__(self) -> None:
         _require(1 <= self.rays <= 4096, "retina.rays", "1 to 4096", self.rays)
@@ -61,6 +65,7 @@ class RetinaSpec:
         _require(self.eyes in (1, 2), "retina.eyes", "1 or 2", self.eyes)
         _require(self.channels in (1, 3), "retina.channels", "1 or 3", self.channels)
         _require(0.0 <= self.baseline_m < math.inf, "retina.baseline_m", "≥ 0", self.baseline_m)
+        _require(1 <= self.samples <= 16, "retina.samples", "1 to 16", self.samples)
         _require(self.size <= _MAX_RETINA_VALUES, "retina", "at most 65536 values", self.size)
 
     @property
@@ -194,11 +199,18 @@ def _parse(text: str) -> dict[str, Any]:
         raise ContractError(f"contract: expected JSON, got {text[:40]!r}… ({error})") from None
     if not isinstance(document, dict):
         raise ContractError(f"contract: expected a JSON object, got {type(document).__name__}")
-    _check_schema(document.pop("schema", None))
+    version = _schema(document.pop("schema", None))
+    return _migrated(document, version)
+
+
+def _migrated(document: dict[str, Any], version: int) -> dict[str, Any]:
+    """A document of an older schema as one of today's."""
+    if version < 2 and isinstance(document.get("retina"), dict):
+        return {**document, "retina": {**document["retina"], "samples": 1}}
     return document
 
 
-def _check_schema(version: object) -> None:
+def _schema(version: object) -> int:
     if not isinstance(version, int) or isinstance(version, bool) or version < 1:
         raise ContractError(f"contract: expected a schema version from 1 on, got {version!r}")
     if version > SCHEMA_VERSION:
@@ -206,6 +218,7 @@ def _check_schema(version: object) -> None:
             f"contract: schema {version} is newer than this reflexarc reads ({SCHEMA_VERSION}); "
             "upgrade reflexarc on this machine"
         )
+    return version
 
 
 def _build(cls: type[Any], document: object, where: str) -> Any:

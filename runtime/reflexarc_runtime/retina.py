@@ -24,15 +24,24 @@ def ray_bearing_rad(ray: int, rays: int, fov_rad: float) -> float:
     return fov_rad * (0.5 - (ray + 0.5) / rays)
 
 
-def shade(colour: float, distance_m: float, range_m: float, nearness: bool) -> int:
-    """Value of a ray that meets something of `colour` (0 to 1) at `distance_m`.
+def brightness(colour: float, distance_m: float, range_m: float, nearness: bool) -> float:
+    """How bright something of `colour` (0 to 1) looks at `distance_m`, 0 to 1.
 
     Nothing within range (`distance_m` ≥ `range_m`, +inf or NaN) is background: 0.
     """
     if not distance_m < range_m:
-        return 0
-    brightness = colour * (1.0 - distance_m / range_m) if nearness else colour
-    return int(FULL_SCALE * brightness + 0.5)
+        return 0.0
+    return colour * (1.0 - distance_m / range_m) if nearness else colour
+
+
+def value(bright: float) -> int:
+    """A brightness from 0 to 1 as the 8 bits of a retina."""
+    return int(FULL_SCALE * bright + 0.5)
+
+
+def shade(colour: float, distance_m: float, range_m: float, nearness: bool) -> int:
+    """Value of a ray that meets something of `colour` (0 to 1) at `distance_m`."""
+    return value(brightness(colour, distance_m, range_m, nearness))
 
 
 def nearest_beam(bearing_rad: float, start_rad: float, step_rad: float) -> int:
@@ -80,18 +89,25 @@ def check_scannable(spec: RetinaSpec) -> None:
 def retina_from_scan(scan: Scan, spec: RetinaSpec) -> Retina:
     """Each ray takes the beam nearest to its bearing. A scan has no colour: all is 1.
 
+    A ray of several samples shows the mean of theirs; each takes the beam nearest to it.
+
     Raises:
         UnusableScanError: the scan does not cover the field of view, or more than a quarter of
             the rays are unknown (NaN, zero or negative).
     """
     distances = [scan.ranges_m[beam] for beam in _beams(scan, spec)]
     unknown = sum(map(is_unknown, distances))
-    if unknown > MAX_UNKNOWN_SHARE * spec.rays:
-        raise UnusableScanError(f"{unknown} of {spec.rays} rays unknown, at most a quarter may be")
+    if unknown > MAX_UNKNOWN_SHARE * len(distances):
+        raise UnusableScanError(
+            f"{unknown} of {len(distances)} rays unknown, at most a quarter may be"
+        )
     nearness = spec.shading is Shading.NEARNESS
-    values = [
-        0 if is_unknown(d) else shade(1.0, float(d), spec.range_m, nearness) for d in distances
+    bright = [
+        0.0 if is_unknown(d) else brightness(1.0, float(d), spec.range_m, nearness)
+        for d in distances
     ]
+    n = spec.samples
+    values = [value(sum(bright[first : first + n]) / n) for first in range(0, len(bright), n)]
     return np.array(values, np.uint8).reshape(spec.shape)
 
 
@@ -99,7 +115,8 @@ def _beams(scan: Scan, spec: RetinaSpec) -> list[int]:
     count = len(scan.ranges_m)
     if count < 2 or not MIN_STEP_RAD <= scan.step_rad <= math.pi:
         raise UnusableScanError(f"{count} beams from {scan.start_rad} to {scan.end_rad} rad")
-    bearings = (ray_bearing_rad(ray, spec.rays, spec.fov_rad) for ray in range(spec.rays))
+    rays = spec.rays * spec.samples
+    bearings = (ray_bearing_rad(ray, rays, spec.fov_rad) for ray in range(rays))
     beams = [nearest_beam(bearing, scan.start_rad, scan.step_rad) for bearing in bearings]
     if abs(count * scan.step_rad - 2.0 * math.pi) < 0.5 * scan.step_rad:
         beams = [beam % count for beam in beams]  # a full circle: after the last comes the first

@@ -8,17 +8,18 @@ from reflexarc_runtime.arrays import Retina
 from reflexarc_runtime.contract import PolicyContract
 from reflexarc_runtime.decision import Command
 from reflexarc_runtime.watchdog import Watchdog
-from reflexarc_sim_bridge import kernel
 from reflexarc_sim_bridge.simulation import Simulation
 from reflexarc_sim_bridge.worlds import World
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where the robot stands, in the world's frame; it always looks along x."""
+    """Where the robot stands and looks, in the world's frame."""
 
     x_m: float
     y_m: float
+    heading_rad: float = 0.0
+    """Counter-clockwise from x; 0 for a robot that only moves sideways."""
 
 
 class Body:
@@ -29,15 +30,26 @@ class Body:
         contract: what it sees, and what it does when nobody tells it anything.
         rate_hz: how often it moves a second.
         seed: which of the world's endless variants this is.
+        number: which of several robots in one world; each has places of its own.
 
     Raises:
         WorldError: the contract asks for a sense or a motion that the world does not have.
     """
 
-    def __init__(self, world: World, contract: PolicyContract, rate_hz: float, seed: int) -> None:
+    def __init__(
+        self,
+        world: World,
+        contract: PolicyContract,
+        rate_hz: float,
+        seed: int,
+        number: int = 0,
+    ) -> None:
         self.contract = contract
         self.simulation = Simulation(
-            replace(world, dt_s=1.0 / rate_hz), contract, np.array([seed], np.uint64)
+            replace(world, dt_s=1.0 / rate_hz),
+            contract,
+            np.array([seed], np.uint64),
+            lanes=np.array([number], np.uint64),
         )
         self.contacts = 0
         self._watchdog = Watchdog(contract.safe_command)
@@ -57,18 +69,18 @@ class Body:
         # speeds it names, for it would hold for ever.
         drives = command is not None and not command.is_safe and self._can_move_so(command)
         motion = command if command is not None and drives else self.contract.safe_command
-        world, _, agents = self.simulation.params
-        if not kernel.step_agent(world, agents, 0, motion.linear_mps, motion.lateral_mps):
+        if not self.simulation.drive(motion.linear_mps, motion.lateral_mps, motion.angular_radps):
             return None
         self.contacts += 1
         return self.place
 
     def _can_move_so(self, command: Command) -> bool:
         """Whether it is no faster than the contract's fastest actions: nobody else is obeyed."""
-        actions = self.contract.actions
-        forward_mps = max(abs(action.linear_mps) for action in actions)
-        aside_mps = max(abs(action.lateral_mps) for action in actions)
-        return abs(command.linear_mps) <= forward_mps and abs(command.lateral_mps) <= aside_mps
+        return all(
+            abs(getattr(command, speed))
+            <= max(abs(getattr(a, speed)) for a in self.contract.actions)
+            for speed in ("linear_mps", "lateral_mps", "angular_radps")
+        )
 
     def see(self) -> Retina:
         """The retina now: uint8 (eyes, rays, channels)."""
@@ -78,4 +90,5 @@ class Body:
     @property
     def place(self) -> Place:
         """Where it stands."""
-        return Place(float(self.simulation.x_m[0]), float(self.simulation.y_m[0]))
+        here = self.simulation
+        return Place(float(here.x_m[0]), float(here.y_m[0]), float(here.heading_rad[0]))

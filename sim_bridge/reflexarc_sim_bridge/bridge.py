@@ -103,7 +103,7 @@ class Voice:
         if self._due_ns is not None and now_ns < self._due_ns:
             return
         self._due_ns = now_ns + _SECOND_NS
-        near = self._body.simulation.obstacles_near(0)
+        near = self._body.simulation.outlines_near(0)
         self._publishers[SCENE].put(encode_scene(near, now_ns), now_ns)
         status = Status(node=BODY_NODE, ticks=self._steps)
         self._publishers[STATUS].put(encode_status(status), now_ns)

@@ -1,171 +1,277 @@
 """The endless generator: which obstacles there are, for ever, without remembering one.
 
-A chunk is a strip of `CHUNK_M` along x over the whole width. Its obstacles follow from
-(generator version, seed, stream, chunk) alone: a Poisson count, then for each obstacle a fixed
-block of random numbers, of which number k is a hash of a counter. So chunks can be asked for in
-any order, as often as one likes, and an obstacle costs nothing until one of its numbers is looked
-at. An obstacle belongs to the chunk of its centre.
+A chunk is a rectangle of the plane, CHUNK_M along x. Its obstacles follow from (generator version,
+seed, stream, layer, chunk i, chunk j) alone, so chunks can be asked for in any order, as often as
+one likes, on any number of threads. Across a periodic world chunk j is chunk j modulo their
+number. An obstacle belongs to the chunk of its centre; walls are cut at the borders of chunks.
 
-The hash is SplitMix64 (Steele, Lea, Flood, "Fast splittable pseudorandom number generators",
-OOPSLA 2014): number k of the stream with key z is mix(z + k·γ).
+    scatter     a Poisson count, then for each obstacle a block of random numbers
+    others      see `structures.py`
 """
+
+import math
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_runtime.contract import PolicyContract
-from reflexarc_sim_bridge.compiled import compiled
-from reflexarc_sim_bridge.params import CHUNK_M, WorldParams, world_params
-from reflexarc_sim_bridge.worlds import World
-
-GENERATOR_VERSION = 1
-"""Part of every key. Any change to what a seed means takes a new one, and a new reference field."""
-
-OBSTACLE_DTYPE = np.dtype(
-    [
-        ("x_m", np.float64),
-        ("y_m", np.float64),
-        ("half_length_m", np.float64),
-        ("half_width_m", np.float64),
-        ("round", np.bool_),
-        ("colour", np.float64),
-    ]
+from reflexarc_sim_bridge import outlines
+from reflexarc_sim_bridge.compiled import compiled, compiled_inline
+from reflexarc_sim_bridge.layers import CHUNK_M
+from reflexarc_sim_bridge.outlines import CURVE_CORNERS
+from reflexarc_sim_bridge.params import (
+    CURVE,
+    DISC,
+    NOTHING,
+    OPEN,
+    POLYGON,
+    WALL,
+    Table,
 )
-"""One obstacle: centre, half its extent along x and along y, disc or rectangle, grey value."""
+from reflexarc_sim_bridge.random_numbers import (
+    between,
+    first_half,
+    joined,
+    number,
+    second_half,
+    uniform,
+)
+from reflexarc_sim_bridge.shapes import LOBES
+
+Row: TypeAlias = Any
+"""A row of one of the tables of `params.py`; compiled code reads its fields as attributes."""
+
+GENERATOR_VERSION = 2
+"""Part of every key. Any change to what a seed means takes a new one."""
 
 _VERSION = np.uint64(GENERATOR_VERSION)
-_GAMMA = np.uint64(0x9E3779B97F4A7C15)
-_MIX_1 = np.uint64(0xBF58476D1CE4E5B9)
-_MIX_2 = np.uint64(0x94D049BB133111EB)
-_S11, _S27, _S30, _S31 = (np.uint64(shift) for shift in (11, 27, 30, 31))
-_UNIT = 2.0**-53
+_OBSTACLES, _AGENTS = np.uint64(0), np.uint64(1)
+_S8, _S16 = np.uint64(8), np.uint64(16)
 
-_OBSTACLES = np.uint64(0)
-_PLACES = np.uint64(1)
+# Number 0 of a chunk is its count; obstacle j has the numbers 1 + 64j to 64 + 64j.
+BLOCK = np.uint64(64)
+PLACE, _SIZE, _KIND, _OUTLINE, _PAINT, _PAINT_BLUE, _MARK, _CORNERS = (
+    np.uint64(k) for k in (1, 2, 3, 4, 5, 6, 7, 8)
+)
+_NEIGHBOURS = 9
+_FULL = 255.0
+_WHITE = 0xFFFFFF
 
-# Number 0 of a chunk is its count; obstacle j has the numbers 1 + 8j to 8 + 8j.
-_BLOCK = 8
-_DRAW_X, _DRAW_Y, _DRAW_KIND, _DRAW_WIDTH, _DRAW_LENGTH, _DRAW_COLOUR = range(1, 7)
+polygon_angle_rad = compiled_inline(outlines.polygon_angle_rad)
+polygon_share = compiled_inline(outlines.polygon_share)
+curve_share = compiled_inline(outlines.curve_share)
 
 
-def obstacles_of_chunk(world: World, seed: int, chunk: int) -> npt.NDArray[np.void]:
-    """The obstacles of one chunk, for drawing and for tests.
+class Obstacle(NamedTuple):
+    """One obstacle, in compiled code. Its place is relative to the corner of its chunk."""
+
+    kind: int
+    x_m: float
+    y_m: float
+    half_length_m: float
+    """Half the side along x, or the radius."""
+    half_width_m: float
+    """Half the side along y, or the radius; of a wall half of its thickness."""
+    turned_rad: float
+    corners: int
+    dent: float
+    """Dent of a polygon, waviness of a curve, half the rise of a wall's piece."""
+    block: np.uint64
+    """Where its random numbers begin."""
+    paint: int
+    """Colour, 8 bits each of red, green and blue."""
+
+
+@compiled_inline
+def layer_key(stream: int, seed: np.uint64, layer: int) -> np.uint64:
+    """Key of a layer's random numbers."""
+    own = (np.uint64(stream) << _S16) | (np.uint64(layer) << _S8) | _OBSTACLES
+    return joined(joined(joined(np.uint64(0), _VERSION), seed), own)
+
+
+@compiled_inline
+def agent_number(stream: int, seed: np.uint64, lane: np.uint64, counter: np.uint64) -> np.uint64:
+    """Random number of an agent: `counter` counts, `lane` tells agents of one seed apart."""
+    own = (np.uint64(stream) << _S16) | _AGENTS
+    return number(joined(joined(joined(joined(np.uint64(0), _VERSION), seed), own), lane), counter)
+
+
+@compiled_inline
+def column_key(key: np.uint64, i: int) -> np.uint64:
+    """Key of all chunks with the same i."""
+    return joined(key, np.uint64(i))
+
+
+@compiled_inline
+def chunk_key(column: np.uint64, j: int, across: int) -> np.uint64:
+    """Key of one chunk of a column, `across` chunks being all there are, or 0."""
+    if across > 0 and not 0 <= j < across:  # a division that is seldom needed
+        j %= across
+    return joined(column, np.uint64(j))
+
+
+@compiled_inline
+def scatter_count(layer: Row, counts: npt.NDArray[np.float64], chunk: np.uint64, i: int) -> int:
+    """How many obstacles of a scatter layer a chunk has.
+
+    The Poisson draw is inverted: as many as there are counts whose probability it has passed. All
+    are compared, for no branch foresees where to stop.
 
     Args:
-        world: the kind of world.
-        seed: which world of that kind, 0 to 2⁶⁴ − 1.
-        chunk: its index; chunk i spans `CHUNK_M` from i · `CHUNK_M` on.
-
-    Returns:
-        Array of `OBSTACLE_DTYPE`: (count,), y within the world's width.
+        layer: row of `LAYER_DTYPE`.
+        counts: probability of at most so many, by section: (sections, counts).
+        chunk: key of the chunk.
+        i: the chunk, along x.
     """
-    rows = _listed(world_params(world, PolicyContract()), np.uint64(seed), chunk)
-    obstacles = np.empty(len(rows), OBSTACLE_DTYPE)
-    for name, column in zip(OBSTACLE_DTYPE.names or (), rows.T, strict=True):
-        obstacles[name] = column
-    return obstacles
-
-
-@compiled
-def chunk_key(world: WorldParams, seed: np.uint64, chunk: int) -> np.uint64:
-    """Key of a chunk's random numbers."""
-    return _joined(_world_key(world, seed, _OBSTACLES), np.uint64(chunk))
-
-
-@compiled
-def chunk_count(world: WorldParams, key: np.uint64) -> int:
-    """How many obstacles a chunk has: Poisson, its draw inverted by adding up probabilities."""
-    draw, count = _uniform(key, np.uint64(0)), 0
-    probability = cumulative = world.none_probability
-    while draw >= cumulative and cumulative + probability > cumulative:
-        count += 1
-        probability *= world.mean_count / count
-        cumulative += probability
+    section = 0 if layer.sections == 1 else (i // layer.section_chunks) % layer.sections
+    draw, count = uniform(number(chunk, np.uint64(0))), 0
+    for k in range(counts.shape[1]):
+        count += draw >= counts[section, k]
     return count
 
 
-@compiled
-def obstacle_x_m(key: np.uint64, chunk: int, j: int) -> float:
-    """Centre along x."""
-    return (chunk + _draw(key, j, _DRAW_X)) * CHUNK_M
+@compiled_inline
+def scatter_place_m(
+    plane: Row, chunk: np.uint64, index: int, j: int, half_width_m: float
+) -> tuple[float, float]:
+    """Centre of an obstacle, from the corner of its chunk.
+
+    With open edges the whole obstacle lies between them: a place that is uniform over the width is
+    mapped to one that is uniform over what fits.
+    """
+    bits = number(chunk, np.uint64(index) * BLOCK + PLACE)
+    y_m = second_half(bits) * plane.chunk_width_m
+    if plane.edges == OPEN:
+        corner_m = j * plane.chunk_width_m
+        fits = 1.0 - 2.0 * half_width_m / plane.width_m
+        y_m = half_width_m + (corner_m + y_m) * fits - corner_m
+    return first_half(bits) * CHUNK_M, y_m
+
+
+@compiled_inline
+def scattered(
+    plane: Row, layer: Row, shapes: Table, chunk: np.uint64, j: int, index: int
+) -> Obstacle:
+    """Obstacle `index` of a chunk of a scatter layer, before any thinning.
+
+    Args:
+        plane: row of `PLANE_DTYPE`.
+        layer: row of `LAYER_DTYPE`.
+        shapes: rows of `SHAPE_DTYPE`: (shapes,).
+        chunk: key of the chunk.
+        j: the chunk, along y.
+        index: which of its obstacles.
+    """
+    block = np.uint64(index) * BLOCK
+    which, turn = 0, 0.0
+    if layer.is_plain == 0:
+        bits = number(chunk, block + _KIND)
+        turn, drawn = second_half(bits), first_half(bits)
+        while which < layer.shapes - 1 and drawn >= shapes[which].share_up_to:
+            which += 1
+    shape = shapes[which]
+    size = number(chunk, block + _SIZE)
+    across = between(shape.size_low, shape.size_high, first_half(size))
+    kind, corners, dent = shape.kind, 4, 0.0
+    half_length_m, half_width_m = across, across
+    if kind in (POLYGON, CURVE):
+        corners, dent = _form(shape, number(chunk, block + _OUTLINE))
+    elif kind != DISC:
+        half_width_m = 0.5 * across
+        half_length_m = 0.5 * between(shape.length_low, shape.length_high, second_half(size))
+    x_m, y_m = scatter_place_m(plane, chunk, index, j, half_width_m)
+    turned_rad = between(shape.turned_low, shape.turned_high, turn)
+    paint = _WHITE if layer.is_white else paint_of(layer, chunk, block)
+    return Obstacle(
+        kind, x_m, y_m, half_length_m, half_width_m, turned_rad, corners, dent, block, paint
+    )
 
 
 @compiled
-def obstacle_size_m(world: WorldParams, key: np.uint64, j: int) -> tuple[float, float, bool]:
-    """Half the extent along x, half the extent along y, and whether it is a disc."""
-    width, length = _draw(key, j, _DRAW_WIDTH), _draw(key, j, _DRAW_LENGTH)
-    if _draw(key, j, _DRAW_KIND) < world.disc_share:
-        radius_m = _between(world.radius_low_m, world.radius_high_m, width)
-        return radius_m, radius_m, True
-    half_length_m = 0.5 * _between(world.length_low_m, world.length_high_m, length)
-    return half_length_m, 0.5 * _between(world.width_low_m, world.width_high_m, width), False
+def is_thinned(
+    plane: Row,
+    layer: Row,
+    counts: npt.NDArray[np.float64],
+    key: np.uint64,
+    i: int,
+    j: int,
+    index: int,
+) -> bool:
+    """Matérn's second rule: a centre with a lower mark lies within the gap."""
+    chunk = chunk_key(column_key(key, i), j, plane.across)
+    mark = number(chunk, np.uint64(index) * BLOCK + _MARK)
+    x_m, y_m = scatter_place_m(plane, chunk, index, j, 0.0)
+    for neighbour in range(_NEIGHBOURS):
+        di, dj = neighbour // 3 - 1, neighbour % 3 - 1
+        other = chunk_key(column_key(key, i + di), j + dj, plane.across)
+        for k in range(scatter_count(layer, counts, other, i + di)):
+            if number(other, np.uint64(k) * BLOCK + _MARK) < mark:
+                other_x_m, other_y_m = scatter_place_m(plane, other, k, j + dj, 0.0)
+                dx_m = other_x_m + di * CHUNK_M - x_m
+                dy_m = other_y_m + dj * plane.chunk_width_m - y_m
+                if dx_m * dx_m + dy_m * dy_m < layer.gap_m * layer.gap_m:
+                    return True
+    return False
 
 
 @compiled
-def obstacle_y_m(world: WorldParams, key: np.uint64, j: int) -> float:
-    """Centre along y: anywhere in a period; with open edges placed by its corner, whole inside."""
-    draw = _draw(key, j, _DRAW_Y)
-    if world.periodic:
-        return draw * world.width_m
-    half_width_m = obstacle_size_m(world, key, j)[1]
-    return _between(half_width_m, world.width_m - half_width_m, draw)
+def paint_of(layer: Row, key: np.uint64, block: np.uint64) -> int:
+    """Colour of an obstacle: 8 bits each of red, green and blue."""
+    bits = number(key, block + _PAINT)
+    draw_red = draw_green = draw_blue = first_half(bits)
+    if layer.channels == 3:
+        draw_green, draw_blue = second_half(bits), first_half(number(key, block + _PAINT_BLUE))
+    red = int(_FULL * between(layer.red_low, layer.red_high, draw_red) + 0.5)
+    green = int(_FULL * between(layer.green_low, layer.green_high, draw_green) + 0.5)
+    blue = int(_FULL * between(layer.blue_low, layer.blue_high, draw_blue) + 0.5)
+    return (red << 16) | (green << 8) | blue
 
 
 @compiled
-def obstacle_colour(world: WorldParams, key: np.uint64, j: int) -> float:
-    """Grey value, 0 to 1."""
-    return _between(world.colour_low, world.colour_high, _draw(key, j, _DRAW_COLOUR))
+def corner_m(key: np.uint64, obstacle: Obstacle, corner: int) -> tuple[float, float]:
+    """A corner of an outline, relative to its centre; counter-clockwise. `key` is the chunk's."""
+    if obstacle.kind == POLYGON or obstacle.kind == CURVE:
+        angle_rad, share = _outline(key, obstacle, corner)
+        radius_m = obstacle.half_length_m * share
+        angle_rad += obstacle.turned_rad
+        return radius_m * math.cos(angle_rad), radius_m * math.sin(angle_rad)
+    right, upper = corner == 0 or corner == 3, corner == 0 or corner == 1
+    x_m = obstacle.half_length_m if right else -obstacle.half_length_m
+    y_m = obstacle.half_width_m if upper else -obstacle.half_width_m
+    if obstacle.kind == WALL:
+        return x_m, y_m + (obstacle.dent if right else -obstacle.dent)
+    cos, sin = math.cos(obstacle.turned_rad), math.sin(obstacle.turned_rad)
+    return x_m * cos - y_m * sin, x_m * sin + y_m * cos
+
+
+@compiled_inline
+def corner_count(obstacle: Obstacle) -> int:
+    """How many corners an outline has; the field holds the lobes of a curve."""
+    return CURVE_CORNERS if obstacle.kind == CURVE else obstacle.corners
+
+
+@compiled_inline
+def nothing() -> Obstacle:
+    """An obstacle that is none."""
+    return Obstacle(NOTHING, 0.0, 0.0, 0.0, 0.0, 0.0, 4, 0.0, np.uint64(0), 0)
 
 
 @compiled
-def random_place(world: WorldParams, seed: np.uint64, lane: np.uint64, number: np.uint64) -> float:
-    """Random number of an agent, in [0, 1): `number` counts, `lane` tells agents apart."""
-    return _uniform(_joined(_world_key(world, seed, _PLACES), lane), number)
+def _form(shape: Row, bits: np.uint64) -> tuple[int, float]:
+    """Corners and dent of a polygon, lobes and waviness of a curve."""
+    dent = between(shape.dent_low, shape.dent_high, second_half(bits))
+    if shape.kind == CURVE:
+        return LOBES[0] + int((LOBES[1] + 1 - LOBES[0]) * first_half(bits)), dent
+    span = shape.corners_high + 1 - shape.corners_low
+    return shape.corners_low + int(span * first_half(bits)), dent
 
 
-@compiled
-def _listed(world: WorldParams, seed: np.uint64, chunk: int) -> npt.NDArray[np.float64]:
-    """A chunk's obstacles as rows, columns as in `OBSTACLE_DTYPE`: (count, 6)."""
-    key = chunk_key(world, seed, chunk)
-    rows = np.empty((chunk_count(world, key), 6))
-    for j in range(len(rows)):
-        half_length_m, half_width_m, is_disc = obstacle_size_m(world, key, j)
-        rows[j, 0], rows[j, 1] = obstacle_x_m(key, chunk, j), obstacle_y_m(world, key, j)
-        rows[j, 2], rows[j, 3] = half_length_m, half_width_m
-        rows[j, 4], rows[j, 5] = is_disc, obstacle_colour(world, key, j)
-    return rows
-
-
-@compiled
-def _world_key(world: WorldParams, seed: np.uint64, purpose: np.uint64) -> np.uint64:
-    stream = (np.uint64(world.stream) << _S11) | purpose
-    return _joined(_joined(_mixed(_VERSION * _GAMMA), seed), stream)
-
-
-@compiled
-def _joined(key: np.uint64, part: np.uint64) -> np.uint64:
-    """A new key from a key and a number. Two rounds: neighbouring parts share no pattern."""
-    return _mixed(key ^ _mixed(part * _GAMMA + _GAMMA))
-
-
-@compiled
-def _draw(key: np.uint64, j: int, which: int) -> float:
-    return _uniform(key, np.uint64(j * _BLOCK + which))
-
-
-@compiled
-def _uniform(key: np.uint64, number: np.uint64) -> float:
-    """Number `number` of the stream, uniform in [0, 1) with 53 bits."""
-    return np.float64(_mixed(key + (number + np.uint64(1)) * _GAMMA) >> _S11) * _UNIT
-
-
-@compiled
-def _mixed(z: np.uint64) -> np.uint64:
-    z = (z ^ (z >> _S30)) * _MIX_1
-    z = (z ^ (z >> _S27)) * _MIX_2
-    return z ^ (z >> _S31)
-
-
-@compiled
-def _between(low: float, high: float, draw: float) -> float:
-    return low + (high - low) * draw
+@compiled_inline
+def _outline(key: np.uint64, obstacle: Obstacle, corner: int) -> tuple[float, float]:
+    """Angle of a corner, and its distance as a share of the radius. See `outlines`."""
+    if obstacle.kind == CURVE:
+        angle_rad = polygon_angle_rad(corner, CURVE_CORNERS, 0.0)
+        return angle_rad, curve_share(angle_rad, obstacle.corners, obstacle.dent)
+    jitter = first_half(number(key, obstacle.block + _CORNERS + np.uint64(corner)))
+    angle_rad = polygon_angle_rad(corner, obstacle.corners, jitter)
+    return angle_rad, polygon_share(corner, obstacle.dent)

@@ -4,8 +4,10 @@
 - `error_model="numpy"`: a division by zero gives infinity and not an exception; the check would
   keep loops over rays from becoming vector instructions. No divisor here can be zero.
 - No `fastmath`: it makes checks for NaN lie, and it is slower here.
-- Arguments of hot functions are numbers and the few arrays that they use: handing over a whole
-  named tuple of arrays counts references to each of them.
+- Arrays are borrowed: `compiled` functions count no references (`_nrt=False`). Counting them for
+  every array of every tuple that is handed on would take more time than the work itself, the
+  more so as two threads would count on one place. Such a function can therefore allocate nothing;
+  those that do are `compiled_allocating`, and few.
 """
 
 from collections.abc import Callable
@@ -18,12 +20,46 @@ from reflexarc_sim_bridge.compile_cache import keyed_by_sources
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
 prange = numba.prange
+_njit: Any = numba.njit  # its stub does not know all of its options
 
 
 def compiled(function: _Function) -> _Function:
-    """Compile a function at its first call; other compiled functions can call it."""
+    """Compile a function at its first call; other compiled functions can call it.
+
+    It allocates nothing.
+    """
     with keyed_by_sources():
-        dispatcher: Any = numba.njit(cache=True, error_model="numpy")(function)
+        dispatcher: Any = _njit(cache=True, error_model="numpy", _nrt=False)(function)
+    return dispatcher  # type: ignore[no-any-return]  # it is called as the function is
+
+
+def compiled_inline(function: _Function) -> _Function:
+    """The same for a small function of a hot loop: it becomes part of whoever calls it."""
+    with keyed_by_sources():
+        dispatcher: Any = _njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)(
+            function
+        )
+    return dispatcher  # type: ignore[no-any-return]  # it is called as the function is
+
+
+def compiled_part(function: _Function) -> _Function:
+    """A part of a large function, cut out to be read: put in its place before it is compiled.
+
+    For what has one or two callers. It is never compiled alone, which would take the same work
+    again at every level of a call. Not for a caller that is `compiled_allocating`: it would count
+    the references of all that it inlines.
+    """
+    with keyed_by_sources():
+        dispatcher: Any = _njit(cache=True, error_model="numpy", _nrt=False, inline="always")(
+            function
+        )
+    return dispatcher  # type: ignore[no-any-return]  # it is called as the function is
+
+
+def compiled_allocating(function: _Function) -> _Function:
+    """The same for a function that makes arrays; other threads of Python can run meanwhile."""
+    with keyed_by_sources():
+        dispatcher: Any = _njit(cache=True, error_model="numpy", _nrt=True, nogil=True)(function)
     return dispatcher  # type: ignore[no-any-return]  # it is called as the function is
 
 
@@ -35,5 +71,5 @@ def compiled_parallel(function: _Function) -> _Function:
     is not seen.
     """
     with keyed_by_sources():
-        dispatcher: Any = numba.njit(cache=True, error_model="numpy", parallel=True)(function)
+        dispatcher: Any = _njit(cache=True, error_model="numpy", parallel=True)(function)
     return dispatcher  # type: ignore[no-any-return]  # it is called as the function is

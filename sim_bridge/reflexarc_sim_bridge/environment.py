@@ -1,10 +1,12 @@
-"""The reference field for one agent, as a Gymnasium environment: `reflexarc/Reference-v1`.
+"""One agent in a world, as a Gymnasium environment: `reflexarc/Reference-v1` and its like.
 
 The task is continuing: a contact costs 1 and the agent goes on elsewhere, so an episode is never
-terminated, only truncated by the time limit; value learners bootstrap through it. `reset(seed=…)`
-chooses the world; without a seed each episode is a new world from the environment's own stream.
+terminated, only truncated by the time limit; value learners bootstrap through it. Only a world
+whose contacts end the episode (`after_contact`: terminate) terminates. `reset(seed=…)` chooses the
+world; without a seed each episode is in a new world drawn from the last seed (`episodes.py`).
 """
 
+from operator import index
 from typing import Any
 
 import gymnasium
@@ -12,70 +14,101 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_runtime.contract import PolicyContract
+from reflexarc_runtime.errors import WorldError
+from reflexarc_sim_bridge.episodes import (
+    CONTACT_REWARD,
+    INFO,
+    STEP_REWARD,
+    WorldSequence,
+    action_space,
+    checked_seeds,
+    ends_at_contact,
+    observation_space,
+    the_world,
+)
+from reflexarc_sim_bridge.one_agent import REFUSED, OneAgent
 from reflexarc_sim_bridge.reference_field import WORLD_NAME, reference_contract
+from reflexarc_sim_bridge.registration import (
+    EPISODE_STEPS,
+    REFERENCE_ID,
+    register_environments,
+)
 from reflexarc_sim_bridge.simulation import Simulation
-from reflexarc_sim_bridge.worlds import World, world_named
+from reflexarc_sim_bridge.worlds import WorldSource
 
-REFERENCE_ID = "reflexarc/Reference-v1"
-EPISODE_STEPS = 1000
+__all__ = ["CONTACT_REWARD", "EPISODE_STEPS", "REFERENCE_ID", "STEP_REWARD", "ReferenceEnv"]
 
-STEP_REWARD = 0.1
-"""For a step without contact (the paper, section 4.2)."""
-CONTACT_REWARD = -1.0
-"""For a step with one (the same)."""
+_REWARDS = (STEP_REWARD, CONTACT_REWARD)
+_ONLY = np.zeros(1, np.int64)
 
 
 class ReferenceEnv(gymnasium.Env[npt.NDArray[np.uint8], np.int64]):
     """One agent in the reference field, or in another world, with any supported contract.
 
-    Observation: uint8 (rays,), ray 0 the leftmost. Action: an index into the contract's actions,
-    here stay, left, right. Info: `x_m`, `y_m`, `distance_m`, `contacts` of the episode.
+    Observation: what the policy sees, flat, uint8 (frames · eyes · rays · channels,): oldest frame
+    first, ray 0 the leftmost; `reshape(contract.retina.stack_shape)` gives the axes back. Action:
+    an index into the contract's actions, by default stay, left, right. Reward: 0.1 a step, −1 for
+    one with a contact. Info: `x_m`, `y_m`, `distance_m`, `contacts` of the episode.
     """
 
     metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012  # gymnasium's own declaration
 
-    def __init__(self, contract: PolicyContract | None = None, world: World | None = None) -> None:
+    def __init__(
+        self, contract: PolicyContract | None = None, world: WorldSource | str = WORLD_NAME
+    ) -> None:
+        """Make ready; `reset` begins.
+
+        Args:
+            contract: what the agent sees and how each action moves it; the reference's if None.
+            world: the kind of world, or its name.
+
+        Raises:
+            WorldError: no such world, or a contract that the simulator does not support.
+        """
         self._contract = contract or reference_contract()
-        self._world = world or world_named(WORLD_NAME)
-        rays, actions = self._contract.retina.rays, len(self._contract.actions)
-        self.observation_space = gymnasium.spaces.Box(0, 255, (rays,), np.uint8)
-        self.action_space = gymnasium.spaces.Discrete(actions)
-        self._simulation: Simulation | None = None
+        self.observation_space = observation_space(self._contract)
+        self.action_space = action_space(self._contract)
+        self._terminates = ends_at_contact(the_world(world))
+        self._worlds = WorldSequence(1)
+        seeds = np.zeros(1, np.uint64)
+        self._agent = OneAgent(Simulation(the_world(world), self._contract, seeds))
+        self._has_begun = False
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[npt.NDArray[np.uint8], dict[str, Any]]:
-        """Begin in the world of `seed`, or in a new one."""
+        """Begin in the world of `seed`, or in a new one.
+
+        Raises:
+            WorldError: a seed that is no world's.
+        """
         super().reset(seed=seed)
-        world_seed = self.np_random.integers(1 << 63) if seed is None else seed
-        seeds = np.array([world_seed], np.uint64)
-        self._simulation = Simulation(self._world, self._contract, seeds)
-        return self._observed(), self._info()
+        if seed is not None:
+            self._worlds.seed(_ONLY, checked_seeds([seed]))
+        simulation = self._agent.simulation
+        simulation.place(_ONLY, self._worlds.next(_ONLY, self.np_random))
+        self._agent.sense()
+        self._has_begun = True
+        info = {name: getattr(simulation, name)[0].item() for name in INFO}
+        return self._agent.stack.copy(), info
 
     def step(
         self, action: np.int64
     ) -> tuple[npt.NDArray[np.uint8], float, bool, bool, dict[str, Any]]:
-        """Move once."""
-        met = self._running().step(np.array([action], np.int64))[0]
-        reward = CONTACT_REWARD if met else STEP_REWARD
-        return self._observed(), reward, False, False, self._info()
+        """Move once, then look.
 
-    def _observed(self) -> npt.NDArray[np.uint8]:
-        return self._running().sense().reshape(-1)
-
-    def _info(self) -> dict[str, Any]:
-        simulation = self._running()
-        names = ("x_m", "y_m", "distance_m", "contacts")
-        return {name: getattr(simulation, name)[0].item() for name in names}
-
-    def _running(self) -> Simulation:
-        if self._simulation is None:
+        Raises:
+            WorldError: an action that the contract does not have.
+            ResetNeeded: before the first reset.
+        """
+        if not self._has_begun:
             raise gymnasium.error.ResetNeeded("call reset() before step()")
-        return self._simulation
+        met, x_m, y_m, distance_m, contacts = self._agent.step_and_sense(index(action))
+        if met == REFUSED:
+            known = len(self._contract.actions)
+            raise WorldError(f"action: expected 0 to {known - 1}, the contract's, got {action}")
+        info = {"x_m": x_m, "y_m": y_m, "distance_m": distance_m, "contacts": contacts}
+        return self._agent.stack.copy(), _REWARDS[met], self._terminates and met == 1, False, info
 
 
-gymnasium.register(
-    REFERENCE_ID,
-    entry_point="reflexarc_sim_bridge.environment:ReferenceEnv",
-    max_episode_steps=EPISODE_STEPS,
-)
+register_environments()

@@ -184,8 +184,8 @@ class FaultScript:
     def __post_init__(self) -> None:
         _require(0 <= self.seed < 1 << 64, "seed", "0 to 2^64 − 1", self.seed)
         _require(0.0 <= self.repeat_s < math.inf, "repeat_s", "0 or more", self.repeat_s)
-        for number, fault in enumerate(self.faults, start=1):
-            _check(fault, f"fault {number}")
+        for number, fault in enumerate(self.faults):
+            _check(fault, f"fault[{number}]")
 
     @property
     def end_s(self) -> float:
@@ -205,7 +205,7 @@ def kind_of(fault: Fault) -> str:
 
 def _check(fault: Fault, where: str) -> None:
     for name, value in dataclasses.asdict(fault).items():
-        at = f"{where} ({kind_of(fault)}): {name}"
+        at = f"{where}.{name}"
         match name:
             case "begin_s" | "delay_s" | "jitter_s" | "held_s":
                 _require(0.0 <= value < math.inf, at, "0 or more seconds", value)

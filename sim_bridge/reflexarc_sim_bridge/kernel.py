@@ -1,200 +1,105 @@
 """The compiled step of agents in their worlds: sense, move, and keep near what can be met.
 
 `sense_agent` and `step_agent` treat one agent and are made to be called from other compiled
-loops; `sense_all` and `step_all` treat all, in parallel. Whatever an agent does touches its own
-row only, so the bits are the same on any number of threads.
+loops; `advance` treats a range of them. Whatever an agent does touches its own rows only, so the
+bits are the same on any number of threads.
 """
-
-import math
 
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_sim_bridge.chunks import (
-    chunk_count,
-    chunk_key,
-    obstacle_colour,
-    obstacle_size_m,
-    obstacle_x_m,
-    obstacle_y_m,
-)
-from reflexarc_sim_bridge.compiled import compiled, compiled_parallel, prange
-from reflexarc_sim_bridge.motion import free_share, go_to_free_place, wrapped
-from reflexarc_sim_bridge.params import (
-    CELL_M,
-    CHUNK_M,
-    NEAR_COLOUR,
-    NEAR_HALF_LENGTH,
-    NEAR_HALF_WIDTH,
-    NEAR_ROUND,
-    NEAR_X,
-    NEAR_Y,
-    Agents,
-    EyeParams,
-    WorldParams,
-)
-from reflexarc_sim_bridge.vision import look, shade_all
+from reflexarc_sim_bridge.compiled import compiled, compiled_allocating
+from reflexarc_sim_bridge.contact import touches
+from reflexarc_sim_bridge.motion import step_agent
+from reflexarc_sim_bridge.near import keep_near
+from reflexarc_sim_bridge.params import Params
+from reflexarc_sim_bridge.places import go_to_free_place, set_place
+from reflexarc_sim_bridge.senses import sense_agent
+from reflexarc_sim_bridge.vision import look
+from reflexarc_sim_bridge.workspace import Workspace, new_workspace
 
 __all__ = [
-    "Agents",
-    "EyeParams",
-    "WorldParams",
-    "place_all",
+    "LOOK",
+    "MOVE",
+    "PLACE",
+    "Params",
+    "Workspace",
+    "advance",
+    "cast",
+    "cover",
+    "new_workspace",
     "sense_agent",
-    "sense_all",
     "step_agent",
-    "step_all",
 ]
 
-
-@compiled
-def sense_agent(
-    world: WorldParams,
-    eye: EyeParams,
-    agents: Agents,
-    i: int,
-    retina_out: npt.NDArray[np.uint8],
-) -> None:
-    """What agent `i` sees now, grey, one eye, one frame: `retina_out` (rays,) is filled."""
-    distance_m, colour = agents.ray_distance_m[i], agents.ray_colour[i]
-    look(
-        eye, agents.near[i], agents.near_count[i], agents.x_m[i], agents.y_m[i], distance_m, colour
-    )
-    shade_all(eye.range_m, eye.nearness, distance_m, colour, retina_out)
+PLACE, MOVE, LOOK = 1, 2, 4
+"""What `advance` does, in this order; their sum for several."""
 
 
-@compiled
-def step_agent(
-    world: WorldParams, agents: Agents, i: int, linear_mps: float, lateral_mps: float
-) -> bool:
-    """Move agent `i` for one step of the world.
-
-    Returns:
-        Whether it met an obstacle. It then stands at another place of the same x.
-    """
-    x_m, y_m = agents.x_m[i], agents.y_m[i]
-    forward_m, aside_m = linear_mps * world.dt_s, lateral_mps * world.dt_s
-    if not world.periodic:
-        aside_m = wrapped(world, y_m + aside_m) - y_m
-    share = free_share(agents.near[i], agents.near_count[i], x_m, y_m, forward_m, aside_m)
-    met = share <= 1.0
-    if met:
-        forward_m *= share
-    agents.x_m[i] = x_m + forward_m
-    agents.distance_m[i] += forward_m
-    if met:
-        agents.contacts[i] += 1
-        go_to_free_place(world, agents, i)
-    else:
-        agents.y_m[i] = wrapped(world, y_m + aside_m)
-    _keep_near(world, agents, i)
-    return met
-
-
-@compiled_parallel
-def sense_all(
-    world: WorldParams, eye: EyeParams, agents: Agents, retinas_out: npt.NDArray[np.uint8]
-) -> None:
-    """What every agent sees: `retinas_out` (n, rays) is filled."""
-    for i in prange(agents.x_m.size):
-        sense_agent(world, eye, agents, i, retinas_out[i])
-
-
-@compiled_parallel
-def step_all(
-    world: WorldParams,
-    agents: Agents,
-    linear_mps: npt.NDArray[np.float64],
-    lateral_mps: npt.NDArray[np.float64],
+@compiled_allocating
+def advance(
+    params: Params,
+    motions: npt.NDArray[np.float64],
     actions: npt.NDArray[np.int64],
     met_out: npt.NDArray[np.bool_],
+    tasks: int,
+    first: int,
+    end: int,
 ) -> None:
-    """Move every agent: speeds are per action (actions,), `met_out` (n,) is filled."""
-    for i in prange(agents.x_m.size):
-        action = actions[i]
-        met_out[i] = step_agent(world, agents, i, linear_mps[action], lateral_mps[action])
+    """Let the agents from `first` to `end` take their places, move and look.
 
+    One function for all of it, as each that holds a whole step takes its time to compile.
 
-@compiled
-def place_all(world: WorldParams, agents: Agents) -> None:
-    """Put every agent at a free place of its x and gather what is near.
-
-    Once a simulation, so one thread will do: a parallel loop takes 5 s more to compile.
+    Args:
+        params: the simulation.
+        motions: linear, lateral and angular speed of each action: (actions, 3).
+        actions: one an agent: (n,).
+        met_out: filled where they move: which met an obstacle: (n,).
+        tasks: sum of PLACE, MOVE and LOOK.
+        first: first agent.
+        end: agent behind the last.
     """
-    for i in range(agents.x_m.size):
-        _place_agent(world, agents, i)
+    work = new_workspace(params)
+    for i in range(first, end):
+        if tasks & PLACE:
+            go_to_free_place(params, work, i, True)
+        if tasks & MOVE:
+            motion = motions[actions[i]]
+            met_out[i] = step_agent(params, work, i, motion[0], motion[1], motion[2])
+        if tasks & LOOK:
+            sense_agent(params, work, i)
+
+
+@compiled_allocating
+def cover(
+    params: Params, places_m: npt.NDArray[np.float64], found_out: npt.NDArray[np.bool_]
+) -> None:
+    """Whether agent 0 would cover or touch an obstacle: at (x, y): (n, 2); filled: (n,)."""
+    _cover(params, new_workspace(params), places_m, found_out)
+
+
+@compiled_allocating
+def cast(params: Params, distances_out: npt.NDArray[np.float32]) -> None:
+    """What the sub-rays of agent 0's first eye meet (m): filled: (subrays,)."""
+    work = new_workspace(params)
+    _look(params, work)
+    distances_out[:] = work.distance_m
 
 
 @compiled
-def _place_agent(world: WorldParams, agents: Agents, i: int) -> None:
-    go_to_free_place(world, agents, i)
-    agents.cell_x[i] = math.floor(agents.x_m[i] / CELL_M)
-    agents.cell_y[i] = math.floor(agents.y_m[i] / CELL_M)
-    _gather_near(world, agents, i)
+def _cover(
+    params: Params,
+    work: Workspace,
+    places_m: npt.NDArray[np.float64],
+    found_out: npt.NDArray[np.bool_],
+) -> None:
+    state = params.agents.state[0]
+    for k in range(len(places_m)):
+        set_place(params.world.planes[state.world], state, 0, places_m[k, 0], 0, places_m[k, 1])
+        keep_near(params, work, 0, k == 0)
+        found_out[k] = touches(params, 0)
 
 
 @compiled
-def _keep_near(world: WorldParams, agents: Agents, i: int) -> None:
-    """Gather anew when the agent has entered another cell."""
-    cell_x = math.floor(agents.x_m[i] / CELL_M)
-    cell_y = math.floor(agents.y_m[i] / CELL_M)
-    if cell_x != agents.cell_x[i] or cell_y != agents.cell_y[i]:
-        agents.cell_x[i], agents.cell_y[i] = cell_x, cell_y
-        _gather_near(world, agents, i)
-
-
-@compiled
-def _gather_near(world: WorldParams, agents: Agents, i: int) -> None:
-    """List every obstacle that can be seen or met from anywhere in the agent's cell."""
-    seed, near, count = agents.seed[i], agents.near[i], 0
-    back_m = agents.cell_x[i] * CELL_M - world.behind_m - world.half_max_m
-    front_m = (agents.cell_x[i] + 1) * CELL_M + world.ahead_m + world.half_max_m
-    right_m = agents.cell_y[i] * CELL_M - world.aside_m - world.half_max_m
-    left_m = (agents.cell_y[i] + 1) * CELL_M + world.aside_m + world.half_max_m
-    for chunk in range(math.floor(back_m / CHUNK_M), math.floor(front_m / CHUNK_M) + 1):
-        key, first = chunk_key(world, seed, chunk), count
-        for j in range(chunk_count(world, key)):
-            x_m, y_m = obstacle_x_m(key, chunk, j), obstacle_y_m(world, key, j)
-            along = (back_m <= x_m) & (x_m <= front_m)
-            count = _list_images(world, near, count, j, x_m, y_m, along, right_m, left_m)
-        for k in range(first, count):
-            _fill_in(world, near, k, key)
-    agents.near_count[i] = count
-
-
-@compiled
-def _list_images(
-    world: WorldParams,
-    near: npt.NDArray[np.float64],
-    count: int,
-    j: int,
-    x_m: float,
-    y_m: float,
-    along: bool,
-    right_m: float,
-    left_m: float,
-) -> int:
-    """List an obstacle's place and number, once for each period in which it lies in the box.
-
-    Written first and counted after: half of the obstacles are out, and no branch foresees which.
-    """
-    period_m = world.width_m if world.periodic else math.inf
-    if world.periodic:
-        y_m += period_m * np.ceil((right_m - y_m) / period_m)
-    inside = along & (right_m <= y_m) & (y_m <= left_m)
-    while True:
-        near[NEAR_X, count], near[NEAR_Y, count], near[NEAR_COLOUR, count] = x_m, y_m, j
-        count = min(count + inside, near.shape[1] - 1)
-        y_m += period_m
-        if not (inside & (y_m <= left_m)):
-            return count
-
-
-@compiled
-def _fill_in(world: WorldParams, near: npt.NDArray[np.float64], k: int, key: np.uint64) -> None:
-    """Size, kind and colour of an obstacle whose number lies in its row of colours."""
-    j = int(near[NEAR_COLOUR, k])
-    half_length_m, half_width_m, is_disc = obstacle_size_m(world, key, j)
-    near[NEAR_HALF_LENGTH, k], near[NEAR_HALF_WIDTH, k] = half_length_m, half_width_m
-    near[NEAR_ROUND, k] = 1.0 if is_disc else 0.0
-    near[NEAR_COLOUR, k] = obstacle_colour(world, key, j)
+def _look(params: Params, work: Workspace) -> None:
+    look(params, work, 0, 0)

@@ -20,7 +20,8 @@ import numpy.typing as npt
 from reflexarc_runtime.contract import PolicyContract, RetinaSpec, Shading, sideways_actions
 from reflexarc_sim_bridge.seeds import test_seeds
 from reflexarc_sim_bridge.simulation import Simulation
-from reflexarc_sim_bridge.worlds import World, world_named
+from reflexarc_sim_bridge.world_files import world_named
+from reflexarc_sim_bridge.worlds import World
 
 if TYPE_CHECKING:
     from reflexarc_runtime.policy import Policy

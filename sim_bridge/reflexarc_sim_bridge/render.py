@@ -4,6 +4,7 @@ Above: obstacles, path and contacts, x ahead to the right, y to the left upwards
 there is no view from above.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,7 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PatchCollection
 from matplotlib.lines import Line2D
-from matplotlib.patches import Ellipse, Patch, Rectangle
+from matplotlib.patches import Ellipse, Patch, Polygon, Rectangle
 
 from reflexarc_sim_bridge.panels import Panels
 from reflexarc_sim_bridge.strips import INK, Decisions, Floats
@@ -37,6 +38,8 @@ class Drive:
     """Rectangles: centre x and y, length along x, width along y: (boxes, 4)."""
     discs: Floats
     """Discs: the same with the diameter twice: (discs, 4)."""
+    polygons: Sequence[Floats]
+    """Corners of other obstacles, each (corners, 2)."""
     decisions: Decisions
 
 
@@ -64,6 +67,7 @@ def _draw_from_above(axes: Axes, drive: Drive) -> list[Line2D]:
         for x, y, length, width in drive.boxes
     ]
     shapes += [Ellipse((x, y), length, width) for x, y, length, width in drive.discs]
+    shapes += [Polygon(corners_m) for corners_m in drive.polygons]
     axes.add_collection(PatchCollection(shapes, facecolor=OBSTACLE_COLOUR, edgecolor="none"))
     axes.plot(*_broken_at_jumps(drive.x_m, drive.y_m), color=INK, linewidth=1.6)
     if not len(drive.contacts):

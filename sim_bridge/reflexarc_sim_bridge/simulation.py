@@ -1,38 +1,52 @@
 """Agents in their worlds, from Python: one sense and one step for all of them at once."""
 
-from typing import NamedTuple
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_runtime.arrays import Actions
+from reflexarc_runtime.arrays import Actions, RetinaBatch
 from reflexarc_runtime.contract import PolicyContract
 from reflexarc_runtime.errors import WorldError
 from reflexarc_sim_bridge import kernel
-from reflexarc_sim_bridge.chunks import OBSTACLE_DTYPE
+from reflexarc_sim_bridge.layers import CHUNK_M
 from reflexarc_sim_bridge.params import (
-    NEAR_COLOUR,
-    NEAR_HALF_LENGTH,
-    NEAR_HALF_WIDTH,
-    NEAR_ROUND,
-    NEAR_X,
-    NEAR_Y,
-    Agents,
-    EyeParams,
-    WorldParams,
+    Params,
     agents_at_zero,
     eye_params,
-    world_params,
+    world_tables,
+    write_world,
 )
-from reflexarc_sim_bridge.worlds import World
+from reflexarc_sim_bridge.scene import Outline, outlines_near
+from reflexarc_sim_bridge.threads import shared
+from reflexarc_sim_bridge.worlds import World, WorldSource
+
+__all__ = ["Params", "Simulation", "covered", "motions_of"]
 
 
-class Params(NamedTuple):
-    """What compiled callers hand to `kernel`."""
+def motions_of(contract: PolicyContract) -> npt.NDArray[np.float64]:
+    """Linear, lateral and angular speed of each action: (actions, 3)."""
+    return np.array([(a.linear_mps, a.lateral_mps, a.angular_radps) for a in contract.actions])
 
-    world: WorldParams
-    eye: EyeParams
-    agents: Agents
+
+def covered(
+    world: World, contract: PolicyContract, seed: int, places_m: npt.NDArray[np.float64]
+) -> npt.NDArray[np.bool_]:
+    """Whether the body of an agent would cover or touch an obstacle, at the start.
+
+    Args:
+        world: which world.
+        contract: whose agent.
+        seed: which of the world's variants.
+        places_m: x and y: (n, 2).
+
+    Returns:
+        (n,)
+    """
+    simulation = Simulation(world, contract, np.array([seed], np.uint64))
+    found = np.empty(len(places_m), np.bool_)
+    kernel.cover(simulation.params, places_m, found)
+    return found
 
 
 class Simulation:
@@ -44,7 +58,11 @@ class Simulation:
     """
 
     def __init__(
-        self, world: World, contract: PolicyContract, seeds: npt.NDArray[np.uint64]
+        self,
+        world: WorldSource,
+        contract: PolicyContract,
+        seeds: npt.NDArray[np.uint64],
+        lanes: npt.NDArray[np.uint64] | None = None,
     ) -> None:
         """Put the agents into their worlds.
 
@@ -52,53 +70,69 @@ class Simulation:
             world: the kind of world.
             contract: what the agents see and how each action moves them.
             seeds: one an agent: (n,).
+            lanes: tell agents of one seed apart: (n,); by default 0, 1, … for each seed.
 
         Raises:
             WorldError: a contract or seeds that this simulation does not support.
         """
-        _check_supported(contract)
-        if seeds.ndim != 1 or len(seeds) == 0 or seeds.dtype != np.uint64:
-            raise WorldError(f"seeds: expected uint64 (n,), got {seeds.dtype} {seeds.shape}")
+        _check_seeds(seeds)
         self.world = world
         self.contract = contract
-        params = world_params(world, contract)
-        agents = agents_at_zero(seeds, world, params, contract.retina.rays)
-        self.params = Params(params, eye_params(contract.retina, world.scanner), agents)
-        self._linear_mps = np.array([action.linear_mps for action in contract.actions])
-        self._lateral_mps = np.array([action.lateral_mps for action in contract.actions])
-        kernel.place_all(params, agents)
+        worlds = [world] if isinstance(world, World) else [world.drawn(s) for s in seeds.tolist()]
+        tables = world_tables(worlds, contract, world.densest)
+        agents = agents_at_zero(seeds, world.densest, tables, contract)
+        if lanes is not None:
+            agents.state["lane"] = lanes
+        self.params = Params(tables, eye_params(contract, worlds[0]), agents)
+        self._motions = motions_of(contract)
+        self._no_actions, self._met = np.zeros(len(seeds), np.int64), np.zeros(len(seeds), np.bool_)
+        shared(self._put, len(seeds))
 
     def __len__(self) -> int:
-        return len(self.params.agents.x_m)
+        return len(self.params.agents.state)
 
     @property
     def x_m(self) -> npt.NDArray[np.float64]:
-        """Where the agents are, ahead: (n,). Changes with every step; copy it to keep it."""
-        return self.params.agents.x_m
+        """Where the agents are, ahead: (n,), a new array."""
+        state = self.params.agents.state
+        x_m: npt.NDArray[np.float64] = state["cell_x"] * CHUNK_M + state["x_m"]
+        return x_m
 
     @property
     def y_m(self) -> npt.NDArray[np.float64]:
-        """Where the agents are, to the left: (n,). Changes with every step."""
-        return self.params.agents.y_m
+        """Where the agents are, to the left, within the period: (n,), a new array."""
+        state = self.params.agents.state
+        sides_m = self.params.world.planes["chunk_width_m"][state["world"]]
+        y_m: npt.NDArray[np.float64] = state["cell_y"] * sides_m + state["y_m"]
+        return y_m
+
+    @property
+    def heading_rad(self) -> npt.NDArray[np.float64]:
+        """Where the agents look, counter-clockwise from x: (n,), a new array."""
+        return self.params.agents.state["heading_rad"].copy()
 
     @property
     def distance_m(self) -> npt.NDArray[np.float64]:
-        """Progress along x since the start: (n,). Changes with every step."""
-        return self.params.agents.distance_m
+        """Progress along x since the start: (n,). Changes with every step; copy it to keep it."""
+        return self.params.agents.state["distance_m"]
 
     @property
     def contacts(self) -> npt.NDArray[np.int64]:
         """Contacts since the start: (n,). Changes with every step."""
-        return self.params.agents.contacts
+        return self.params.agents.state["contacts"]
+
+    @property
+    def stacks(self) -> RetinaBatch:
+        """What the policies see after the last look: (n, frames, eyes, rays, channels).
+
+        Changes with every look.
+        """
+        return self.params.agents.stack.reshape(len(self), *self.contract.retina.stack_shape)
 
     def sense(self) -> npt.NDArray[np.uint8]:
-        """What every agent sees now: (n, eyes, rays, channels), a new array."""
-        retinas = np.empty((len(self), self.contract.retina.rays), np.uint8)
-        if len(self) == 1:  # one agent needs no threads, and no time to compile and start them
-            kernel.sense_agent(*self.params, 0, retinas[0])
-        else:
-            kernel.sense_all(*self.params, retinas)
-        return retinas.reshape(len(self), *self.contract.retina.shape)
+        """Let every agent look, once a step: (n, eyes, rays, channels), a new array."""
+        self._advance(self._no_actions, self._met, kernel.LOOK)
+        return self.stacks[:, -1].copy()
 
     def step(self, actions: Actions) -> npt.NDArray[np.bool_]:
         """Move every agent for `world.dt_s`.
@@ -107,34 +141,81 @@ class Simulation:
             actions: indices into the contract's actions: (n,).
 
         Returns:
-            Which agents met an obstacle, and now stand at another place of the same x: (n,).
+            Which agents met an obstacle: (n,). They now stand at another place of the same x,
+            unless contacts make ghosts of them.
 
         Raises:
             WorldError: actions of another shape or type, or that the contract does not have.
         """
-        _check_actions(actions, len(self), len(self._linear_mps))
+        _check_actions(actions, len(self), len(self._motions))
         met = np.empty(len(self), np.bool_)
-        world, _, agents = self.params
-        if len(self) == 1:
-            linear_mps, lateral_mps = self._linear_mps[actions[0]], self._lateral_mps[actions[0]]
-            met[0] = kernel.step_agent(world, agents, 0, linear_mps, lateral_mps)
-        else:
-            kernel.step_all(world, agents, self._linear_mps, self._lateral_mps, actions, met)
+        self._advance(actions, met, kernel.MOVE)
         return met
 
-    def obstacles_near(self, agent: int) -> npt.NDArray[np.void]:
-        """Obstacles near an agent, beside it (y may leave the period), for drawing: (count,).
+    def step_and_sense(self, actions: Actions) -> npt.NDArray[np.bool_]:
+        """Move every agent and let it look at once, which is quicker: as `step` and `sense`.
+
+        What they see is in `stacks`.
+        """
+        _check_actions(actions, len(self), len(self._motions))
+        met = np.empty(len(self), np.bool_)
+        self._advance(actions, met, kernel.MOVE + kernel.LOOK)
+        return met
+
+    def _put(self, first: int, end: int) -> None:
+        """Let some of the agents take places."""
+        arrays = (self._motions, self._no_actions, self._met)
+        kernel.advance(self.params, *arrays, kernel.PLACE, first, end)
+
+    def _advance(self, actions: Actions, met: npt.NDArray[np.bool_], tasks: int) -> None:
+        shared(partial(kernel.advance, self.params, self._motions, actions, met, tasks), len(self))
+
+    def drive(self, linear_mps: float, lateral_mps: float, angular_radps: float) -> bool:
+        """Move the first agent at any speeds; whether it met an obstacle."""
+        motions = np.array([[linear_mps, lateral_mps, angular_radps]])
+        action, met = np.zeros(1, np.int64), np.empty(1, np.bool_)
+        kernel.advance(self.params, motions, action, met, kernel.MOVE, 0, 1)
+        return bool(met[0])
+
+    def place(self, agents: npt.NDArray[np.int64], seeds: npt.NDArray[np.uint64]) -> None:
+        """Begin anew with some of the agents, in the worlds of new seeds, counters at zero.
+
+        Args:
+            agents: which: (k,).
+            seeds: their new worlds: (k,).
+
+        Raises:
+            WorldError: seeds of another shape or type.
+        """
+        if len(agents) == 0:
+            return
+        _check_seeds(seeds)
+        tables, state = self.params.world, self.params.agents.state
+        for i, seed in zip(agents.tolist(), seeds.tolist(), strict=True):
+            row = int(state["world"][i])
+            state[i] = np.zeros((), state.dtype)
+            state["world"][i], state["seed"][i] = row, seed
+            if not isinstance(self.world, World):
+                write_world(tables, row, self.world.drawn(seed), self.contract)
+        for run in np.split(agents, np.flatnonzero(np.diff(agents) != 1) + 1):
+            self._put(int(run[0]), int(run[-1]) + 1)
+
+    def distances(self) -> npt.NDArray[np.float32]:
+        """What every ray of the first agent's first eye would meet now: (rays · samples,), m.
+
+        The range where it would meet nothing. No look: nothing is remembered, nothing disturbed.
+        """
+        distances_m = np.empty(len(self.params.eye.ahead), np.float32)
+        kernel.cast(self.params, distances_m)
+        spec = self.contract.retina
+        return distances_m[: spec.rays * spec.samples]
+
+    def outlines_near(self, agent: int) -> list[Outline]:
+        """Obstacles near an agent, where it sees them (y may leave the period), for drawing.
 
         Everything within the eye's reach is there, and some of what lies just beyond it.
         """
-        rows = self.params.agents.near[agent, :, : self.params.agents.near_count[agent]]
-        obstacles = np.zeros(rows.shape[1], OBSTACLE_DTYPE)
-        obstacles["x_m"], obstacles["y_m"] = rows[NEAR_X], rows[NEAR_Y]
-        obstacles["half_length_m"] = rows[NEAR_HALF_LENGTH]
-        obstacles["half_width_m"] = rows[NEAR_HALF_WIDTH]
-        obstacles["round"] = rows[NEAR_ROUND] != 0.0
-        obstacles["colour"] = rows[NEAR_COLOUR]
-        return obstacles
+        return outlines_near(self.params, agent)
 
     def state(self) -> dict[str, npt.NDArray[np.generic]]:
         """Everything that changes, copied, by name: what `restore` takes."""
@@ -151,17 +232,14 @@ class Simulation:
             _check_same_form(name, state.get(name), array)
         for name, array in mine.items():
             array[...] = state[name]
+        if not isinstance(self.world, World):
+            for row, seed in enumerate(self.params.agents.state["seed"].tolist()):
+                write_world(self.params.world, row, self.world.drawn(seed), self.contract)
 
 
-def _check_supported(contract: PolicyContract) -> None:
-    retina, actions = contract.retina, contract.actions
-    _require(retina.eyes == 1, "retina.eyes", "1", retina.eyes)
-    _require(retina.channels == 1, "retina.channels", "1 (grey)", retina.channels)
-    _require(retina.frames == 1, "retina.frames", "1", retina.frames)
-    turning = [action.name for action in actions if action.angular_radps != 0.0]
-    _require(not turning, "actions", "no angular speed", turning)
-    forward_mps = {action.linear_mps for action in actions}
-    _require(len(forward_mps) == 1, "actions", "one forward speed for all", forward_mps)
+def _check_seeds(seeds: npt.NDArray[np.uint64]) -> None:
+    if seeds.ndim != 1 or len(seeds) == 0 or seeds.dtype != np.uint64:
+        raise WorldError(f"seeds: expected uint64 (n,), got {seeds.dtype} {seeds.shape}")
 
 
 def _check_actions(actions: Actions, agents: int, known: int) -> None:
@@ -183,11 +261,4 @@ def _check_same_form(
         raise WorldError(
             f"state.{name}: expected {wanted}, got {got.dtype} {got.shape}; restore into the same "
             "world, contract and number of agents"
-        )
-
-
-def _require(holds: bool, where: str, expected: str, got: object) -> None:
-    if not holds:
-        raise WorldError(
-            f"contract.{where}: the simulator supports {expected}, got {got}; choose another policy"
         )

@@ -1,29 +1,24 @@
-"""What a world is made of, and the worlds that have a name.
+"""What a world is: what fills it, what lies at its sides, what a body in it senses and can do.
 
-Frame: x ahead, y to the left, metres. A world is endless along x. Its obstacles are a Poisson
-field: `density_per_m2` centres a square metre, independent sizes, overlap allowed. An agent that
-never steers meets 2ρR of them a metre, R being half the mean lateral width (the agent is a
-point), so every world says what a blind agent must score.
+Frame: x ahead, y to the left, metres. A world is endless along x. In an even Poisson field an agent
+that never steers meets 2ρR obstacles a metre, R being half their mean lateral width plus the
+agent's radius, so such a world says what a blind agent must score.
 
-Source of `legacy`: the paper "Reactive Vision-Based Navigation Controller for Autonomous Mobile
-Agents", sections 4.1, 4.2 and 5.
+Worlds that have a name are in `world_files.py`.
 """
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
-from types import MappingProxyType
-from typing import TypeAlias
+from typing import Protocol
 
-from reflexarc_runtime.errors import WorldError
+from reflexarc_sim_bridge.checks import Span, require, require_within
+from reflexarc_sim_bridge.layers import Corridor, Layer, Scatter
 
-Span: TypeAlias = tuple[float, float]
-"""Bounds of a uniform distribution, lowest first."""
-
-_MAX_SIZE_M = 10.0
-_MAX_COVER = 0.8
-_MAX_PER_METRE = 200.0
+MAX_LAYERS = 5
+"""One at rest and four that move."""
+MAX_LATENCY_STEPS = 64
+MAX_DEAD_SECTORS = 8
 
 
 class Edges(StrEnum):
@@ -31,74 +26,22 @@ class Edges(StrEnum):
 
     PERIODIC = "periodic"
     """Leaving at one side is entering at the other; cover is the same everywhere."""
+    UNBOUNDED = "unbounded"
+    """There are no sides; a corridor's walls, where there is one, hold the agent."""
     OPEN = "open"
     """The paper's: sideways motion ends at 0 and at the width, nothing is seen there, and
     obstacles are placed whole between the two, so that the edges are thinly covered."""
 
 
-@dataclass(frozen=True)
-class Rectangles:
-    """Axis-aligned rectangles, both sides drawn uniformly and independently."""
+class AfterContact(StrEnum):
+    """What follows a contact."""
 
-    width_m: Span = (0.3, 1.5)
-    """Side across the corridor (along y)."""
-    length_m: Span = (0.3, 1.2)
-    """Side along the corridor (along x)."""
-    share: float = 1.0
-    """Weight of this kind among a world's shapes."""
-
-    def __post_init__(self) -> None:
-        _require_size("rectangles.width_m", self.width_m)
-        _require_size("rectangles.length_m", self.length_m)
-        _require_share("rectangles.share", self.share)
-
-    @property
-    def mean_width_m(self) -> float:
-        """Mean lateral extent."""
-        return sum(self.width_m) / 2
-
-    @property
-    def mean_area_m2(self) -> float:
-        """Mean area: the sides are independent."""
-        return self.mean_width_m * sum(self.length_m) / 2
-
-    @property
-    def longest_m(self) -> float:
-        """The longest side that can be drawn."""
-        return max(self.width_m[1], self.length_m[1])
-
-
-@dataclass(frozen=True)
-class Discs:
-    """Discs with a uniform radius."""
-
-    radius_m: Span = (0.15, 0.75)
-    """Radius."""
-    share: float = 1.0
-    """Weight of this kind among a world's shapes."""
-
-    def __post_init__(self) -> None:
-        _require_size("discs.radius_m", self.radius_m)
-        _require_share("discs.share", self.share)
-
-    @property
-    def mean_width_m(self) -> float:
-        """Mean lateral extent."""
-        return sum(self.radius_m)
-
-    @property
-    def mean_area_m2(self) -> float:
-        """Mean area, π E[r²]."""
-        low_m, high_m = self.radius_m
-        return math.pi * (low_m**2 + low_m * high_m + high_m**2) / 3
-
-    @property
-    def longest_m(self) -> float:
-        """The largest diameter that can be drawn."""
-        return 2 * self.radius_m[1]
-
-
-Shape: TypeAlias = Rectangles | Discs
+    RESPAWN = "respawn"
+    """The agent goes on at the same x, at a y drawn uniformly among the free places."""
+    GHOST = "ghost"
+    """It passes through, sees nothing but the obstacle, and can touch again once it is clear."""
+    TERMINATE = "terminate"
+    """As `respawn`, and an episode ends there."""
 
 
 @dataclass(frozen=True)
@@ -111,9 +54,9 @@ class Scanner:
     """Angle from the first beam to the last, in (0, 2π)."""
 
     def __post_init__(self) -> None:
-        _require(2 <= self.beams <= 100_000, "scanner.beams", "2 to 100000", self.beams)
+        require(2 <= self.beams <= 100_000, "scanner.beams", "2 to 100000", self.beams)
         fits = 0.0 < self.sweep_rad < 2 * math.pi
-        _require(fits, "scanner.sweep_rad", "in (0, 2π)", self.sweep_rad)
+        require(fits, "scanner.sweep_rad", "in (0, 2π)", self.sweep_rad)
 
     @property
     def start_rad(self) -> float:
@@ -127,19 +70,72 @@ class Scanner:
 
 
 @dataclass(frozen=True)
+class Senses:
+    """What goes wrong on the way from the light to the retina. By default nothing."""
+
+    noise: float = 0.0
+    """Standard deviation that is added to every value of a retina, as a share of full scale."""
+    dropout: float = 0.0
+    """Probability that a ray says nothing (0), anew at every look."""
+    dead_sectors: tuple[Span, ...] = ()
+    """Bearings, lowest and highest (rad, to the left positive), between which rays say nothing."""
+    latency_steps: int = 0
+    """A retina is so many steps old when the agent sees it."""
+    background: float = 0.0
+    """Value of a ray that meets nothing within its range, as a share of full scale."""
+
+    def __post_init__(self) -> None:
+        require_within("senses.noise", self.noise, 0.0, 1.0)
+        require_within("senses.dropout", self.dropout, 0.0, 1.0)
+        few = len(self.dead_sectors) <= MAX_DEAD_SECTORS
+        require(few, "senses.dead_sectors", f"at most {MAX_DEAD_SECTORS}", len(self.dead_sectors))
+        for low_rad, high_rad in self.dead_sectors:
+            holds = -math.tau <= low_rad <= high_rad <= math.tau
+            require(holds, "senses.dead_sectors", "(low, high) rad", (low_rad, high_rad))
+        require_within("senses.latency_steps", self.latency_steps, 0, MAX_LATENCY_STEPS)
+        require_within("senses.background", self.background, 0.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Chassis:
+    """The body's size, and how it follows its commands. By default a point that obeys at once."""
+
+    radius_m: float = 0.0
+    """Of the agent, a disc; its eye is in the middle."""
+    slip: float = 0.0
+    """Standard deviation of every speed, as a share of it, drawn anew at every step."""
+    lag_s: float = 0.0
+    """Time constant with which speeds follow a command (first order)."""
+    acceleration_mps2: float = math.inf
+    """Most that a linear speed can change in a second."""
+    turn_acceleration_radps2: float = math.inf
+    """Most that the angular speed can change in a second."""
+    after_contact: AfterContact = AfterContact.RESPAWN
+    """What follows a contact."""
+
+    def __post_init__(self) -> None:
+        require_within("chassis.radius_m", self.radius_m, 0.0, 1.0)
+        require_within("chassis.slip", self.slip, 0.0, 1.0)
+        require_within("chassis.lag_s", self.lag_s, 0.0, 100.0)
+        for name in ("acceleration_mps2", "turn_acceleration_radps2"):
+            value = getattr(self, name)
+            require(value > 0.0, f"chassis.{name}", "above 0", value)
+
+
+@dataclass(frozen=True)
 class World:
     """An endless field of obstacles. With a seed it is one world, to the bit."""
 
     name: str
+    description: str = ""
+    """One sentence: what it is for."""
     width_m: float = 20.0
-    """Lateral period, or width of the corridor."""
+    """Lateral period (periodic), width (open), or width of the strip of starting places."""
     edges: Edges = Edges.PERIODIC
-    density_per_m2: float = 0.40
-    """Obstacle centres a square metre."""
-    shapes: tuple[Shape, ...] = field(default_factory=lambda: (Rectangles(),))
-    """Rectangles, discs, or both; each takes its share."""
-    colour: Span = (1.0, 1.0)
-    """Grey value of an obstacle, between 0 (as the background) and 1."""
+    layers: tuple[Layer, ...] = field(default_factory=lambda: (Scatter(),))
+    """What fills it."""
+    senses: Senses = field(default_factory=Senses)
+    chassis: Chassis = field(default_factory=Chassis)
     dt_s: float = 0.1
     """Duration of a step."""
     scanner: Scanner | None = None
@@ -148,107 +144,102 @@ class World:
     """Worlds of one seed and different streams share no random number."""
 
     def __post_init__(self) -> None:
-        _require(1.0 <= self.width_m <= 1e4, "width_m", "1 to 10000 m", self.width_m)
-        density = self.density_per_m2
-        _require(0.0 <= density < math.inf, "density_per_m2", "0 or more", density)
-        crowded = f"at most {_MAX_PER_METRE:g} obstacles a metre of the whole width"
-        per_metre = density * self.width_m
-        _require(per_metre <= _MAX_PER_METRE, "density_per_m2", crowded, per_metre)
-        kinds = [type(shape).__name__ for shape in self.shapes]
-        once = 0 < len(kinds) == len(set(kinds))
-        _require(once, "shapes", "Rectangles, Discs or one of each", kinds)
-        _require(any(shape.share > 0.0 for shape in self.shapes), "shapes", "a share", "all 0")
-        _require(0.0 < self.dt_s <= 10.0, "dt_s", "in (0, 10] s", self.dt_s)
-        _require(0 <= self.stream < 1 << 32, "stream", "0 to 2³² − 1", self.stream)
-        _require_span("colour", self.colour, 0.0, 1.0)
-        _require(self.cover <= _MAX_COVER, "density_per_m2", f"cover ≤ {_MAX_COVER}", self.cover)
-        fits = self.edges is Edges.PERIODIC or self.longest_m <= self.width_m
-        _require(fits, "shapes", f"sizes up to the width, {self.width_m} m", self.longest_m)
+        require_within("width_m", self.width_m, 1.0, 1e4)
+        require(0.0 < self.dt_s <= 10.0, "dt_s", "in (0, 10] s", self.dt_s)
+        require(0 <= self.stream < 1 << 32, "stream", "0 to 2³² − 1", self.stream)
+        require(len(self.layers) <= MAX_LAYERS, "layers", f"at most {MAX_LAYERS}", len(self.layers))
+        self._check_open_sides()
+        self._check_corridors()
 
     @property
-    def mean_width_m(self) -> float:
-        """Mean lateral extent of an obstacle, 2R."""
-        return self._mean([shape.mean_width_m for shape in self.shapes])
+    def reach_m(self) -> float:
+        """No obstacle reaches farther from its centre."""
+        return max((layer.reach_m for layer in self.layers), default=0.0)
 
     @property
-    def longest_m(self) -> float:
-        """The longest side that an obstacle can have."""
-        return max(shape.longest_m for shape in self.shapes)
+    def corridor(self) -> Corridor | None:
+        """The walls that hold the agent, if there are any."""
+        return next((layer for layer in self.layers if isinstance(layer, Corridor)), None)
 
     @property
-    def cover(self) -> float:
-        """Share of the plane that obstacles cover, 1 − exp(−ρ E[area])."""
-        mean_area_m2 = self._mean([shape.mean_area_m2 for shape in self.shapes])
-        return 1.0 - math.exp(-self.density_per_m2 * mean_area_m2)
+    def blind_contacts_per_100m(self) -> float | None:
+        """What an agent that never steers scores: 100 · 2ρR; None where that is not known.
 
-    @property
-    def blind_contacts_per_100m(self) -> float:
-        """What an agent that never steers scores: 100 · 2ρR (Poisson field, mean free path).
-
-        Exact for rectangles. Beside the disc just met, its wider part still lies ahead, and a
-        new place there meets it again: on discs 20 m wide a blind agent scores 3.4 % more.
+        Known in even, unthinned Poisson fields at rest, by the mean free path. Exact for
+        rectangles. Beside the disc just met, its wider part still lies ahead, and a new place there
+        meets it again: on discs 20 m wide a blind agent scores 3.4 % more. Ghosts begin to touch
+        less often: where obstacles overlap they touch the next one before they are clear.
         """
-        return 100.0 * self.density_per_m2 * self.mean_width_m
+        if self.edges is Edges.OPEN or self.chassis.after_contact is AfterContact.GHOST:
+            return None
+        met_per_m = 0.0
+        for layer in self.layers:
+            if not (isinstance(layer, Scatter) and layer.is_poisson):
+                return None
+            met_per_m += layer.density_per_m2 * (layer.mean_width_m + 2 * self.chassis.radius_m)
+        return 100.0 * met_per_m
 
-    def _mean(self, values: list[float]) -> float:
-        shares = [shape.share for shape in self.shapes]
-        return math.fsum(s * v for s, v in zip(shares, values, strict=True)) / math.fsum(shares)
+    def clutter(self, forward_mps: float = 1.0, lateral_mps: float = 1.0) -> float:
+        """Clutter number ρR²v/w of all scattered obstacles together (Karaman and Frazzoli)."""
+        scatters = [layer for layer in self.layers if isinstance(layer, Scatter)]
+        density = math.fsum(layer.mean_density_per_m2 for layer in scatters)
+        if density == 0.0:
+            return 0.0
+        widths = math.fsum(layer.mean_density_per_m2 * layer.mean_width_m for layer in scatters)
+        half_m = widths / density / 2 + self.chassis.radius_m
+        return density * half_m**2 * forward_mps / lateral_mps
+
+    @property
+    def densest(self) -> "World":
+        """The fullest of a family: itself."""
+        return self
+
+    def drawn(self, seed: int) -> "World":
+        """The world of a seed: itself. Worlds with ranges draw their numbers here."""
+        del seed
+        return self
+
+    def _check_open_sides(self) -> None:
+        if self.edges is not Edges.OPEN:
+            return
+        scattered = all(isinstance(layer, Scatter) for layer in self.layers)
+        require(scattered, "edges", "open sides with scatter layers only", self.edges)
+        fits = 2 * self.reach_m <= self.width_m
+        require(fits, "layers", f"sizes up to the width, {self.width_m} m", 2 * self.reach_m)
+        at_rest = all(layer.motion is None for layer in self.layers)
+        require(at_rest, "edges", "open sides with layers at rest", "a motion")
+
+    def _check_corridors(self) -> None:
+        corridors = sum(isinstance(layer, Corridor) for layer in self.layers)
+        require(corridors <= 1, "layers", "at most one corridor", corridors)
+        if not corridors:
+            return
+        unbounded = self.edges is Edges.UNBOUNDED
+        require(unbounded, "edges", "unbounded, as a corridor has its own walls", self.edges)
+        solid = self.chassis.after_contact is not AfterContact.GHOST
+        require(solid, "chassis.after_contact", "no ghost: walls hold", "ghost")
+        room_m = self.corridor.width_m - 2 * self.chassis.radius_m if self.corridor else 0.0
+        require(room_m > 0.0, "chassis.radius_m", "room within the corridor", room_m)
 
 
-def world_named(name: str) -> World:
-    """The world of that name.
+class WorldSource(Protocol):
+    """A world, or a family of worlds from which every seed draws its own."""
 
-    Raises:
-        WorldError: no such world.
-    """
-    if name not in WORLDS:
-        raise WorldError(f"world: no world is named {name!r}; known: {', '.join(WORLDS)}")
-    return WORLDS[name]
+    @property
+    def name(self) -> str:
+        """What it is called."""
 
+    @property
+    def description(self) -> str:
+        """One sentence: what it is for."""
 
-def _require_size(where: str, span: Span) -> None:
-    _require_span(where, span, 0.0, _MAX_SIZE_M)
-    _require(span[0] > 0.0, where, "above 0 m", span)
+    @property
+    def blind_contacts_per_100m(self) -> float | None:
+        """See `World`; None for a family."""
 
+    @property
+    def densest(self) -> World:
+        """The world with every number at its upper end: no other needs more room."""
 
-def _require_share(where: str, share: float) -> None:
-    _require(0.0 <= share < math.inf, where, "0 or more", share)
-
-
-def _require_span(where: str, span: Span, least: float, most: float) -> None:
-    holds = len(span) == 2 and least <= span[0] <= span[1] <= most
-    _require(holds, where, f"(low, high) within {least:g} to {most:g}", span)
-
-
-def _require(holds: bool, where: str, expected: str, got: object) -> None:
-    if not holds:
-        raise WorldError(f"world.{where}: expected {expected}, got {got}")
-
-
-# "scanned" is "reference-1" seen as the lidars of the CARMEN logs see: 181 beams over 180°.
-#
-# Any change to "reference-1" makes a "reference-2": figures of different versions are never
-# compared. The discs have the same mean width and density, so a blind agent scores the same.
-#
-# The paper says of its own world only: endless, corridor-like, a PyGame window, a one-pixel agent,
-# rectangles placed at random, fewest of them near the edges. Ours takes the short side of a
-# 640 × 480 window as the corridor, 40 pixels to the metre (a step of 0.1 m is then 4 pixels), and
-# squares-to-bars of 20 to 60 pixels a side that cover a quarter of it.
-WORLDS: Mapping[str, World] = MappingProxyType(
-    {
-        world.name: world
-        for world in (
-            World("reference-1"),
-            World("discs", shapes=(Discs(),)),
-            World("scanned", scanner=Scanner()),
-            World("mixed", shapes=(Rectangles(share=0.5), Discs(share=0.5))),
-            World(
-                "legacy",
-                width_m=12.0,
-                edges=Edges.OPEN,
-                density_per_m2=0.30,
-                shapes=(Rectangles(width_m=(0.5, 1.5), length_m=(0.5, 1.5)),),
-            ),
-        )
-    }
-)
+    def drawn(self, seed: int) -> World:
+        """The world of a seed, 0 to 2⁶⁴ − 1."""

@@ -98,7 +98,7 @@ def simulated(contract: PolicyContract) -> tuple[list[Scan], list[bytes]]:
     from reflexarc_sim_bridge import vision
     from reflexarc_sim_bridge.params import NEAR_COLOUR
     from reflexarc_sim_bridge.simulation import Simulation
-    from reflexarc_sim_bridge.worlds import world_named
+    from reflexarc_sim_bridge.world_files import world_named
 
     simulation = Simulation(world_named("mixed"), contract, np.array([3], np.uint64))
     _, eye, agents = simulation.params

@@ -1,14 +1,17 @@
 import math
 
 import numpy as np
+from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform
 from foxglove_schemas_protobuf.LaserScan_pb2 import LaserScan
+from foxglove_schemas_protobuf.PoseInFrame_pb2 import PoseInFrame
 from hypothesis import given
 from hypothesis import strategies as st
 
-from reflexarc_logs.lidar_messages import LidarMessages
-from reflexarc_logs.sweep import Distances, Sweep
+from reflexarc_logs.lidar_messages import ODOMETRY_FRAME, LidarMessages
+from reflexarc_logs.sweep import Place, Sweep
 
 ANY_FLOATS = st.lists(st.floats(allow_nan=True, allow_infinity=True), min_size=1, max_size=300)
+FINITE = st.just(0.0) | st.just(-0.0) | st.floats(allow_nan=False, allow_infinity=False)
 TIMES_NS = st.none() | st.integers(-(10**18), 10**18)
 
 
@@ -32,14 +35,20 @@ def test_the_length_of_the_longest_scans_takes_more_than_two_bytes():
     assert LidarMessages("robot0").scan(sweep) == by_protobuf(ranges, 0)
 
 
-@given(st.lists(st.floats(), min_size=1, max_size=50))
-def test_words_become_the_numbers_that_python_reads_in_them(numbers: list[float]):
-    words = [repr(number).encode() for number in numbers]
-    found = Distances(float).of(words)
-    assert found.tobytes() == np.array([float(w) for w in words], "<f8").tobytes()
-
-
-def test_a_word_that_is_no_number_is_unknown_each_time_that_it_comes():
-    distances = Distances(float)
-    assert all(map(math.isnan, distances.of([b"x", b"x"])))
-    assert distances.unreadable == 2
+@given(FINITE, FINITE, FINITE, TIMES_NS)
+def test_poses_and_transforms_have_the_very_bytes_that_protobuf_makes(
+    x_m: float, y_m: float, heading_rad: float, time_ns: int | None
+):
+    place, messages = Place(x_m, y_m, heading_rad, time_ns), LidarMessages("robot0")
+    pose, transform = PoseInFrame(frame_id="odom"), FrameTransform()
+    transform.parent_frame_id, transform.child_frame_id = "world", "robot0"
+    for message, position, rotation in (
+        (pose, pose.pose.position, pose.pose.orientation),
+        (transform, transform.translation, transform.rotation),
+    ):
+        seconds, nanos = divmod(time_ns or 0, 10**9)
+        message.timestamp.seconds, message.timestamp.nanos = seconds, nanos
+        position.x, position.y = x_m, y_m
+        rotation.z, rotation.w = math.sin(heading_rad / 2), math.cos(heading_rad / 2)
+    assert messages.pose(place, ODOMETRY_FRAME) == pose.SerializeToString()
+    assert messages.transform(place) == transform.SerializeToString()

@@ -1,7 +1,7 @@
 from reflexarc_runtime.contract import PolicyContract
 from reflexarc_runtime.decision import SAFE_ACTION, Command, Input, Verdict, drive_command
 from reflexarc_sim_bridge.body import Body
-from reflexarc_sim_bridge.worlds import world_named
+from reflexarc_sim_bridge.world_files import world_named
 
 CONTRACT = PolicyContract()
 PERIOD_NS = 20_000_000

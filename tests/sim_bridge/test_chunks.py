@@ -8,7 +8,8 @@ import pytest
 
 from reflexarc_sim_bridge.chunks import obstacles_of_chunk
 from reflexarc_sim_bridge.params import CHUNK_M
-from reflexarc_sim_bridge.worlds import World, world_named
+from reflexarc_sim_bridge.world_files import world_named
+from reflexarc_sim_bridge.worlds import World
 
 REFERENCE = world_named("reference-1")
 

@@ -12,7 +12,8 @@ from reflexarc_sim_bridge.motion import free_share, is_free
 from reflexarc_sim_bridge.params import NEAR_ROWS
 from reflexarc_sim_bridge.seeds import test_seeds
 from reflexarc_sim_bridge.simulation import Simulation
-from reflexarc_sim_bridge.worlds import Discs, World, world_named
+from reflexarc_sim_bridge.world_files import world_named
+from reflexarc_sim_bridge.worlds import Discs, World
 from support.slow_geometry import Obstacle
 from support.slow_world import obstacles_around
 

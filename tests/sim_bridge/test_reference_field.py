@@ -59,7 +59,7 @@ def test_a_score_is_reproduced_to_the_bit() -> None:
 
 def test_discarded_steps_do_not_count_and_progress_is_told() -> None:
     told: list[tuple[int, int]] = []
-    empty = World("empty", density_per_m2=0.0)
+    empty = World("empty", layers=())
     score = measure(
         BlindPolicy(),
         reference_contract(),

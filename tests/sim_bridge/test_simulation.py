@@ -14,7 +14,8 @@ from reflexarc_runtime.retina import Scan, retina_from_scan
 from reflexarc_sim_bridge.reference_field import reference_contract
 from reflexarc_sim_bridge.seeds import test_seeds, validation_seeds
 from reflexarc_sim_bridge.simulation import Simulation
-from reflexarc_sim_bridge.worlds import Scanner, world_named
+from reflexarc_sim_bridge.world_files import world_named
+from reflexarc_sim_bridge.worlds import Scanner
 
 REFERENCE = world_named("reference-1")
 CONTRACT = PolicyContract()

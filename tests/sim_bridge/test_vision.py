@@ -13,7 +13,7 @@ from reflexarc_sim_bridge.params import NEAR_ROWS, eye_params
 from reflexarc_sim_bridge.seeds import test_seeds
 from reflexarc_sim_bridge.simulation import Simulation
 from reflexarc_sim_bridge.vision import look, shade_all
-from reflexarc_sim_bridge.worlds import world_named
+from reflexarc_sim_bridge.world_files import world_named
 from support.slow_geometry import Obstacle, distance_m
 from support.slow_world import obstacles_around
 

@@ -7,7 +7,13 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from reflexarc_trainer.config import TrainConfig, ValidationConfig
+from reflexarc_trainer.config import (
+    BatchedConfig,
+    LearnerConfig,
+    NetworkConfig,
+    TrainConfig,
+    ValidationConfig,
+)
 
 
 class RecordedBody:
@@ -19,6 +25,10 @@ class RecordedBody:
         self._retinas = np.clip(drift, 0, 255).astype(np.uint8)
         self._contacts = generator.random((steps, 1)) < contact_share
         self._step = 0
+
+    @property
+    def stacks(self) -> npt.NDArray[np.uint8]:
+        return self._retinas[self._step][:, np.newaxis]
 
     def sense(self) -> npt.NDArray[np.uint8]:
         return self._retinas[self._step]
@@ -47,4 +57,22 @@ def small_config() -> TrainConfig:
     """A run of about a tenth of a second."""
     return TrainConfig(
         seed=3, steps=2000, validation=ValidationConfig(points=4, agents=8, steps=20, discard=0)
+    )
+
+
+@pytest.fixture(scope="session")
+def small_batched_config() -> TrainConfig:
+    """The same for the batched form: 16 agents in two shards, a roll-out of 10 steps."""
+    return TrainConfig(
+        seed=3,
+        steps=3200,
+        network=NetworkConfig(hidden=(8,), units="relu", output="linear", input_power=2),
+        learner=LearnerConfig(
+            form="batched",
+            target="expected",
+            reward_centring=0.1,
+            averaged_weights=0.5,
+            batched=BatchedConfig(agents=16, shard_agents=8, rollout_steps=10, minibatches=2),
+        ),
+        validation=ValidationConfig(points=4, agents=8, steps=20, discard=0),
     )

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from reflexarc_trainer.choice import choose, new_stream, uniform, winner
-from reflexarc_trainer.schedules import linear_epsilon
+from reflexarc_trainer.choice import choose, expected_value, new_streams, uniform, winner
+from reflexarc_trainer.schedules import linear
 
 MASK = (1 << 64) - 1
 
@@ -19,39 +19,47 @@ def splitmix64(state: int) -> tuple[int, int]:
 
 
 def test_stream_is_splitmix64() -> None:
-    stream = new_stream(9)
-    state = int(stream[0])
+    streams = new_streams(9, 3)
+    state, others = int(streams[1]), streams[[0, 2]].copy()
     for _ in range(100):
         state, z = splitmix64(state)
-        assert uniform(stream) == (z >> 11) * 2.0**-53
-    assert int(stream[0]) == state
+        assert uniform(streams, 1) == (z >> 11) * 2.0**-53
+    assert int(streams[1]) == state
+    assert np.array_equal(streams[[0, 2]], others)
 
 
-def test_streams_of_different_seeds_differ() -> None:
-    assert len({int(new_stream(seed)[0]) for seed in range(100)}) == 100
+def test_streams_of_different_seeds_and_agents_differ() -> None:
+    assert len({int(word) for seed in range(100) for word in new_streams(seed, 5)}) == 500
 
 
 def test_of_equal_values_the_first_wins() -> None:
-    assert winner(np.array([1.0, 1.0, 1.0])) == 0
-    assert winner(np.array([0.0, 1.0, 1.0])) == 1
+    assert winner(np.array([[0.0, 1.0], [0.0, 1.0], [9.0, 1.0]]), 1) == 0
+    assert winner(np.array([[0.0], [1.0], [1.0]]), 0) == 1
 
 
 def test_epsilon_is_the_share_of_random_actions() -> None:
-    stream, q_values = new_stream(0), np.array([0.0, 1.0, 0.0])
-    chosen = np.array([choose(q_values, 0.3, stream) for _ in range(20_000)])
+    streams, q_values = new_streams(0), np.array([[0.0], [1.0], [0.0]])
+    chosen = np.array([choose(q_values, 0, 0.3, streams, 0) for _ in range(20_000)])
     shares = np.bincount(chosen, minlength=3) / len(chosen)
     np.testing.assert_allclose(shares, [0.1, 0.8, 0.1], atol=0.01)
 
 
 def test_without_epsilon_the_winner_is_chosen() -> None:
-    stream = new_stream(0)
-    assert {choose(np.array([0.0, 0.0, 1.0]), 0.0, stream) for _ in range(100)} == {2}
+    streams, q_values = new_streams(0), np.array([[0.0], [0.0], [1.0]])
+    assert {choose(q_values, 0, 0.0, streams, 0) for _ in range(100)} == {2}
 
 
 def test_epsilon_falls_linearly_and_then_stays() -> None:
-    values = [linear_epsilon(step, 1.0, 0.02, 100.0) for step in (0, 25, 50, 100, 101, 10**9)]
+    values = [linear(step, 1.0, 0.02, 100.0) for step in (0, 25, 50, 100, 101, 10**9)]
     assert values == pytest.approx([1.0, 0.755, 0.51, 0.02, 0.02, 0.02])
 
 
 def test_epsilon_without_a_decay_is_its_end() -> None:
-    assert linear_epsilon(0, 1.0, 0.02, 0.0) == 0.02
+    assert linear(0, 1.0, 0.02, 0.0) == 0.02
+
+
+def test_expected_value_is_the_mean_over_what_is_chosen() -> None:
+    q_values, streams = np.array([[1.0], [4.0], [-2.0]]), new_streams(1)
+    chosen = [choose(q_values, 0, 0.4, streams, 0) for _ in range(50_000)]
+    assert expected_value(q_values, 0, 0.4) == pytest.approx(0.6 * 4.0 + 0.4 * 1.0)
+    assert np.mean(q_values[chosen, 0]) == pytest.approx(2.8, abs=0.05)

@@ -15,7 +15,7 @@ from reflexarc_runtime.contract import Action, PolicyContract, RetinaSpec
 from reflexarc_runtime.errors import PolicyError
 from reflexarc_runtime.policy import flips, load_policy, within_tolerance
 from reflexarc_trainer import parity
-from reflexarc_trainer.config import LearnerConfig
+from reflexarc_trainer.config import NetworkConfig
 from reflexarc_trainer.export import export
 from reflexarc_trainer.presets import PRESETS
 from reflexarc_trainer.q_network import new_network
@@ -53,10 +53,12 @@ class Residual(nn.Module):
 
 def modules() -> dict[str, nn.Module]:
     torch.manual_seed(0)
-    learner = LearnerConfig(output="sigmoid", initial_weights="normal")
+    normal = NetworkConfig(output="sigmoid", initial_weights="normal")
+    deep = NetworkConfig(hidden=(9, 8, 7), units="tanh", output="linear", input_power=13)
     return {
-        "network": new_network(CONTRACT, LearnerConfig(), 0),
-        "sigmoid network": new_network(CONTRACT, learner, 0),
+        "network": new_network(CONTRACT, NetworkConfig(), 0),
+        "sigmoid network": new_network(CONTRACT, normal, 0),
+        "deep network": new_network(CONTRACT, deep, 0),
         "sequential": nn.Sequential(
             nn.Flatten(), nn.Linear(16, 8), nn.ReLU(), nn.Dropout(), nn.Linear(8, 3, bias=False)
         ),
@@ -80,7 +82,7 @@ def test_every_backend_says_what_torch_says(name: str, tmp_path: Path) -> None:
 def test_presets_export_with_their_own_contract(name: str, tmp_path: Path) -> None:
     config, path = PRESETS[name], tmp_path / "policy.onnx"
     contract = config.contract()
-    written = export(new_network(contract, config.learner, 1), contract, path)
+    written = export(new_network(contract, config.network, 1), contract, path)
     assert load_policy(path).contract == written
     assert dataclasses.replace(written, golden=contract.golden) == contract
     assert len(written.golden.retinas) == 16
@@ -91,14 +93,14 @@ def test_other_eyes_and_actions_are_exported(tmp_path: Path) -> None:
         retina=RetinaSpec(rays=5, frames=2, eyes=2, baseline_m=0.2, channels=3),
         actions=(Action("go", 1.0, 0.0), Action("turn", 1.0, 0.0, 0.5)),
     )
-    export(new_network(contract, LearnerConfig(), 0), contract, tmp_path / "p.onnx")
+    export(new_network(contract, NetworkConfig(), 0), contract, tmp_path / "p.onnx")
     q_values, actions = load_policy(tmp_path / "p.onnx").decide(random_retinas(contract, 7))
     assert (q_values.shape, actions.shape) == ((7, 2), (7,))
 
 
 def test_graph_is_old_enough_and_says_what_goes_in_and_out(tmp_path: Path) -> None:
     path = tmp_path / "policy.onnx"
-    export(new_network(CONTRACT, LearnerConfig(), 0), CONTRACT, path)
+    export(new_network(CONTRACT, NetworkConfig(), 0), CONTRACT, path)
     model = onnx.load(path)
     assert (model.ir_version, model.opset_import[0].version) == (8, 17)
     values = {v.name: v.type.tensor_type for v in [*model.graph.input, *model.graph.output]}
@@ -121,13 +123,13 @@ def test_tie_takes_the_first_action_on_every_backend(tmp_path: Path) -> None:
 
 def test_same_module_gives_the_same_bytes(tmp_path: Path) -> None:
     for name in ("a.onnx", "b.onnx"):
-        export(new_network(CONTRACT, LearnerConfig(), 4), CONTRACT, tmp_path / name)
+        export(new_network(CONTRACT, NetworkConfig(), 4), CONTRACT, tmp_path / name)
     assert (tmp_path / "a.onnx").read_bytes() == (tmp_path / "b.onnx").read_bytes()
 
 
 def test_recorded_retinas_are_among_the_golden_vectors(tmp_path: Path) -> None:
     recorded = random_retinas(CONTRACT, 3)
-    network = new_network(CONTRACT, LearnerConfig(), 4)
+    network = new_network(CONTRACT, NetworkConfig(), 4)
     written = export(network, CONTRACT, tmp_path / "p.onnx", recorded=recorded)
     assert written.golden.retinas[0] == tuple(recorded[0].ravel().tolist())
 
@@ -206,7 +208,7 @@ def test_disagreement_leaves_the_file_that_was_there(
 
     monkeypatch.setattr(parity, "torch_decide", wrong)
     with pytest.raises(PolicyError, match="NumPy and torch do not agree"):
-        export(new_network(CONTRACT, LearnerConfig(), 0), CONTRACT, path)
+        export(new_network(CONTRACT, NetworkConfig(), 0), CONTRACT, path)
     assert [p.name for p in tmp_path.iterdir()] == ["policy.onnx"]
     assert path.read_bytes() == b"the old policy"
 
@@ -223,7 +225,7 @@ def test_onnxruntime_that_disagrees_is_noticed(
 
     monkeypatch.setattr(parity, "load_policy", load)
     with pytest.raises(PolicyError, match=r"onnxruntime .* and NumPy do not agree"):
-        export(new_network(CONTRACT, LearnerConfig(), 0), CONTRACT, tmp_path / "p.onnx")
+        export(new_network(CONTRACT, NetworkConfig(), 0), CONTRACT, tmp_path / "p.onnx")
     assert not list(tmp_path.iterdir())
 
 

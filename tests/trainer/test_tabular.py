@@ -22,12 +22,11 @@ import pytest
 import torch
 from torch import nn
 
-from reflexarc_trainer.config import LearnerConfig, TrainConfig
-from reflexarc_trainer.learner import rules_for
-from reflexarc_trainer.online import take_step
+from reflexarc_trainer.config import LearnerConfig, OnlineConfig
 from reflexarc_trainer.reference import SarsaLambda
+from reflexarc_trainer.traces import accumulate, move
 
-CONFIG = LearnerConfig(alpha=0.5, gamma=0.8, trace_decay=0.5, step="literal")
+CONFIG = LearnerConfig(gamma=0.8, trace_decay=0.5, online=OnlineConfig(alpha=0.5, step="literal"))
 # state, action, reward, next state, next action, contact
 WALK = [
     (0, 0, 0.1, 1, 1, False),
@@ -63,12 +62,11 @@ def test_reference_learner_reproduces_the_hand_calculation() -> None:
 
 
 def test_compiled_step_reproduces_the_hand_calculation() -> None:
-    rules = rules_for(CONFIG, TrainConfig().contract(), 1)
     q, trace = table().weight.detach().numpy().copy().ravel(), np.zeros(6)
     for (s, a, _, _, _, contact), td_error in zip(WALK, TD_ERRORS, strict=True):
-        trace *= CONFIG.gamma * CONFIG.trace_decay
-        trace[3 * a + s] += 1.0
-        take_step(rules, q, trace, td_error)
+        gradient = np.eye(6)[3 * a + s]
+        accumulate(trace, gradient, CONFIG.gamma * CONFIG.trace_decay)
+        move(q, trace, CONFIG.online.alpha * td_error)
         trace *= not contact
     np.testing.assert_allclose(q.reshape(2, 3), FINAL_Q, atol=1e-12)
 
@@ -86,3 +84,27 @@ def test_without_a_trace_only_the_visited_entry_moves() -> None:
         learner.update(one_hot(s), a, r, one_hot(s2), a2, contact)
     # Equation (1) twice: Q(0,0) = 0.45, then Q(1,1) = 1 + 0.5 (0.1 + 0.8·0.45 − 1).
     np.testing.assert_allclose(q.weight.detach().numpy(), [[0.45, 0, 0], [0, 0.73, 0]], atol=1e-12)
+
+
+def test_expected_target_takes_the_mean_over_the_next_choice() -> None:
+    q = table()
+    learner = SarsaLambda(q, dataclasses.replace(CONFIG, target="expected"))
+    # Q(1, ·) = (0, 1): 0.1 + 0.8 (0.7 · 1 + 0.3 · 0.5) − 0.
+    td_error = learner.update(one_hot(0), 0, 0.1, one_hot(1), 0, False, epsilon=0.3)
+    assert td_error == pytest.approx(0.78)
+
+
+def test_centred_reward_follows_the_mean() -> None:
+    learner = SarsaLambda(table(), dataclasses.replace(CONFIG, reward_centring=0.5, gamma=0.0))
+    td_errors = [learner.update(one_hot(2), 0, 1.0, one_hot(2), 0, True) for _ in range(2)]
+    # r̄ is 0, then 0.5; Q(2, 0) is 0, then 0.5.
+    assert td_errors == pytest.approx([1.0, 0.0])
+
+
+def test_intentional_step_removes_its_share_of_the_td_error() -> None:
+    q = nn.Linear(3, 2).double()
+    online = OnlineConfig(alpha=0.25, step="intentional")
+    learner = SarsaLambda(q, dataclasses.replace(CONFIG, trace_decay=0.0, gamma=0.0, online=online))
+    x = torch.tensor([[0.3, -0.2, 0.9]], dtype=torch.float64)
+    td_error = learner.update(x, 1, 2.0, x, 1, False)
+    assert 2.0 - float(q(x)[0, 1].detach()) == pytest.approx(0.75 * td_error)

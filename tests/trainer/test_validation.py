@@ -6,7 +6,7 @@ import pytest
 
 from reflexarc_sim_bridge.reference_field import measure
 from reflexarc_sim_bridge.seeds import validation_seeds
-from reflexarc_sim_bridge.worlds import world_named
+from reflexarc_sim_bridge.world_files import world_named
 from reflexarc_trainer.config import TrainConfig, ValidationConfig
 from reflexarc_trainer.presets import PRESETS
 from reflexarc_trainer.q_network import new_network
@@ -19,7 +19,7 @@ SCALE = ValidationConfig(agents=32, steps=100, discard=10)
 @pytest.mark.parametrize("name", PRESETS)
 def test_validation_is_the_measurement_of_the_reference_field(name: str) -> None:
     config = dataclasses.replace(PRESETS[name], validation=SCALE)
-    network = new_network(config.contract(), config.learner, seed=2)
+    network = new_network(config.contract(), config.network, seed=2)
     score = measure(
         NetworkPolicy(network),
         config.contract(),
@@ -34,7 +34,7 @@ def test_validation_is_the_measurement_of_the_reference_field(name: str) -> None
 
 def test_recorded_retinas_are_what_a_driving_policy_meets() -> None:
     config = TrainConfig()
-    network = new_network(config.contract(), config.learner, seed=2)
+    network = new_network(config.contract(), config.network, seed=2)
     retinas = drive_and_record(network, config)
     assert retinas.shape == (8 * 64, 1, 1, 16, 1)
     assert len({row.tobytes() for row in retinas}) > 400

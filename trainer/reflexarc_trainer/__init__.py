@@ -2,9 +2,12 @@
 
 Start reading at `reference.py` (the algorithm) and `train.py` (a run); a file a concept:
 
-    config presets schedules history           what a run is made of
-    q_network reference                        torch: the network, the algorithm to be read
-    choice online learner weights              compiled: the same algorithm, the world inside
+    config learner_config presets schedules history    what a run is made of
+    q_network reference                       torch: the network, the algorithm to be read
+    online online_state online_weights traces compiled, one agent: traces, an update a step
+    batched rollout returns block optimiser   compiled, many agents: λ-returns, gradients
+    choice units fused                        what both of them use
+    learner forms online_learner batched_learner weights   their faces in Python
     validation train checkpoint curve          a run and what it leaves
     export translate parity delivery provenance   the policy file
 

@@ -1,7 +1,7 @@
 """A run, stopped anywhere and continued to the same bits.
 
-One .npz file without pickled objects: the configuration, the weights, the trace, the pending
-action, the random streams, the world, and the history.
+One .npz file without pickled objects: the configuration, the weights, the trace or the optimiser,
+the pending actions, the random streams, the worlds, and the history.
 """
 
 import io
@@ -15,10 +15,11 @@ import numpy as np
 from reflexarc_runtime.errors import UsageError
 from reflexarc_trainer.config import TrainConfig
 from reflexarc_trainer.files import write_atomically
+from reflexarc_trainer.forms import new_learner
 from reflexarc_trainer.history import Row, from_table
-from reflexarc_trainer.learner import Arrays, OnlineLearner
+from reflexarc_trainer.learner import Arrays, Learner
 
-FORMAT = 1
+FORMAT = 2
 
 _FORMAT, _CONFIG, _HISTORY, _LEARNER = "format", "config", "history", "learner."
 
@@ -29,17 +30,17 @@ class Checkpoint:
 
     config: TrainConfig
     arrays: Arrays
-    """Of `OnlineLearner.arrays`."""
+    """Of `Learner.arrays`."""
     history: list[Row]
 
-    def learner(self) -> OnlineLearner:
+    def learner(self) -> Learner:
         """The learner where it was."""
-        learner = OnlineLearner(self.config)
+        learner = new_learner(self.config)
         learner.restore(self.arrays)
         return learner
 
 
-def save(path: Path, learner: OnlineLearner, history: list[Row]) -> None:
+def save(path: Path, learner: Learner, history: list[Row]) -> None:
     """Write a checkpoint, whole or not at all."""
     arrays = {_LEARNER + name: array for name, array in learner.arrays().items()}
     buffer = io.BytesIO()

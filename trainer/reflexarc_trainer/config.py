@@ -1,8 +1,6 @@
 """What a training run is made of: nested frozen dataclasses, checked on construction.
 
-The learner's defaults are the paper's ("Reactive Vision-Based Navigation Controller for Autonomous
-Mobile Agents": α = 0.5, λ = 0.9, γ = 0.9, 16–10–3, +0.1 a step, −1 a collision); where the paper
-is silent, a field names the choice and its alternatives. Schedules count steps, never seconds.
+Network and learner are in `learner_config.py`. Schedules count steps, never seconds.
 """
 
 import dataclasses
@@ -11,7 +9,7 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal, Self, get_args
+from typing import Any, Self
 
 from reflexarc_runtime.contract import (
     PolicyContract,
@@ -21,72 +19,24 @@ from reflexarc_runtime.contract import (
     sideways_actions,
 )
 from reflexarc_runtime.errors import ContractError, UsageError
+from reflexarc_trainer.checks import require
+from reflexarc_trainer.learner_config import (
+    BatchedConfig,
+    ExplorationConfig,
+    LearnerConfig,
+    NetworkConfig,
+    OnlineConfig,
+)
 
-StepRule = Literal["bounded", "literal"]
-OutputUnits = Literal["linear", "sigmoid"]
-InitialWeights = Literal["scaled", "normal"]
-AfterContact = Literal["bootstrap", "terminal"]
-
-
-@dataclass(frozen=True)
-class LearnerConfig:
-    """SARSA(λ) with one hidden layer of sigmoid units."""
-
-    alpha: float = 0.5
-    """Step size α; with the bounded step its upper limit."""
-    trace_decay: float = 0.9
-    """λ: how far back a TD error reaches. 0 keeps no trace."""
-    gamma: float = 0.9
-    """Discount γ a step."""
-    step: StepRule = "bounded"
-    """`bounded`: α is cut where one update would overshoot; `literal`: α as it is (diverges with
-    linear outputs)."""
-    kappa: float = 2.0
-    """κ of the bounded step: 1/κ of the TD error is the most that one update may remove."""
-    hidden: int = 10
-    """Hidden units."""
-    output: OutputUnits = "sigmoid"
-    """Output units. Sigmoid ones, the paper's words taken literally, cannot hold the negative value
-    of a certain collision, and yet learn as well as linear ones and more evenly over seeds."""
-    initial_weights: InitialWeights = "scaled"
-    """`scaled`: standard deviation 1/√(inputs of the unit), biases 0; `normal`: N(0, 1)."""
-    reward_step: float = 0.1
-    """Reward of a step without a contact."""
-    reward_contact: float = -1.0
-    """Reward of a step with a contact, which gets no `reward_step`."""
-    after_contact: AfterContact = "bootstrap"
-    """After a contact the value of the new place counts (`bootstrap`) or not (`terminal`). The
-    trace is cut in both cases."""
-    epsilon_start: float = 1.0
-    """Share of random actions at the first step."""
-    epsilon_end: float = 0.02
-    """Share of random actions once the decay is over."""
-    epsilon_span: float = 0.5
-    """Share of the run over which ε decays linearly."""
-    held_actions: int = 1
-    """Steps for which a chosen action is held while learning; a contact ends the hold."""
-
-    def __post_init__(self) -> None:
-        _require(0.0 < self.alpha <= 1e3, "learner.alpha", "in (0, 1000]", self.alpha)
-        for name in ("trace_decay", "epsilon_start", "epsilon_end", "epsilon_span"):
-            value = getattr(self, name)
-            _require(0.0 <= value <= 1.0, f"learner.{name}", "in [0, 1]", value)
-        _require(
-            0.0 <= self.gamma < 1.0, "learner.gamma", "in [0, 1): the task never ends", self.gamma
-        )
-        _require(1.0 <= self.kappa < math.inf, "learner.kappa", "1 or more", self.kappa)
-        _require(1 <= self.hidden <= 4096, "learner.hidden", "1 to 4096", self.hidden)
-        _require(
-            1 <= self.held_actions <= 1000, "learner.held_actions", "1 to 1000", self.held_actions
-        )
-        for name in ("reward_step", "reward_contact"):
-            _require(
-                math.isfinite(getattr(self, name)), f"learner.{name}", "finite", getattr(self, name)
-            )
-        _require_one_of(StepRule, "learner.step", self.step)
-        _require_one_of(OutputUnits, "learner.output", self.output)
-        _require_one_of(InitialWeights, "learner.initial_weights", self.initial_weights)
-        _require_one_of(AfterContact, "learner.after_contact", self.after_contact)
+__all__ = [
+    "BatchedConfig",
+    "ExplorationConfig",
+    "LearnerConfig",
+    "NetworkConfig",
+    "OnlineConfig",
+    "TrainConfig",
+    "ValidationConfig",
+]
 
 
 @dataclass(frozen=True)
@@ -103,10 +53,10 @@ class ValidationConfig:
     """Steps before the counting begins."""
 
     def __post_init__(self) -> None:
-        _require(1 <= self.points <= 10_000, "validation.points", "1 to 10000", self.points)
-        _require(self.agents >= 1, "validation.agents", "1 or more", self.agents)
-        _require(self.steps >= 1, "validation.steps", "1 or more", self.steps)
-        _require(self.discard >= 0, "validation.discard", "0 or more", self.discard)
+        require(1 <= self.points <= 10_000, "validation.points", "1 to 10000", self.points)
+        require(self.agents >= 1, "validation.agents", "1 or more", self.agents)
+        require(self.steps >= 1, "validation.steps", "1 or more", self.steps)
+        require(self.discard >= 0, "validation.discard", "0 or more", self.discard)
 
 
 @dataclass(frozen=True)
@@ -131,17 +81,25 @@ class TrainConfig:
     """Age at which an input of the exported policy is stale."""
     retina: RetinaSpec = field(default_factory=RetinaSpec)
     """The eye."""
+    network: NetworkConfig = field(default_factory=NetworkConfig)
+    """The network."""
     learner: LearnerConfig = field(default_factory=LearnerConfig)
     """The learner."""
     validation: ValidationConfig = field(default_factory=ValidationConfig)
     """The measurements on the way."""
 
     def __post_init__(self) -> None:
-        _require(0 <= self.seed < 1 << 63, "seed", "0 to 2^63 - 1", self.seed)
-        _require(self.steps >= 1, "steps", "1 or more", self.steps)
+        require(0 <= self.seed < 1 << 63, "seed", "0 to 2^63 - 1", self.seed)
+        require(self.steps >= 1, "steps", "1 or more", self.steps)
+        require(
+            self.learner.form == "batched" or len(self.network.hidden) == 1,
+            "network.hidden",
+            "one layer with learner.form = 'online' (deeper ones learn with 'batched')",
+            self.network.hidden,
+        )
         for name in ("forward_mps", "lateral_mps"):
             speed_mps = getattr(self, name)
-            _require(0.0 < speed_mps < math.inf, name, "positive", speed_mps)
+            require(0.0 < speed_mps < math.inf, name, "positive", speed_mps)
 
     def resolved(self) -> dict[str, Any]:
         """The configuration as plain JSON values, every default filled in."""
@@ -165,7 +123,8 @@ class TrainConfig:
             eye = {**document["retina"], "shading": Shading(document["retina"]["shading"])}
             parts = {
                 "retina": RetinaSpec(**eye),
-                "learner": LearnerConfig(**document["learner"]),
+                "network": NetworkConfig(**document["network"]),
+                "learner": _learner(document["learner"]),
                 "validation": ValidationConfig(**document["validation"]),
             }
             return cls(**{**document, **parts})
@@ -185,11 +144,10 @@ class TrainConfig:
         )
 
 
-def _require(holds: bool, where: str, expected: str, got: object) -> None:
-    if not holds:
-        raise UsageError(f"{where}: expected {expected}, got {got}")
-
-
-def _require_one_of(choices: Any, where: str, got: str) -> None:
-    known = get_args(choices)
-    _require(got in known, where, " or ".join(known), repr(got))
+def _learner(document: Mapping[str, Any]) -> LearnerConfig:
+    parts = {
+        "exploration": ExplorationConfig(**document["exploration"]),
+        "online": OnlineConfig(**document["online"]),
+        "batched": BatchedConfig(**document["batched"]),
+    }
+    return LearnerConfig(**{**document, **parts})

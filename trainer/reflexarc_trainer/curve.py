@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from reflexarc_sim_bridge.worlds import world_named
+from reflexarc_sim_bridge.world_files import world_named
+from reflexarc_sim_bridge.worlds import World
 from reflexarc_trainer.config import TrainConfig
 from reflexarc_trainer.history import Row
 
@@ -30,8 +31,11 @@ def draw_curve(config: TrainConfig, rows: Sequence[Row]) -> bytes:
     axes.plot(
         steps, validation, "o-", color=_VALIDATION, markersize=3.5, label="greedy, validation"
     )
-    blind = world_named(config.world).blind_contacts_per_100m
-    axes.axhline(blind, color=_BLIND, linestyle="--", linewidth=1.0, label=f"blind: {blind:.1f}")
+    world = world_named(config.world)
+    blind = world.blind_contacts_per_100m if isinstance(world, World) else None
+    if blind is not None:
+        label = f"blind: {blind:.1f}"
+        axes.axhline(blind, color=_BLIND, linestyle="--", linewidth=1.0, label=label)
     axes.set_title(f"{config.preset} in {config.world}, seed {config.seed}", loc="left", color=_INK)
     axes.set_xlabel("steps")
     axes.set_ylabel("contacts per 100 m")

@@ -6,12 +6,12 @@ from reflexarc_runtime.contract import PolicyContract
 from reflexarc_trainer import checkpoint
 from reflexarc_trainer.export import export
 from reflexarc_trainer.history import Row
-from reflexarc_trainer.learner import OnlineLearner
+from reflexarc_trainer.learner import Learner
 from reflexarc_trainer.provenance import provenance_of
 from reflexarc_trainer.validation import drive_and_record
 
 
-def deliver(learner: OnlineLearner, history: list[Row], path: Path) -> PolicyContract:
+def deliver(learner: Learner, history: list[Row], path: Path) -> PolicyContract:
     """Export the learner's network, with its provenance, checked on retinas that it met.
 
     Raises:

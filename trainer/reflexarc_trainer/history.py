@@ -13,8 +13,8 @@ class Row(NamedTuple):
     seconds: float
     """Wall-clock time of the run, interruptions left out."""
     epsilon: float
-    mean_abs_td_error: float
-    """Since the last row."""
+    mean_abs_error: float
+    """Of the TD error (online) or of the λ-return (batched), since the last row."""
     learning_contacts_per_100m: float
     """While learning, random actions included, since the last row."""
     validation_contacts_per_100m: float

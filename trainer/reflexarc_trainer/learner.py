@@ -1,134 +1,68 @@
-"""One agent that learns in one endless world: the compiled loop, and its face in Python.
-
-The loop is `reference.learn` with the world inside: act, look, learn, `steps` times over. It is
-called for some ten thousand steps at a time; how a run is cut into calls changes nothing, for all
-that it needs lies in arrays that a checkpoint carries.
-"""
+"""A learner at some step of its run: what training, checkpoint and delivery know of it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_runtime.contract import PolicyContract
 from reflexarc_runtime.errors import UsageError
-from reflexarc_sim_bridge.compiled import compiled
-from reflexarc_sim_bridge.kernel import sense_agent, step_agent
-from reflexarc_sim_bridge.params import Agents, EyeParams, WorldParams
-from reflexarc_sim_bridge.seeds import TRAINING_SEEDS
-from reflexarc_sim_bridge.simulation import Simulation
-from reflexarc_sim_bridge.worlds import world_named
-from reflexarc_trainer.choice import new_stream
-from reflexarc_trainer.config import LearnerConfig, TrainConfig
-from reflexarc_trainer.online import (
-    Floats,
-    LearnerState,
-    Rules,
-    Scratch,
-    begin,
-    learn_step,
-    new_scratch,
-    new_state,
-)
-from reflexarc_trainer.q_network import QNetwork, new_network
-from reflexarc_trainer.schedules import linear_epsilon
-from reflexarc_trainer.weights import pack, unpack
+from reflexarc_trainer.config import TrainConfig
+from reflexarc_trainer.q_network import QNetwork
 
 Arrays = dict[str, npt.NDArray[Any]]
 
-_WORLD = "world."
+WORLD = "world."
+"""Before the names of a simulation's arrays."""
 
 
 @dataclass(frozen=True)
 class Report:
     """What happened while learning since the last report."""
 
-    mean_abs_td_error: float
+    mean_abs_error: float
+    """Of the TD error online, of the λ-return batched."""
     contacts_per_100m: float
 
 
-class OnlineLearner:
-    """A learner at some step of its run.
+class Learner(Protocol):
+    """Either form of the algorithm."""
 
-    Args:
-        config: the run; its seed gives the initial weights, the exploration and the world.
-
-    Raises:
-        WorldError: there is no such world, or it cannot give what the eye asks for.
-    """
-
-    def __init__(self, config: TrainConfig) -> None:
-        self.config = config
-        self.contract = config.contract()
-        seeds = np.array([TRAINING_SEEDS[config.seed % len(TRAINING_SEEDS)]], np.uint64)
-        self._simulation = Simulation(world_named(config.world), self.contract, seeds)
-        self._rules = rules_for(config.learner, self.contract, config.steps)
-        weights = pack(new_network(self.contract, config.learner, config.seed))
-        self._state = new_state(self._rules, weights, new_stream(config.seed))
-        self._scratch = new_scratch(self._rules)
-        self._scratch.retina[:] = self._simulation.sense().ravel()
-        begin(self._rules, self._state, self._scratch)
+    @property
+    def config(self) -> TrainConfig:
+        """The run."""
+        ...
 
     @property
     def step(self) -> int:
         """Transitions learned from so far."""
-        return int(self._state.pending[2])
+        ...
 
     @property
     def epsilon(self) -> float:
         """Share of random actions now."""
-        rules = self._rules
-        return linear_epsilon(
-            self.step, rules.epsilon_start, rules.epsilon_end, rules.epsilon_steps
-        )
-
-    @property
-    def weights(self) -> Floats:
-        """The weights now, as one vector (parameters,): a copy."""
-        return self._state.weights.copy()
+        ...
 
     def network(self) -> QNetwork:
-        """The weights now, as a network."""
-        return unpack(self._state.weights, self.contract, self.config.learner)
+        """What has been learned, as a network."""
+        ...
 
     def run(self, steps: int) -> None:
-        """Learn from `steps` more transitions.
+        """Learn from `steps` more transitions, or from the fewest that can be learned from.
 
         Raises:
             UsageError: the weights are no longer finite.
         """
-        drive(
-            self._rules,
-            self._state,
-            self._scratch,
-            *self._simulation.params,
-            motions_of(self.contract),
-            steps,
-        )
-        if not np.isfinite(self._state.weights).all():
-            raise UsageError(
-                f"learner: the weights are not finite after {self.step} steps (learner.step = "
-                f"{self.config.learner.step!r}, alpha = {self.config.learner.alpha:g}); "
-                "use the bounded step or a smaller alpha"
-            )
+        ...
 
     def report(self) -> Report:
         """What happened since the last report; the next one begins here."""
-        td_errors, contacts, step, distance_m = self._state.totals.tolist()
-        driven_m = float(self._simulation.distance_m[0])
-        report = Report(
-            mean_abs_td_error=td_errors / max(1.0, self.step - step),
-            contacts_per_100m=100.0 * contacts / max(1e-9, driven_m - distance_m),
-        )
-        self._state.totals[:] = 0.0, 0.0, self.step, driven_m
-        return report
+        ...
 
     def arrays(self) -> Arrays:
         """Everything that the rest of the run depends on, by name."""
-        world = {_WORLD + name: array for name, array in self._simulation.state().items()}
-        return {**self._state._asdict(), **world}
+        ...
 
     def restore(self, arrays: Mapping[str, npt.NDArray[Any]]) -> None:
         """Go on from what `arrays` gave.
@@ -136,55 +70,42 @@ class OnlineLearner:
         Raises:
             UsageError: an array is missing or of another shape.
         """
-        for name, mine in self._state._asdict().items():
-            if name not in arrays or arrays[name].shape != mine.shape:
-                raise UsageError(f"checkpoint: {name}: expected shape {mine.shape}; train anew")
-            mine[:] = arrays[name]
-        world = {k.removeprefix(_WORLD): v for k, v in arrays.items() if k.startswith(_WORLD)}
-        self._simulation.restore(world)
+        ...
 
 
-def motions_of(contract: PolicyContract) -> Floats:
-    """Linear and lateral speed of each action: (actions, 2)."""
-    return np.array([(a.linear_mps, a.lateral_mps) for a in contract.actions], np.float64)
+def check_finite(weights: npt.NDArray[Any], step: int, config: TrainConfig) -> None:
+    """Refuse to go on with weights that are infinite or not numbers.
 
-
-def rules_for(learner: LearnerConfig, contract: PolicyContract, steps: int) -> Rules:
-    """The constants of a run of `steps` steps."""
-    return Rules(
-        inputs=contract.retina.frames * contract.retina.size,
-        hidden=learner.hidden,
-        actions=len(contract.actions),
-        sigmoid_output=learner.output == "sigmoid",
-        alpha=learner.alpha,
-        gamma=learner.gamma,
-        trace_decay=learner.trace_decay,
-        literal=learner.step == "literal",
-        kappa=learner.kappa,
-        reward_step=learner.reward_step,
-        reward_contact=learner.reward_contact,
-        terminal=learner.after_contact == "terminal",
-        epsilon_start=learner.epsilon_start,
-        epsilon_end=learner.epsilon_end,
-        epsilon_steps=learner.epsilon_span * steps,
-        held_actions=learner.held_actions,
+    Raises:
+        UsageError: they are, with what may have caused it.
+    """
+    if np.isfinite(weights).all():
+        return
+    learner = config.learner
+    if learner.form == "online":
+        set_up = f"learner.online.step = {learner.online.step!r}, alpha = {learner.online.alpha:g}"
+        advice = "use the bounded step or a smaller alpha"
+    else:
+        set_up = f"learner.batched.learning_rate = {learner.batched.learning_rate:g}"
+        advice = "use a smaller one"
+    raise UsageError(
+        f"learner: the weights are not finite after {step} steps ({set_up}, network.output = "
+        f"{config.network.output!r}); {advice}"
     )
 
 
-@compiled
-def drive(
-    rules: Rules,
-    state: LearnerState,
-    scratch: Scratch,
-    world: WorldParams,
-    eye: EyeParams,
-    agents: Agents,
-    motions_mps: Floats,
-    steps: int,
-) -> None:
-    """Act, look, learn. `motions_mps` is (actions, 2): linear, lateral."""
-    for _ in range(steps):
-        action = state.pending[0]
-        contact = step_agent(world, agents, 0, motions_mps[action, 0], motions_mps[action, 1])
-        sense_agent(world, eye, agents, 0, scratch.retina)
-        learn_step(rules, state, scratch, contact)
+def restore_arrays(mine: Mapping[str, npt.NDArray[Any]], arrays: Mapping[str, Any]) -> None:
+    """Copy saved arrays over those of the same name.
+
+    Raises:
+        UsageError: one is missing or of another shape.
+    """
+    for name, array in mine.items():
+        if name not in arrays or arrays[name].shape != array.shape:
+            raise UsageError(f"checkpoint: {name}: expected shape {array.shape}; train anew")
+        array[...] = arrays[name]
+
+
+def world_arrays(arrays: Mapping[str, npt.NDArray[Any]]) -> Arrays:
+    """The simulation's arrays among those of a learner."""
+    return {k.removeprefix(WORLD): v for k, v in arrays.items() if k.startswith(WORLD)}

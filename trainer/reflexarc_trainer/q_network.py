@@ -1,9 +1,11 @@
-"""The network: retina → sigmoid hidden units → one value an action (paper: 16–10–3).
+"""The network: retina → hidden layers → one value an action (the paper: 16–10–3, sigmoid units).
 
-Q(s, ·) = W₂ σ(W₁ x + b₁) + b₂ with x in [0, 1], or σ of it where the output units are sigmoid.
+With one hidden layer Q(s, ·) = W₂ σ(W₁ xᵖ + b₁) + b₂, where x is in [0, 1] and p is the input
+power, or σ of it where the output units are sigmoid.
 """
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import torch
@@ -11,7 +13,14 @@ from torch import Tensor, nn
 
 from reflexarc_runtime.contract import PolicyContract
 from reflexarc_runtime.retina import FULL_SCALE
-from reflexarc_trainer.config import LearnerConfig
+from reflexarc_trainer.learner_config import NetworkConfig
+
+_UNITS: dict[str, type[nn.Module]] = {
+    "sigmoid": nn.Sigmoid,
+    "tanh": nn.Tanh,
+    "relu": nn.ReLU,
+    "linear": nn.Identity,
+}
 
 
 def intensity(retinas: Tensor) -> Tensor:
@@ -29,16 +38,20 @@ class QNetwork(nn.Module):
     Args:
         inputs: values of a retina stack.
         actions: number of actions.
-        learner: hidden units, output units and initial weights.
+        config: layers, units and input power.
     """
 
-    def __init__(self, inputs: int, actions: int, learner: LearnerConfig) -> None:
+    def __init__(self, inputs: int, actions: int, config: NetworkConfig) -> None:
         super().__init__()
+        sizes = (inputs, *config.hidden)
+        hidden = (
+            (nn.Linear(below, here), _UNITS[config.units]()) for below, here in pairwise(sizes)
+        )
+        self.input_power = config.input_power
         self.flatten = nn.Flatten()
-        self.hidden = nn.Linear(inputs, learner.hidden)
-        self.hidden_units = nn.Sigmoid()
-        self.output = nn.Linear(learner.hidden, actions)
-        self.output_units = nn.Sigmoid() if learner.output == "sigmoid" else nn.Identity()
+        self.hidden = nn.Sequential(*(part for layer in hidden for part in layer))
+        self.output = nn.Linear(sizes[-1], actions)
+        self.output_units = _UNITS[config.output]()
 
     def forward(self, retinas: Tensor) -> Tensor:
         """Q-values (n, actions) of retinas (n, frames, eyes, rays, channels).
@@ -46,24 +59,40 @@ class QNetwork(nn.Module):
         Args:
             retinas: uint8 (then the weights must be float64), or floats in [0, 1].
         """
-        x = self.flatten(intensity(retinas))
-        q_values: Tensor = self.output_units(self.output(self.hidden_units(self.hidden(x))))
+        x = raised(self.flatten(intensity(retinas)), self.input_power)
+        q_values: Tensor = self.output_units(self.output(self.hidden(x)))
         return q_values
 
 
-def new_network(contract: PolicyContract, learner: LearnerConfig, seed: int) -> QNetwork:
+def raised(x: Tensor, power: int) -> Tensor:
+    """A whole power by multiplications alone, which every backend of the exported graph has."""
+    if power == 1:
+        return x
+    half = raised(x, power // 2)
+    squared = half * half
+    return squared * x if power % 2 else squared
+
+
+def new_network(contract: PolicyContract, config: NetworkConfig, seed: int) -> QNetwork:
     """A float64 network with the initial weights of a seed."""
-    inputs, actions = contract.retina.frames * contract.retina.size, len(contract.actions)
-    network = QNetwork(inputs, actions, learner).double()
-    generator = np.random.default_rng([seed, inputs, learner.hidden, actions])
-    for layer in (network.hidden, network.output):
-        _draw(layer, learner, generator)
+    network = empty_network(contract, config)
+    linear = [part for part in network.modules() if isinstance(part, nn.Linear)]
+    sizes = [linear[0].in_features, *(layer.out_features for layer in linear)]
+    generator = np.random.default_rng([seed, *sizes])
+    for layer in linear:
+        _draw(layer, config, generator)
     return network
 
 
-def _draw(layer: nn.Linear, learner: LearnerConfig, generator: np.random.Generator) -> None:
+def empty_network(contract: PolicyContract, config: NetworkConfig) -> QNetwork:
+    """A float64 network of the right shape, for weights to be put in."""
+    inputs, actions = contract.retina.frames * contract.retina.size, len(contract.actions)
+    return QNetwork(inputs, actions, config).double()
+
+
+def _draw(layer: nn.Linear, config: NetworkConfig, generator: np.random.Generator) -> None:
     """Draws with NumPy, whose streams are promised to stay; torch's are not."""
-    normal = learner.initial_weights == "normal"
+    normal = config.initial_weights == "normal"
     scale = 1.0 if normal else 1.0 / math.sqrt(layer.in_features)
     with torch.no_grad():
         layer.weight.copy_(torch.from_numpy(scale * generator.normal(size=layer.weight.shape)))

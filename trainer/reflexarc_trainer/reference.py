@@ -16,12 +16,20 @@ at (s, a) and 0 elsewhere, and this is equation (1) again. The literal step is �
     step = min(α, 1 / (κ · max(1, |δ|) · ‖e‖₁)),
 
 never removes more than the TD error (arXiv 2410.14606): a network with linear outputs needs it,
-for there α = 0.5 overshoots about tenfold.
+for there α = 0.5 overshoots about tenfold. The intentional one removes the share α of it where the
+trace is the gradient, each weight scaled by s, the reciprocal RMS of its gradient (arXiv
+2604.19033):
+
+    w ← w + α δ s e / Σ s e².
+
+Expected SARSA puts the mean of Q(s′, ·) over what ε-greedy may choose in place of Q(s′, a′);
+reward centring subtracts a running average from r.
 
 Departures from the paper, which is silent on them: a contact pays −1 alone, the trace is cut at
 it, and the value bootstraps from the place where the agent goes on.
 """
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Protocol
@@ -32,9 +40,10 @@ import torch
 from torch import Tensor, nn
 
 from reflexarc_runtime.arrays import Actions
-from reflexarc_trainer.choice import Stream, choose
-from reflexarc_trainer.config import LearnerConfig
-from reflexarc_trainer.schedules import linear_epsilon
+from reflexarc_trainer.choice import Streams, choose
+from reflexarc_trainer.learner_config import LearnerConfig
+from reflexarc_trainer.schedules import linear
+from reflexarc_trainer.traces import LARGEST_TD_ERROR, SQUARES_KEPT
 
 
 class Body(Protocol):
@@ -60,32 +69,48 @@ class Transition:
 
 
 class SarsaLambda:
-    """The update rule, over the parameters of any module that maps retinas to Q-values."""
+    """The update rule, over the parameters of any module that maps retinas to Q-values.
 
-    def __init__(self, network: nn.Module, config: LearnerConfig) -> None:
-        self.network = network
-        self.config = config
+    Args:
+        network: its parameters are changed in place.
+        config: the learner.
+        steps: length of the run, over which α falls.
+    """
+
+    def __init__(self, network: nn.Module, config: LearnerConfig, steps: int = 1) -> None:
+        self.network, self.config, self.steps = network, config, steps
         self.weights = list(network.parameters())
         self.trace = [torch.zeros_like(w) for w in self.weights]
+        self.squares = [torch.zeros_like(w) for w in self.weights]
+        self.step, self.average_reward, self.mean_square = 0, 0.0, 0.0
 
     def update(
-        self, s: Tensor, a: int, reward: float, s_next: Tensor, a_next: int, contact: bool
+        self,
+        s: Tensor,
+        a: int,
+        reward: float,
+        s_next: Tensor,
+        a_next: int,
+        contact: bool,
+        epsilon: float = 0.0,
     ) -> float:
-        """Learn from (s, a, r, s′, a′); returns the TD error δ."""
+        """Learn from (s, a, r, s′, a′); returns the TD error δ. ε is that of choosing a′."""
         config = self.config
         q, gradient = self._value_and_gradient(s, a)
-        q_next = (
-            0.0 if contact and config.after_contact == "terminal" else self._value(s_next, a_next)
-        )
-        td_error = reward + config.gamma * q_next - q
+        centred = reward - self.average_reward
+        self.average_reward += config.reward_centring * centred
+        terminal = contact and config.after_contact == "terminal"
+        q_next = 0.0 if terminal else self._next_value(s_next, a_next, epsilon)
+        td_error = centred + config.gamma * q_next - q
         for e, g in zip(self.trace, gradient, strict=True):
             e.mul_(config.gamma * config.trace_decay).add_(g)
-        step = self._step_size(td_error)
+        change = self._change(td_error, gradient)
         with torch.no_grad():
-            for w, e in zip(self.weights, self.trace, strict=True):
-                w.add_(step * td_error * e)
+            for w, dw in zip(self.weights, change, strict=True):
+                w.add_(dw)
         if contact:
             self.cut_trace()
+        self.step += 1
         return td_error
 
     def cut_trace(self) -> None:
@@ -93,48 +118,71 @@ class SarsaLambda:
         for e in self.trace:
             e.zero_()
 
-    def _step_size(self, td_error: float) -> float:
-        if self.config.step == "literal":
-            return self.config.alpha
+    def _change(self, td_error: float, gradient: tuple[Tensor, ...]) -> list[Tensor]:
+        """What is added to the weights: step · δ · e."""
+        online = self.config.online
+        alpha = linear(self.step, online.alpha, online.alpha * online.alpha_end, self.steps)
+        if online.step == "intentional":
+            return self._intentional_change(alpha, td_error, gradient)
+        step = alpha
         norm = sum(float(e.abs().sum()) for e in self.trace)
-        bound = self.config.kappa * max(1.0, abs(td_error)) * norm
-        return min(self.config.alpha, 1.0 / bound) if bound > 0.0 else self.config.alpha
+        bound = online.kappa * max(1.0, abs(td_error)) * norm
+        if online.step == "bounded" and bound > 0.0:
+            step = min(alpha, 1.0 / bound)
+        return [step * td_error * e for e in self.trace]
+
+    def _intentional_change(
+        self, alpha: float, td_error: float, gradient: tuple[Tensor, ...]
+    ) -> list[Tensor]:
+        self.mean_square += (1.0 - SQUARES_KEPT) * (td_error**2 - self.mean_square)
+        unbiased = self.mean_square / (1.0 - SQUARES_KEPT ** (self.step + 1))
+        limit = LARGEST_TD_ERROR * math.sqrt(unbiased)
+        for v, g in zip(self.squares, gradient, strict=True):
+            v.mul_(SQUARES_KEPT).add_((1.0 - SQUARES_KEPT) * g**2)
+        scaled = [e / (v.sqrt() + 1e-12) for e, v in zip(self.trace, self.squares, strict=True)]
+        total = sum(float((e * se).sum()) for e, se in zip(self.trace, scaled, strict=True))
+        share = alpha * min(max(td_error, -limit), limit) / total if total > 0.0 else 0.0
+        return [share * se for se in scaled]
 
     def _value_and_gradient(self, s: Tensor, a: int) -> tuple[float, tuple[Tensor, ...]]:
         q = self.network(s)[0, a]
         return float(q.detach()), torch.autograd.grad(q, self.weights, materialize_grads=True)
 
-    def _value(self, s: Tensor, a: int) -> float:
+    def _next_value(self, s: Tensor, a: int, epsilon: float) -> float:
         with torch.no_grad():
-            return float(self.network(s)[0, a])
+            q_values = self.network(s)[0]
+        if self.config.target == "sampled":
+            return float(q_values[a])
+        return float((1.0 - epsilon) * q_values.max() + epsilon * q_values.mean())
 
 
 class Explorer:
     """ε-greedy choice with a decaying ε; a chosen action is held, a contact ends the hold."""
 
-    def __init__(self, config: LearnerConfig, stream: Stream, steps: int) -> None:
-        self._config, self._stream = config, stream
-        self._decay_steps = config.epsilon_span * steps
+    def __init__(self, config: LearnerConfig, streams: Streams, steps: int) -> None:
+        self._config, self._streams = config.exploration, streams
+        self._decay_steps = self._config.epsilon_span * steps
         self._step, self._left, self._action = 0, 0, 0
 
     def choose(self, q_values: Tensor, contact: bool = False) -> int:
         """The next action, for Q-values (actions,)."""
         if contact or self._left == 0:
-            self._action = choose(q_values.double().numpy(), self._epsilon(), self._stream)
+            column = q_values.double().numpy()[:, np.newaxis]
+            self._action = choose(column, 0, self.epsilon, self._streams, 0)
             self._left = self._config.held_actions
         self._left -= 1
         self._step += 1
         return self._action
 
-    def _epsilon(self) -> float:
+    @property
+    def epsilon(self) -> float:
+        """Share of random actions in the next choice."""
         config = self._config
-        return linear_epsilon(
-            self._step, config.epsilon_start, config.epsilon_end, self._decay_steps
-        )
+        return linear(self._step, config.epsilon_start, config.epsilon_end, self._decay_steps)
 
 
 def learn(
-    network: nn.Module, body: Body, config: LearnerConfig, stream: Stream, steps: int
+    network: nn.Module, body: Body, config: LearnerConfig, streams: Streams, steps: int
 ) -> Iterator[Transition]:
     """Sense, act, learn; one transition after another for `steps` steps.
 
@@ -143,19 +191,20 @@ def learn(
             parameters are changed in place.
         body: where it lives.
         config: the learner.
-        stream: where the exploration draws from; changed in place.
-        steps: length of the run; ε follows from it.
+        streams: where the exploration draws from, (1,); changed in place.
+        steps: length of the run; ε and α follow from it.
     """
-    learner = SarsaLambda(network, config)
-    explorer = Explorer(config, stream, steps)
+    learner = SarsaLambda(network, config, steps)
+    explorer = Explorer(config, streams, steps)
     s = _sense(body)
     a = explorer.choose(_q_values(network, s))
     for _ in range(steps):
         contact = bool(body.step(np.array([a], np.int64))[0])
         reward = config.reward_contact if contact else config.reward_step
         s_next = _sense(body)
+        epsilon = explorer.epsilon
         a_next = explorer.choose(_q_values(network, s_next), contact)
-        td_error = learner.update(s, a, reward, s_next, a_next, contact)
+        td_error = learner.update(s, a, reward, s_next, a_next, contact, epsilon)
         yield Transition(a, reward, contact, td_error)
         s, a = s_next, a_next
 

@@ -1,11 +1,11 @@
 """Schedules, in steps: they count transitions and never seconds, so that a run can be repeated.
 
-The functions on single numbers are plain Python; the compiled loop compiles these same ones.
+The functions on single numbers are plain Python; the compiled loops compile these same ones.
 """
 
 
-def linear_epsilon(step: int, start: float, end: float, decay_steps: float) -> float:
-    """ε at a step: from `start` at step 0 straight to `end` at `decay_steps`, then constant."""
-    if step >= decay_steps:
+def linear(step: float, start: float, end: float, span_steps: float) -> float:
+    """From `start` at step 0 straight to `end` at `span_steps`, then constant: ε, step sizes."""
+    if step >= span_steps:
         return end
-    return start + (end - start) * (step / decay_steps)
+    return start + (end - start) * (step / span_steps)

@@ -21,8 +21,9 @@ from reflexarc_trainer.config import TrainConfig
 from reflexarc_trainer.curve import draw_curve
 from reflexarc_trainer.delivery import deliver
 from reflexarc_trainer.files import write_atomically
+from reflexarc_trainer.forms import new_learner
 from reflexarc_trainer.history import Row, to_csv
-from reflexarc_trainer.learner import OnlineLearner
+from reflexarc_trainer.learner import Learner
 from reflexarc_trainer.provenance import commit, versions
 from reflexarc_trainer.validation import validate
 
@@ -80,7 +81,7 @@ def train(
         UsageError: the weights diverged.
         PolicyError: the policy could not be exported faithfully.
     """
-    return _Run(out, OnlineLearner(config), [], progress, should_stop).go()
+    return _Run(out, new_learner(config), [], progress, should_stop).go()
 
 
 def resume(
@@ -101,7 +102,7 @@ def resume(
 @dataclass
 class _Run:
     out: Path
-    learner: OnlineLearner
+    learner: Learner
     history: list[Row]
     progress: ProgressCallback | None
     should_stop: Callable[[], bool] | None
@@ -151,7 +152,7 @@ class _Run:
                 step=self.learner.step,
                 seconds=self.seconds,
                 epsilon=self.learner.epsilon,
-                mean_abs_td_error=report.mean_abs_td_error,
+                mean_abs_error=report.mean_abs_error,
                 learning_contacts_per_100m=report.contacts_per_100m,
                 validation_contacts_per_100m=score,
             )

@@ -1,38 +1,31 @@
-"""Between the torch network and the flat vector of weights that the compiled learner changes.
+"""Between the torch network and the flat vector of weights that a compiled learner changes.
 
-The layout is that of `online.py`: W₁ with b₁ as its last row, (I + 1, H); then W₂ with b₂ as its
-last column, (A, H + 1).
+The order is torch's own: for each layer W as (outputs, inputs) rows, then its biases.
 """
 
 import numpy as np
 import numpy.typing as npt
 import torch
+from torch.nn.utils import parameters_to_vector, vector_to_parameters
 
 from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
 from reflexarc_runtime.contract import PolicyContract
 from reflexarc_runtime.policy import Policy
-from reflexarc_trainer.config import LearnerConfig
-from reflexarc_trainer.q_network import QNetwork
+from reflexarc_trainer.learner_config import NetworkConfig
+from reflexarc_trainer.q_network import QNetwork, empty_network
 
 
-def pack(network: QNetwork) -> npt.NDArray[np.float64]:
+def pack(network: torch.nn.Module) -> npt.NDArray[np.float64]:
     """The weights of a network as one vector (parameters,)."""
-    w1, b1, w2, b2 = (p.detach().double().numpy() for p in network.parameters())
-    return np.concatenate([np.vstack([w1.T, b1]).ravel(), np.column_stack([w2, b2]).ravel()])
+    return parameters_to_vector(network.parameters()).detach().double().numpy().copy()
 
 
 def unpack(
-    weights: npt.NDArray[np.float64], contract: PolicyContract, learner: LearnerConfig
+    weights: npt.NDArray[np.floating], contract: PolicyContract, config: NetworkConfig
 ) -> QNetwork:
     """A float64 network that holds the weights of a vector (parameters,)."""
-    inputs, actions = contract.retina.frames * contract.retina.size, len(contract.actions)
-    network = QNetwork(inputs, actions, learner).double()
-    first, second = np.split(weights, [(inputs + 1) * learner.hidden])
-    first, second = first.reshape(inputs + 1, -1), second.reshape(actions, -1)
-    parts = (first[:-1].T, first[-1], second[:, :-1], second[:, -1])
-    with torch.no_grad():
-        for parameter, part in zip(network.parameters(), parts, strict=True):
-            parameter.copy_(torch.from_numpy(part.copy()))
+    network = empty_network(contract, config)
+    vector_to_parameters(torch.from_numpy(weights.astype(np.float64)), network.parameters())
     return network
 
 

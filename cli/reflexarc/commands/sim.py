@@ -1,10 +1,12 @@
 """`reflexarc sim`: a simulated body on the bus."""
 
+from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from reflexarc.fleet import drive_together
 from reflexarc.joining import Joining, contract_of
 from reflexarc.output import aside, console, facts, print_json
 from reflexarc.stop import StopFlag
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
     from reflexarc_sim_bridge.fault_script import FaultScript
 
 MIN_RATE_HZ, MAX_RATE_HZ = 0.1, 1000.0
+MAX_ROBOTS = 64
 
 
 @dataclass(frozen=True)
@@ -28,13 +31,14 @@ class Sim:
 
     Examples:
       reflexarc sim
-      reflexarc sim --world discs --seed 7 --policy runs/reflex/policy.onnx
+      reflexarc sim --world crossing --seed 7 --policy runs/reflex/policy.onnx
       reflexarc sim --lockstep --steps 500
       reflexarc sim --faults seed:17
+      reflexarc sim --world crossing --robots 4
     """
 
     world: str = "reference-1"
-    """Which world: reference-1, discs, mixed or legacy."""
+    """Which world: a name out of `reflexarc worlds`, or a file."""
     seed: int = 0
     """Which of the world's endless variants."""
     policy: Path | None = None
@@ -47,26 +51,46 @@ class Sim:
     """End after so many steps; by default, at Ctrl-C."""
     faults: str | None = None
     """Harm the retinas on their way: a fault script (TOML), or seed:N for a random one."""
+    robots: int = 1
+    """So many robots in one world, robot0, robot1, …; each waits for a runtime of its own. They do
+    not see each other."""
     joining: Joining = field(default_factory=Joining)
     json: bool = False
     """Print one JSON object at the end."""
 
     def run(self) -> int:
         """Drive until the end, then say what became of it."""
-        from reflexarc_runtime.bus import Bus
-        from reflexarc_runtime.clock import MonotonicClock
-        from reflexarc_sim_bridge.worlds import world_named
+        from reflexarc_sim_bridge.world_files import world_named
 
         world_named(self.world)
         self._check_flags()
         script = self._script()
-        config = self.joining.config(listens=True)
-        with StopFlag() as stop, Bus(config, MonotonicClock().now_ns) as bus:
-            contract = contract_of(self.policy, bus, stop, "reflexarc sim")
-            journey = self._drive(bus, contract, stop, script) if contract else None
-        if journey is not None:
-            self._tell(journey)
+        with StopFlag() as stop:
+            journeys = drive_together(
+                self.joining.fleet(self.robots),
+                lambda robot, number, must_stop: self._ride(robot, number, must_stop, script),
+                stop,
+            )
+        self._tell(journeys)
         return 0
+
+    def _ride(
+        self,
+        robot: Joining,
+        number: int,
+        stop: Callable[[], bool],
+        script: "FaultScript | None",
+    ) -> "Journey | None":
+        """One robot's life; None when it was stopped before it met a runtime."""
+        from reflexarc_runtime.bus import Bus
+        from reflexarc_runtime.clock import MonotonicClock
+
+        # The first robot listens for the others.
+        with Bus(robot.config(listens=number == 0), MonotonicClock().now_ns) as bus:
+            contract = contract_of(self.policy, bus, stop, f"reflexarc sim, {robot.robot}")
+            if contract is None:
+                return None
+            return self._drive(bus, contract, stop, script, robot.robot, number)
 
     def _check_flags(self) -> None:
         if self.rate is not None and not MIN_RATE_HZ <= self.rate <= MAX_RATE_HZ:
@@ -75,6 +99,8 @@ class Sim:
             )
         if self.steps is not None and self.steps < 1:
             raise UsageError(f"--steps: expected 1 or more, got {self.steps}")
+        if not 1 <= self.robots <= MAX_ROBOTS:
+            raise UsageError(f"--robots: expected 1 to {MAX_ROBOTS}, got {self.robots}")
         if not 0 <= self.seed < 1 << 64:
             raise UsageError(f"--seed: expected 0 to 2^64 − 1, got {self.seed}")
 
@@ -93,36 +119,38 @@ class Sim:
         self,
         bus: "Bus",
         contract: "PolicyContract",
-        stop: StopFlag,
+        stop: Callable[[], bool],
         script: "FaultScript | None",
+        robot: str,
+        number: int,
     ) -> "Journey":
         from reflexarc_runtime.clock import MonotonicClock
         from reflexarc_runtime.inbox import Inbox
         from reflexarc_runtime.pacer import RatePacer
         from reflexarc_sim_bridge.body import Body
         from reflexarc_sim_bridge.bridge import Bridge, faulty_retinas
-        from reflexarc_sim_bridge.worlds import world_named
+        from reflexarc_sim_bridge.world_files import world_named
 
         rate_hz = self.rate or contract.rate_hz
-        body = Body(world_named(self.world), contract, rate_hz, self.seed)
+        world = world_named(self.world).drawn(self.seed)
+        body = Body(world, contract, rate_hz, self.seed, number)
         inbox, clock = Inbox(), MonotonicClock()
         with faulty_retinas(bus, script, clock.now_ns) if script else nullcontext() as retinas:
-            bridge = Bridge(bus, body, self.joining.robot, inbox, retinas)
-            aside.print(f"reflexarc sim: {self.world}, seed {self.seed}, {rate_hz:g} Hz")
+            bridge = Bridge(bus, body, robot, inbox, retinas)
+            aside.print(f"reflexarc sim: {robot} in {self.world}, seed {self.seed}, {rate_hz:g} Hz")
             if self.lockstep:
                 return bridge.drive_in_lockstep(round(1e9 / rate_hz), stop, self.steps)
             return bridge.drive(RatePacer(rate_hz, clock, inbox), stop, self.steps)
 
-    def _tell(self, journey: "Journey") -> None:
-        if self.json:
-            print_json(journey)
+    def _tell(self, journeys: "dict[str, Journey]") -> None:
+        """One robot's journey as it is, several by name."""
+        if self.json and journeys:
+            print_json(journeys if self.robots > 1 else next(iter(journeys.values())))
             return
-        console.print(
-            facts(
-                {
-                    "steps": journey.steps,
-                    "distance": f"{journey.distance_m:.1f} m",
-                    "contacts": journey.contacts,
-                }
-            )
-        )
+        for robot, journey in journeys.items():
+            said = {
+                "steps": journey.steps,
+                "distance": f"{journey.distance_m:.1f} m",
+                "contacts": journey.contacts,
+            }
+            console.print(facts({"robot": robot, **said} if self.robots > 1 else said))

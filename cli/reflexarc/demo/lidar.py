@@ -23,7 +23,7 @@ from reflexarc_runtime.retina import Scan, retina_from_scan
 from reflexarc_sim_bridge.reference_field import reference_contract
 from reflexarc_sim_bridge.seeds import test_seeds
 from reflexarc_sim_bridge.simulation import Simulation
-from reflexarc_sim_bridge.worlds import world_named
+from reflexarc_sim_bridge.world_files import world_named
 
 _POLL_S = 0.1
 
@@ -63,8 +63,7 @@ def simulate_scans(policy: LoadedPolicy, path: Path) -> Path:
     simulation = Simulation(world_named("reference-1"), reference_contract(sweep), test_seeds(1))
     lines = []
     for number in range(SIMULATED_SCANS):
-        simulation.sense()
-        distances = simulation.params.agents.ray_distance_m[0, ::-1].astype(np.float64)
+        distances = simulation.distances()[::-1].astype(np.float64)
         ranges = np.where(distances < sweep.range_m, distances, NO_RETURN_M)
         place = f"{simulation.x_m[0]:.4f} {simulation.y_m[0]:.4f} 0"
         lines.append(f"FLASER {BEAMS} {_words(ranges)} {place} {place} {number / 10} sim 0\n")

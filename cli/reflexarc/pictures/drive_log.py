@@ -5,6 +5,7 @@ from foxglove_schemas_protobuf.CubePrimitive_pb2 import CubePrimitive
 from foxglove_schemas_protobuf.CylinderPrimitive_pb2 import CylinderPrimitive
 from foxglove_schemas_protobuf.PoseInFrame_pb2 import PoseInFrame
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
+from foxglove_schemas_protobuf.TriangleListPrimitive_pb2 import TriangleListPrimitive
 
 from reflexarc_logs.reader import Log
 from reflexarc_runtime import messages_pb2 as pb
@@ -23,7 +24,7 @@ def drive_of(log: Log, decisions: Decisions) -> Drive:
         LogError: the log is damaged.
     """
     poses = _poses(log)
-    boxes, discs = _obstacles(log)
+    boxes, discs, polygons = _obstacles(log)
     return Drive(
         title=f"{log.path.name}: {len(decisions.time_s)} decisions",
         x_m=poses[:, 0],
@@ -31,6 +32,7 @@ def drive_of(log: Log, decisions: Decisions) -> Drive:
         contacts=_contacts(log),
         boxes=boxes,
         discs=discs,
+        polygons=polygons,
         decisions=decisions,
     )
 
@@ -45,20 +47,28 @@ def _contacts(log: Log) -> Floats:
     return _rows([[contact.x_m, contact.y_m] for _, contact in began], 2)
 
 
-def _obstacles(log: Log) -> tuple[Floats, Floats]:
-    """Every obstacle that any scene showed, once."""
+def _obstacles(log: Log) -> tuple[Floats, Floats, list[Floats]]:
+    """Every obstacle that any scene showed, once: boxes, discs, and corners of polygons."""
     boxes: set[Extent] = set()
     discs: set[Extent] = set()
+    polygons: set[tuple[tuple[float, float], ...]] = set()
     for _, scene in log.messages(log.topic(SCENE.name), SceneUpdate):
         for entity in scene.entities:
             boxes.update(_extent(shape) for shape in entity.cubes)
             discs.update(_extent(shape) for shape in entity.cylinders)
-    return _rows(sorted(boxes), 4), _rows(sorted(discs), 4)
+            polygons.update(_corners(shape) for shape in entity.triangles)
+    outlines = [_rows(corners, 2) for corners in sorted(polygons)]
+    return _rows(sorted(boxes), 4), _rows(sorted(discs), 4), outlines
 
 
 def _extent(shape: CubePrimitive | CylinderPrimitive) -> Extent:
     position, size = shape.pose.position, shape.size
     return (position.x, position.y, size.x, size.y)
+
+
+def _corners(shape: TriangleListPrimitive) -> tuple[tuple[float, float], ...]:
+    """All points but the first, which is the middle of a fan."""
+    return tuple((point.x, point.y) for point in shape.points[1:])
 
 
 def _rows(rows: object, columns: int) -> Floats:

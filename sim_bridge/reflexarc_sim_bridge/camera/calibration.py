@@ -17,15 +17,14 @@ lowest = [150, 0, 0]
 highest = [255, 90, 90]
 """
 
-import dataclasses
 import math
-import tomllib
 from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
-from typing import Any
 
 from reflexarc_runtime.errors import UsageError
+from reflexarc_sim_bridge.strict_toml import fill
+from reflexarc_sim_bridge.toml_source import TomlSource, read_text
 
 Colour = tuple[int, int, int]
 """Red, green, blue, each 0 to 255."""
@@ -114,67 +113,40 @@ def read_calibration(path: Path) -> Calibration:
     Raises:
         UsageError: the file cannot be read, or says what no calibration can say.
     """
-    try:
-        return parse_calibration(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise UsageError(f"--calibration: {path}: cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise UsageError(f"--calibration: {path}: expected TOML, got no text") from None
-    except UsageError as error:
-        raise UsageError(f"--calibration: {path}: {error}") from None
+    name = f"--calibration: {path}"
+    return parse_calibration(read_text(path, name), name)
 
 
-def parse_calibration(text: str) -> Calibration:
+def parse_calibration(text: str, name: str = "") -> Calibration:
     """Read a calibration from TOML text.
+
+    Args:
+        text: the TOML.
+        name: how complaints name it.
 
     Raises:
         UsageError: no TOML, or a field that is missing, unknown, of the wrong type or out of range.
     """
-    try:
-        document = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise UsageError(f"expected TOML: {' '.join(str(error).split())}") from None
-    parts = {name: _part(name, table) for name, table in document.items()}
-    if "background" in parts and "obstacle" in parts:
-        raise UsageError("background, obstacle: expected one of the two, got both")
-    if "background" in parts:
-        parts["obstacle"] = parts.pop("background")
-    return Calibration(**parts)
+    file = fill(_File, TomlSource(text, name))
+    return Calibration(file.band, file.lens, file.obstacle or file.background or Background())
 
 
-_TABLES = {"band": Band, "lens": Lens, "background": Background, "obstacle": ColourRange}
+@dataclass(frozen=True)
+class _File:
+    """A calibration as its file says it: an obstacle, or the background that is none."""
+
+    band: Band = field(default_factory=Band)
+    lens: Lens | None = None
+    background: Background | None = None
+    obstacle: ColourRange | None = None
+
+    def __post_init__(self) -> None:
+        one = self.background is None or self.obstacle is None
+        _require(one, "obstacle", "background or obstacle, one of the two", "both")
 
 
-def _part(name: str, table: object) -> Any:
-    if name not in _TABLES:
-        raise UsageError(f"{name}: unknown; known: {', '.join(_TABLES)}")
-    if not isinstance(table, dict):
-        raise UsageError(f"{name}: expected a table, [{name}], got {table!r}")
-    fields = {f.name: f for f in dataclasses.fields(_TABLES[name])}
-    for key in table:
-        if key not in fields:
-            raise UsageError(f"{name}.{key}: unknown; known: {', '.join(fields)}")
-    for key, known in fields.items():
-        if key not in table and known.default is dataclasses.MISSING:
-            raise UsageError(f"{name}.{key}: missing")
-    return _TABLES[name](**{k: _value(fields[k].type, v, f"{name}.{k}") for k, v in table.items()})
-
-
-def _value(kind: Any, value: object, where: str) -> object:
-    if kind is float:
-        is_number = isinstance(value, int | float) and not isinstance(value, bool)
-        _require(is_number, where, "a number", repr(value))
-        return value
-    if kind is Projection:
-        _require(value in list(Projection), where, " or ".join(Projection), repr(value))
-        return Projection(str(value))
-    _require(isinstance(value, list), where, "[red, green, blue]", repr(value))
-    return tuple(value)  # type: ignore[arg-type]  # a list, as was just required
-
-
-def _check_colour(where: str, colour: tuple[Any, ...]) -> None:
-    whole = all(isinstance(value, int) and not isinstance(value, bool) for value in colour)
-    good = len(colour) == 3 and whole and all(0 <= value <= 255 for value in colour)
+def _check_colour(where: str, colour: Colour) -> None:
+    good = all(0 <= value <= 255 for value in colour)
     _require(good, where, "three whole numbers, 0 to 255", list(colour))
 
 

@@ -61,7 +61,7 @@ REFUSED: dict[str, tuple[str, str]] = {
     "two numbers": ("[background]\ncolour = [1, 2]", "three whole numbers"),
     "fractions": ("[background]\ncolour = [1, 2, 2.5]", "three whole numbers"),
     "too bright": ("[background]\ncolour = [1, 2, 256]", "three whole numbers"),
-    "one number": ("[background]\ncolour = 7", r"\[red, green, blue\]"),
+    "one number": ("[background]\ncolour = 7", "line 2: .*three whole numbers, got 7"),
     "tolerance": ("[background]\ntolerance = -1", r"background\.tolerance"),
     "swapped": ("[obstacle]\nlowest = [9, 0, 0]\nhighest = [8, 9, 9]", r"obstacle\.highest"),
     "both": ("[background]\n[obstacle]\nlowest=[0,0,0]\nhighest=[1,1,1]", "one of the two"),

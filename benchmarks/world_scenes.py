@@ -1,0 +1,109 @@
+"""Scenes and the clock that the benchmarks of the world share."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from reflexarc_runtime.arrays import Actions
+from reflexarc_sim_bridge import kernel
+from reflexarc_sim_bridge.layers import CHUNK_M, Scatter
+from reflexarc_sim_bridge.reference_field import WORLD_NAME, reference_contract, reference_retina
+from reflexarc_sim_bridge.seeds import training_seeds
+from reflexarc_sim_bridge.shapes import Curves, Rectangles, Shape
+from reflexarc_sim_bridge.simulation import Simulation, motions_of
+from reflexarc_sim_bridge.world_files import world_named
+from reflexarc_sim_bridge.worlds import World
+
+HELD_STEPS = 3
+HALF_TURN_RAD = 3.141592653589793
+
+Advance = Callable[[Actions], object]
+"""One step of all agents: (n,)."""
+
+SHAPES: dict[str, tuple[Shape, ...]] = {
+    "upright": (Rectangles(),),
+    "turned": (Rectangles(turned_rad=(0.0, HALF_TURN_RAD)),),
+    "curves": (Curves(),),
+    "turned and curves": (
+        Rectangles(turned_rad=(0.0, HALF_TURN_RAD), share=0.5),
+        Curves(share=0.5),
+    ),
+}
+"""What the fields below can be filled with."""
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A field and the agents in it."""
+
+    agents: int = 4096
+    density_per_m2: float = 0.50
+    rays: int = 16
+    samples: int = 1
+    """Directions that a ray shows the mean of."""
+    shapes: str = "upright"
+    """One of SHAPES."""
+    x_m: float = 0.0
+    """Where the agents begin."""
+
+    def simulation(self) -> Simulation:
+        """Agents in the worlds of training seeds."""
+        retina = replace(reference_retina(), rays=self.rays, samples=self.samples)
+        contract = reference_contract(retina)
+        simulation = Simulation(self.world(), contract, training_seeds(self.agents))
+        if self.x_m:
+            _carry_to(simulation, self.x_m)
+        return simulation
+
+    def world(self) -> World:
+        """The reference field with these obstacles."""
+        field = world_named(WORLD_NAME)
+        assert isinstance(field, World), "the reference field is one world"
+        layer = field.layers[0]
+        assert isinstance(layer, Scatter), "the reference field is a scatter"
+        shapes = SHAPES[self.shapes]
+        layer = replace(layer, density_per_m2=self.density_per_m2, shapes=shapes)
+        return replace(field, layers=(layer,))
+
+
+def actions_of(policy: str, steps: int, agents: int) -> npt.NDArray[np.int64]:
+    """What a `blind` (never steering) or `random` (held) policy does: (steps, agents)."""
+    if policy == "blind":
+        return np.zeros((steps, agents), np.int64)
+    drawn = np.random.default_rng(0).integers(0, 3, (-(-steps // HELD_STEPS), agents))
+    return np.repeat(drawn, HELD_STEPS, axis=0)[:steps]
+
+
+def advancing(simulation: Simulation, moves: bool = True, looks: bool = True) -> Advance:
+    """Move, or look, or both in one pass."""
+    motions, met = motions_of(simulation.contract), np.zeros(len(simulation), np.bool_)
+    params = simulation.params
+    return lambda actions: kernel.advance_all(*params, motions, actions, met, moves, looks)
+
+
+def elapsed_s(advance: Advance, actions: npt.NDArray[np.int64]) -> float:
+    """Time that all steps take."""
+    begun_s = time.perf_counter()
+    for row in actions:
+        advance(row)
+    return time.perf_counter() - begun_s
+
+
+def rounds_s(
+    ways: dict[str, Advance], actions: npt.NDArray[np.int64], rounds: int
+) -> dict[str, npt.NDArray[np.float64]]:
+    """Seconds of each way in each round, the ways in turn: other work disturbs all alike."""
+    for way in ways.values():
+        way(actions[0])  # compiles, or warms up
+    times = [[elapsed_s(way, actions) for way in ways.values()] for _ in range(rounds)]
+    return dict(zip(ways, np.array(times).T, strict=True))
+
+
+def _carry_to(simulation: Simulation, x_m: float) -> None:
+    params = simulation.params
+    params.agents.state["cell_x"] = int(x_m / CHUNK_M)
+    everyone = np.arange(len(simulation))
+    kernel.place_agents(params, kernel.new_workspace(params), everyone)

@@ -1,0 +1,49 @@
+"""Work on all agents at once: compiled functions over ranges of agents, one range a thread.
+
+The compiled functions let go of Python's lock while they run. Which thread treats an agent, and how
+many there are, does not show in the bits: an agent's work touches its own rows only.
+"""
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor, wait
+from functools import lru_cache
+from itertools import pairwise
+
+FEWEST_AGENTS = 64
+"""Fewer a thread are not worth one."""
+
+_settings = {"threads": 0}
+
+
+def thread_count() -> int:
+    """How many threads share the work: as many as there are processors, unless told otherwise."""
+    return _settings["threads"] or len(os.sched_getaffinity(0))
+
+
+def set_thread_count(threads: int) -> None:
+    """Share the work among so many threads; 0 for as many as there are processors."""
+    _settings["threads"] = threads
+
+
+def shared(work: Callable[[int, int], object], agents: int) -> None:
+    """Call `work(first, end)` for ranges that make up all agents, at the same time.
+
+    Raises:
+        Exception: whatever one of the calls raised.
+    """
+    threads = min(thread_count(), max(1, agents // FEWEST_AGENTS))
+    bounds = [agents * k // threads for k in range(threads + 1)]
+    if threads == 1:
+        work(0, agents)
+        return
+    calls = [_pool(threads).submit(work, *pair) for pair in pairwise(bounds[1:])]
+    work(bounds[0], bounds[1])
+    wait(calls)
+    for call in calls:
+        call.result()
+
+
+@lru_cache(maxsize=4)
+def _pool(threads: int) -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(threads - 1, thread_name_prefix="reflexarc-world")

@@ -1,0 +1,201 @@
+"""Many agents that learn together, each in an endless world of its own: the face in Python."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from reflexarc_sim_bridge.seeds import TRAINING_SEEDS
+from reflexarc_sim_bridge.simulation import Simulation, motions_of
+from reflexarc_sim_bridge.world_files import world_named
+from reflexarc_trainer.batched import Learning, Pace, Sums, learn
+from reflexarc_trainer.block import input_curve, layers_for
+from reflexarc_trainer.choice import new_streams
+from reflexarc_trainer.config import TrainConfig
+from reflexarc_trainer.learner import (
+    WORLD,
+    Arrays,
+    Report,
+    check_finite,
+    restore_arrays,
+    world_arrays,
+)
+from reflexarc_trainer.optimiser import new_moments
+from reflexarc_trainer.q_network import QNetwork, new_network
+from reflexarc_trainer.rollout import Manner, Pending, choose_all, new_rollout, take_up
+from reflexarc_trainer.schedules import linear
+from reflexarc_trainer.weights import pack, unpack
+
+
+class BatchedLearner:
+    """A learner at some step of its run.
+
+    Args:
+        config: the run; its seed gives the initial weights, the exploration and the worlds.
+
+    Raises:
+        WorldError: there is no such world, or it cannot give what the eye asks for.
+    """
+
+    def __init__(self, config: TrainConfig) -> None:
+        self.config = config
+        self.contract = config.contract()
+        world = world_named(config.world)
+        self._simulation = Simulation(world, self.contract, _seeds(config))
+        self._learning = new_learning(config, self._simulation.params)
+        self._reported = np.zeros(3)  # steps, contacts and distance_m at the last report
+        self._begin()
+
+    @property
+    def step(self) -> int:
+        """Transitions learned from so far."""
+        return int(self._learning.sums.progress[0]) * self.config.learner.batched.batch_steps
+
+    @property
+    def epsilon(self) -> float:
+        """Share of random actions now."""
+        pace, updates = self._learning.pace, self._learning.sums.progress[0]
+        return linear(updates, pace.epsilon_start, pace.epsilon_end, pace.epsilon_updates)
+
+    @property
+    def weights(self) -> npt.NDArray[np.float64]:
+        """What has been learned, in the order of `weights.py`: (parameters,)."""
+        return self._learning.sums.averaged.astype(np.float64)
+
+    def network(self) -> QNetwork:
+        """What has been learned, as a network."""
+        return unpack(self.weights, self.contract, self.config.network)
+
+    def run(self, steps: int) -> None:
+        """Learn from the roll-outs that fit into `steps` transitions, from one at least.
+
+        Raises:
+            UsageError: the weights are no longer finite.
+        """
+        updates = max(1, steps // self.config.learner.batched.batch_steps)
+        layers, manner, pace, params, pending, rollout, sums, moments = self._learning
+        learn(layers, manner, pace, *params, pending, rollout, sums, moments, updates)
+        check_finite(self._learning.sums.weights, self.step, self.config)
+
+    def report(self) -> Report:
+        """What happened since the last report; the next one begins here."""
+        simulation, learning = self._simulation, self._learning
+        now = np.array([self.step, simulation.contacts.sum(), simulation.distance_m.sum()])
+        steps, contacts, driven_m = now - self._reported
+        report = Report(
+            mean_abs_error=float(learning.sums.errors.sum()) / max(1.0, steps),
+            contacts_per_100m=100.0 * contacts / max(1e-9, driven_m),
+        )
+        learning.sums.errors[:] = 0.0
+        self._reported[:] = now
+        return report
+
+    def arrays(self) -> Arrays:
+        """Everything that the rest of the run depends on, by name."""
+        world = {WORLD + name: array for name, array in self._simulation.state().items()}
+        return {**{name: array.copy() for name, array in self._own().items()}, **world}
+
+    def restore(self, arrays: Mapping[str, npt.NDArray[Any]]) -> None:
+        """Go on from what `arrays` gave.
+
+        Raises:
+            UsageError: an array is missing or of another shape.
+        """
+        restore_arrays(self._own(), arrays)
+        self._simulation.restore(world_arrays(arrays))
+
+    def _own(self) -> Arrays:
+        learning = self._learning
+        return {
+            "weights": learning.sums.weights,
+            "averaged": learning.sums.averaged,
+            "errors": learning.sums.errors,
+            "progress": learning.sums.progress,
+            "reported": self._reported,
+            **{f"moments.{name}": array for name, array in learning.moments._asdict().items()},
+            **{f"pending.{name}": array for name, array in learning.pending._asdict().items()},
+        }
+
+    def _begin(self) -> None:
+        """Look for the first time, and choose the first actions."""
+        layers, manner, pace, _, pending, rollout, sums, _ = self._learning
+        self._simulation.sense()
+        pending.seen[:] = self._simulation.stacks.reshape(pending.seen.shape)
+        met = np.ones(rollout.actions.shape[-1], np.bool_)  # as after a contact: nothing is held
+        for shard in range(len(rollout.actions)):
+            take_up(manner, pending, rollout, shard)
+            start = pace.epsilon_start
+            choose_all(layers, sums.weights, manner, pending, rollout, shard, 0, met, start)
+
+
+def new_learning(config: TrainConfig, params: Any) -> Learning:
+    """Everything that an update needs, before the first one; `params` are the simulation's."""
+    batched, contract = config.learner.batched, config.contract()
+    shards, columns = batched.agents // batched.shard_agents, batched.shard_agents
+    layers, dtype = layers_for(config.network, contract), np.dtype(batched.precision)
+    weights = pack(new_network(contract, config.network, config.seed)).astype(dtype)
+    return Learning(
+        layers=layers,
+        manner=_manner(config),
+        pace=pace_of(config),
+        params=params,
+        pending=Pending(
+            seen=np.zeros((batched.agents, int(layers.sizes[0])), np.uint8),
+            action=np.zeros(batched.agents, np.int64),
+            held=np.zeros(batched.agents, np.int64),
+            streams=new_streams(config.seed, batched.agents),
+        ),
+        rollout=new_rollout(shards, batched.rollout_steps, columns, layers, dtype),
+        sums=Sums(
+            weights=weights,
+            averaged=weights.copy(),
+            back=np.zeros((shards, layers.computed, columns), dtype),
+            gradients=np.zeros((shards, len(weights)), dtype),
+            errors=np.zeros(shards),
+            progress=np.zeros(2),
+        ),
+        moments=new_moments(len(weights), dtype),
+    )
+
+
+def pace_of(config: TrainConfig) -> Pace:
+    """The course of a run."""
+    learner, batched, explore = config.learner, config.learner.batched, config.learner.exploration
+    updates = config.steps / batched.batch_steps
+    return Pace(
+        updates=updates,
+        epochs=batched.epochs,
+        minibatches=batched.minibatches,
+        learning_rate=batched.learning_rate,
+        learning_rate_end=batched.learning_rate_end,
+        max_gradient_norm=batched.max_gradient_norm,
+        rectified=batched.optimiser == "radam",
+        epsilon_start=explore.epsilon_start,
+        epsilon_end=explore.epsilon_end,
+        epsilon_updates=explore.epsilon_span * updates,
+        centring=learner.reward_centring,
+        averaging=learner.averaged_weights,
+    )
+
+
+def _manner(config: TrainConfig) -> Manner:
+    learner = config.learner
+    return Manner(
+        motions=motions_of(config.contract()),
+        curve=input_curve(config.network, learner.batched.precision),
+        gamma=learner.gamma,
+        trace_decay=learner.trace_decay,
+        expected=learner.target == "expected",
+        terminal=learner.after_contact == "terminal",
+        reward_step=learner.reward_step,
+        reward_contact=learner.reward_contact,
+        held_actions=learner.exploration.held_actions,
+    )
+
+
+def _seeds(config: TrainConfig) -> npt.NDArray[np.uint64]:
+    """Training worlds, other ones for another seed: (agents,)."""
+    agents, worlds = config.learner.batched.agents, len(TRAINING_SEEDS)
+    numbers = (config.seed % worlds * agents + np.arange(agents)) % worlds
+    return np.array(TRAINING_SEEDS, np.uint64)[numbers]

@@ -1,0 +1,183 @@
+"""One agent that learns in one endless world: the compiled loop, and its face in Python.
+
+The loop is `reference.learn` with the world inside: act, look, learn, `steps` times over. It is
+called for some ten thousand steps at a time; how a run is cut into calls changes nothing, for all
+that it needs lies in arrays that a checkpoint carries.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from reflexarc_sim_bridge.compiled import compiled_allocating
+from reflexarc_sim_bridge.kernel import Params, new_workspace, sense_agent, step_agent
+from reflexarc_sim_bridge.seeds import TRAINING_SEEDS
+from reflexarc_sim_bridge.simulation import Simulation, motions_of
+from reflexarc_sim_bridge.world_files import world_named
+from reflexarc_trainer.block import input_curve
+from reflexarc_trainer.choice import new_streams
+from reflexarc_trainer.config import TrainConfig
+from reflexarc_trainer.learner import (
+    WORLD,
+    Arrays,
+    Report,
+    check_finite,
+    restore_arrays,
+    world_arrays,
+)
+from reflexarc_trainer.online import begin, learn_step
+from reflexarc_trainer.online_state import (
+    Floats,
+    LearnerState,
+    Rules,
+    Scratch,
+    new_scratch,
+    new_state,
+)
+from reflexarc_trainer.online_weights import from_online, to_online
+from reflexarc_trainer.q_network import QNetwork, new_network
+from reflexarc_trainer.schedules import linear
+from reflexarc_trainer.traces import STEP_RULES
+from reflexarc_trainer.units import UNITS
+from reflexarc_trainer.weights import pack, unpack
+
+
+class OnlineLearner:
+    """A learner at some step of its run.
+
+    Args:
+        config: the run; its seed gives the initial weights, the exploration and the world.
+
+    Raises:
+        WorldError: there is no such world, or it cannot give what the eye asks for.
+    """
+
+    def __init__(self, config: TrainConfig) -> None:
+        self.config = config
+        self.contract = config.contract()
+        seeds = np.array([TRAINING_SEEDS[config.seed % len(TRAINING_SEEDS)]], np.uint64)
+        self._simulation = Simulation(world_named(config.world), self.contract, seeds)
+        self._rules = rules_for(config)
+        self._sizes = sizes_of(config)
+        self._state, self._scratch = new_learning(config)
+        begin(self._rules, self._state, self._scratch, self._simulation.sense().ravel())
+
+    @property
+    def step(self) -> int:
+        """Transitions learned from so far."""
+        return int(self._state.pending[2])
+
+    @property
+    def epsilon(self) -> float:
+        """Share of random actions now."""
+        rules = self._rules
+        return linear(self.step, rules.epsilon_start, rules.epsilon_end, rules.epsilon_steps)
+
+    @property
+    def weights(self) -> Floats:
+        """What has been learned, in the order of `weights.py`: (parameters,)."""
+        averaged = self.config.learner.averaged_weights > 0.0
+        chosen = self._state.averaged if averaged else self._state.weights
+        return from_online(chosen, *self._sizes)
+
+    def network(self) -> QNetwork:
+        """What has been learned, as a network."""
+        return unpack(self.weights, self.contract, self.config.network)
+
+    def run(self, steps: int) -> None:
+        """Learn from `steps` more transitions.
+
+        Raises:
+            UsageError: the weights are no longer finite.
+        """
+        params, motions = self._simulation.params, motions_of(self.contract)
+        drive(self._rules, self._state, self._scratch, params, motions, steps)
+        check_finite(self._state.weights, self.step, self.config)
+
+    def report(self) -> Report:
+        """What happened since the last report; the next one begins here."""
+        td_errors, contacts, step, distance_m = self._state.totals.tolist()
+        driven_m = float(self._simulation.distance_m[0])
+        report = Report(
+            mean_abs_error=td_errors / max(1.0, self.step - step),
+            contacts_per_100m=100.0 * contacts / max(1e-9, driven_m - distance_m),
+        )
+        self._state.totals[:] = 0.0, 0.0, self.step, driven_m
+        return report
+
+    def arrays(self) -> Arrays:
+        """Everything that the rest of the run depends on, by name."""
+        world = {WORLD + name: array for name, array in self._simulation.state().items()}
+        return {**self._state._asdict(), **world}
+
+    def restore(self, arrays: Mapping[str, npt.NDArray[Any]]) -> None:
+        """Go on from what `arrays` gave.
+
+        Raises:
+            UsageError: an array is missing or of another shape.
+        """
+        restore_arrays(self._state._asdict(), arrays)
+        self._simulation.restore(world_arrays(arrays))
+
+
+def sizes_of(config: TrainConfig) -> tuple[int, int, int]:
+    """Inputs, hidden units, actions."""
+    contract = config.contract()
+    inputs = contract.retina.frames * contract.retina.size
+    return inputs, config.network.hidden[0], len(contract.actions)
+
+
+def new_learning(config: TrainConfig) -> tuple[LearnerState, Scratch]:
+    """State and buffers before the first step."""
+    inputs, hidden, actions = sizes_of(config)
+    plain = pack(new_network(config.contract(), config.network, config.seed))
+    weights = to_online(plain, inputs, hidden, actions)
+    state = new_state(weights, inputs, new_streams(config.seed))
+    curve = input_curve(config.network, np.float64)
+    return state, new_scratch(state, hidden, actions, curve)
+
+
+def rules_for(config: TrainConfig) -> Rules:
+    """The constants of a run."""
+    learner, explore, online = config.learner, config.learner.exploration, config.learner.online
+    return Rules(
+        units=UNITS[config.network.units],
+        output=UNITS[config.network.output],
+        step=STEP_RULES[online.step],
+        alpha=online.alpha,
+        alpha_end=online.alpha * online.alpha_end,
+        kappa=online.kappa,
+        steps=float(config.steps),
+        gamma=learner.gamma,
+        trace_decay=learner.trace_decay,
+        expected=learner.target == "expected",
+        reward_step=learner.reward_step,
+        reward_contact=learner.reward_contact,
+        centring=learner.reward_centring,
+        averaging=learner.averaged_weights,
+        terminal=learner.after_contact == "terminal",
+        epsilon_start=explore.epsilon_start,
+        epsilon_end=explore.epsilon_end,
+        epsilon_steps=explore.epsilon_span * config.steps,
+        held_actions=explore.held_actions,
+    )
+
+
+@compiled_allocating
+def drive(
+    rules: Rules,
+    state: LearnerState,
+    scratch: Scratch,
+    params: Params,
+    motions: Floats,
+    steps: int,
+) -> None:
+    """Act, look, learn; `params` are the simulation's."""
+    work = new_workspace(params)
+    for _ in range(steps):
+        speeds = motions[state.pending[0]]
+        contact = step_agent(params, work, 0, speeds[0], speeds[1], speeds[2])
+        sense_agent(params, work, 0)
+        learn_step(rules, state, scratch, params.agents.stack[0], contact)

@@ -1,0 +1,133 @@
+"""What the online learner carries from step to step, and the buffers of one step."""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from reflexarc_trainer.choice import Streams
+from reflexarc_trainer.online_weights import Matrices, matrices
+
+Floats = npt.NDArray[np.float64]
+Bytes = npt.NDArray[np.uint8]
+
+
+class Rules(NamedTuple):
+    """What stays the same over a run: the learner's constants."""
+
+    units: int
+    """Code of the hidden units."""
+    output: int
+    """Code of the output units."""
+    step: int
+    """Code of the step rule."""
+    alpha: float
+    alpha_end: float
+    """α at the end of the run."""
+    kappa: float
+    steps: float
+    """Length of the run."""
+    gamma: float
+    trace_decay: float
+    expected: bool
+    reward_step: float
+    reward_contact: float
+    centring: float
+    averaging: float
+    terminal: bool
+    epsilon_start: float
+    epsilon_end: float
+    epsilon_steps: float
+    held_actions: int
+
+
+class LearnerState(NamedTuple):
+    """What changes from step to step."""
+
+    weights: Floats
+    """(parameters,)"""
+    averaged: Floats
+    """Average of the weights over the updates; not kept up without averaging: (parameters,)."""
+    trace: Floats
+    """(parameters,)"""
+    squares: Floats
+    """Running mean of the squared gradients, for the intentional step: (parameters,)."""
+    inputs: Floats
+    """What the agent sees where it stands, as the network takes it: (inputs,)."""
+    pending: npt.NDArray[np.int64]
+    """The action chosen for the next step, the steps for which it is still held, the number of
+    steps done: (3,)."""
+    streams: Streams
+    """Exploration: (1,)."""
+    running: Floats
+    """Average reward, mean square of δ: (2,)."""
+    totals: Floats
+    """Since the last report Σ|δ| and contacts; at it the steps done and the distance_m: (4,)."""
+
+
+class Scratch(NamedTuple):
+    """Views of the weights, and buffers of one step; nothing in the latter outlives it."""
+
+    weights: Matrices
+    """The weights of the state as matrices: the same memory."""
+    gradient: Floats
+    """∇Q(s, a): (parameters,)."""
+    gradients: Matrices
+    """The same memory as matrices."""
+    curve: Floats
+    """What the network sees of each byte: (256,)."""
+    inputs: Floats
+    """Of the next place: (inputs,)."""
+    hidden: Floats
+    """Hidden units where the agent stood, the constant 1, zeros: (padded,)."""
+    next_hidden: Floats
+    """The same for the next place."""
+    back: Floats
+    """∂Q/∂(weighted sum of each hidden unit): (padded,)."""
+    slope: Floats
+    """∂Q/∂(weighted sum of the chosen action's unit): (1,)."""
+    q_values: Floats
+    """Where the agent stood: (actions, 1)."""
+    next_q_values: Floats
+    """In the next place: (actions, 1)."""
+
+
+def new_state(weights: Floats, inputs: int, streams: Streams) -> LearnerState:
+    """The state before the first step; `begin` looks and chooses.
+
+    Args:
+        weights: in the order of `online_weights`.
+        inputs: how many.
+        streams: the exploration's: (1,).
+    """
+    return LearnerState(
+        weights=weights.copy(),
+        averaged=weights.copy(),
+        trace=np.zeros_like(weights),
+        squares=np.zeros_like(weights),
+        inputs=np.zeros(inputs),
+        pending=np.zeros(3, np.int64),
+        streams=streams.copy(),
+        running=np.zeros(2),
+        totals=np.zeros(4),
+    )
+
+
+def new_scratch(state: LearnerState, hidden: int, actions: int, curve: Floats) -> Scratch:
+    """Views and buffers for a state."""
+    inputs, gradient = len(state.inputs), np.zeros_like(state.weights)
+    views = matrices(state.weights, inputs, hidden, actions)
+    padded = views.second.shape[1]
+    return Scratch(
+        weights=views,
+        gradient=gradient,
+        gradients=matrices(gradient, inputs, hidden, actions),
+        curve=curve,
+        inputs=np.zeros(inputs),
+        hidden=np.zeros(padded),
+        next_hidden=np.zeros(padded),
+        back=np.zeros(padded),
+        slope=np.zeros(1),
+        q_values=np.zeros((actions, 1)),
+        next_q_values=np.zeros((actions, 1)),
+    )
