@@ -1,77 +1,67 @@
-"""How fast the online learner learns on one core, and what the presets reach.
+"""How fast the learners learn, and what the presets reach.
 
     python benchmarks/learner.py               updates a second, with and without the world
     python benchmarks/learner.py --presets     presets × seeds: contacts per 100 m on test worlds
     ... --json                                 the same for a program
 
-Times are processor time of one thread, after compilation; each the best of several repetitions.
+After compilation; each figure the best of several repetitions, in wall-clock seconds. The online
+form runs on one thread, the batched one on as many as there are processors.
 """
 
 import argparse
 import dataclasses
 import json
 import time
-from collections.abc import Callable
 from typing import Any
 
-import numba
+import numpy as np
 
-from reflexarc_sim_bridge.kernel import sense_agent, step_agent
-from reflexarc_sim_bridge.params import Agents, EyeParams, WorldParams
 from reflexarc_sim_bridge.reference_field import measure
-from reflexarc_trainer.config import TrainConfig
-from reflexarc_trainer.learner import OnlineLearner
-from reflexarc_trainer.online import Bytes, LearnerState, Rules, Scratch, learn_step
+from reflexarc_sim_bridge.simulation import Simulation
+from reflexarc_sim_bridge.world_files import world_named
+from reflexarc_trainer.forms import new_learner
 from reflexarc_trainer.presets import PRESETS
 from reflexarc_trainer.weights import NetworkPolicy
 
-STEPS = 100_000
+STEPS = 262_144
 REPETITIONS = 5
-CONTACT_EVERY = 200
-
-
-@numba.njit
-def learn_only(rules: Rules, state: LearnerState, scratch: Scratch, steps: int) -> None:
-    for step in range(steps):
-        learn_step(rules, state, scratch, step % CONTACT_EVERY == 0)
-
-
-@numba.njit
-def world_only(
-    world: WorldParams, eye: EyeParams, agents: Agents, retina: Bytes, steps: int
-) -> None:
-    for _ in range(steps):
-        step_agent(world, agents, 0, 1.0, 0.0)
-        sense_agent(world, eye, agents, 0, retina)
-
-
-def per_second(run: Callable[[int], None]) -> float:
-    run(10)
-    best_s = min(timed(run) for _ in range(REPETITIONS))
-    return STEPS / best_s
-
-
-def timed(run: Callable[[int], None]) -> float:
-    start_s = time.process_time()
-    run(STEPS)
-    return time.process_time() - start_s
+WORLD_AGENTS = 4096
+WORLD_STEPS = 64
 
 
 def speeds() -> list[dict[str, Any]]:
-    learner = OnlineLearner(TrainConfig())
-    learner.run(STEPS)
-    # The parts are timed apart on the learner's own state: this is what they see in a run.
-    parts = (learner._rules, learner._state, learner._scratch)
-    params, retina = learner._simulation.params, learner._scratch.retina
-    return [
-        {"what": "update alone", "per_second": per_second(lambda n: learn_only(*parts, n))},
-        {"what": "world alone", "per_second": per_second(lambda n: world_only(*params, retina, n))},
-        {"what": "update and world", "per_second": per_second(learner.run)},
-    ]
+    """Millions of steps a second of the presets' learners, and of the world without one."""
+    rates = {"world alone, 4,096 agents": world_rate()}
+    rates |= {f"preset {name}, world included": rate(name) for name in ("online", "reflex")}
+    return [{"what": what, "million_per_s": rate} for what, rate in rates.items()]
+
+
+def rate(preset: str) -> float:
+    learner = new_learner(PRESETS[preset])
+    learner.run(STEPS // 8)  # compiles
+    return max(million_per_s(learner, STEPS // REPETITIONS) for _ in range(REPETITIONS))
+
+
+def million_per_s(learner: Any, steps: int) -> float:
+    before, start_s = learner.step, time.perf_counter()
+    learner.run(steps)
+    return (learner.step - before) / (time.perf_counter() - start_s) / 1e6
+
+
+def world_rate() -> float:
+    config = PRESETS["reflex"]
+    seeds = np.arange(WORLD_AGENTS, dtype=np.uint64)
+    simulation = Simulation(world_named("reference-1"), config.contract(), seeds)
+    actions, best_s = np.zeros(WORLD_AGENTS, np.int64), float("inf")
+    for _ in range(REPETITIONS):
+        start_s = time.perf_counter()
+        for _ in range(WORLD_STEPS):
+            simulation.step_and_sense(actions)
+        best_s = min(best_s, time.perf_counter() - start_s)
+    return WORLD_AGENTS * WORLD_STEPS / best_s / 1e6
 
 
 def scores(steps: int | None, seeds: int, agents: int) -> list[dict[str, Any]]:
-    OnlineLearner(TrainConfig()).run(1)  # compiles
     return [
         score(dataclasses.replace(config, seed=seed, steps=steps or config.steps), agents)
         for config in PRESETS.values()
@@ -79,16 +69,16 @@ def scores(steps: int | None, seeds: int, agents: int) -> list[dict[str, Any]]:
     ]
 
 
-def score(config: TrainConfig, agents: int) -> dict[str, Any]:
-    learner = OnlineLearner(config)
-    start_s = time.process_time()
+def score(config: Any, agents: int) -> dict[str, Any]:
+    learner = new_learner(config)
+    start_s = time.perf_counter()
     learner.run(config.steps)
-    seconds = time.process_time() - start_s
+    seconds = time.perf_counter() - start_s
     field = measure(NetworkPolicy(learner.network()), config.contract(), agents=agents)
     return {
         "preset": config.preset,
         "seed": config.seed,
-        "steps": config.steps,
+        "steps": learner.step,
         "seconds": round(seconds, 2),
         "contacts_per_100m": round(field.contacts_per_100m, 2),
         "low": round(field.low, 2),
@@ -97,14 +87,14 @@ def score(config: TrainConfig, agents: int) -> dict[str, Any]:
 
 
 def show(rows: list[dict[str, Any]]) -> None:
-    print("".join(f"{name:>20}" for name in rows[0]))
+    widths = [max(len(name), *(len(f"{row[name]}") for row in rows)) + 2 for name in rows[0]]
+    print("".join(f"{name:>{width}}" for name, width in zip(rows[0], widths, strict=True)))
     for row in rows:
-        print(
-            "".join(
-                f"{v:>20,.0f}" if isinstance(v, float) and v > 1e3 else f"{v:>20}"
-                for v in row.values()
-            )
-        )
+        print("".join(f"{cell(v):>{width}}" for v, width in zip(row.values(), widths, strict=True)))
+
+
+def cell(value: object) -> str:
+    return f"{value:.2f}" if isinstance(value, float) else f"{value}"
 
 
 def main() -> None:

@@ -19,23 +19,23 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Sequence
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-import numba
 import numpy as np
-import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from world_scenes import Scene, actions_of, advancing, rounds_s
+from world_scenes import MODES, Scene, actions_of, advancing, rounds_s
+
+from reflexarc_sim_bridge.threads import set_thread_count
 
 FIGURE = Path(__file__).parents[1] / "docs" / "figures" / "world_speed.png"
 ROUNDS = 9
 STEPS = 30
 WARM_UP_STEPS = 60
 """Blind agents begin at free places all at once: so long until contacts come evenly."""
-MODES = {"look": (False, True), "move": (True, False), "both": (True, True)}
 RAYS = (8, 16, 32, 64, 128, 256)
 DENSITIES = (0.05, 0.1, 0.2, 0.4, 0.5, 0.8, 1.2, 1.6)
 PLACES_M = (0.0, 1e3, 1e6, 1e9, 1e12)
@@ -64,45 +64,44 @@ def table(density_per_m2: float) -> list[dict[str, Any]]:
     ]
     rows = []
     for threads in thread_counts():
-        rows += [row(plain, threads, mode, policy) for policy in COLOURS for mode in MODES]
-        rows += [row(scene, threads, "both", policy) for scene in rich for policy in COLOURS]
+        for policy in COLOURS:
+            for mode in MODES:
+                rows += measured([plain], threads, mode, policy)
+            rows += measured(rich, threads, "both", policy)
     return rows
 
 
 def growth(name: str, values: Sequence[float]) -> list[dict[str, Any]]:
     """Both, on all threads, with a field of the scene changed."""
-    scenes = [Scene(**{name: value}) for value in values]
+    scenes = [replace(Scene(), **{name: value}) for value in values]
     threads = thread_counts()[0]
-    return [row(scene, threads, "both", policy) for scene in scenes for policy in COLOURS]
+    return [row for policy in COLOURS for row in measured(scenes, threads, "both", policy)]
 
 
-def row(scene: Scene, threads: int, mode: str, policy: str) -> dict[str, Any]:
-    """One measurement."""
-    numba.set_num_threads(threads)
-    simulation = scene.simulation()
-    for actions in actions_of(policy, WARM_UP_STEPS, scene.agents):
-        simulation.step(actions)
-    ways = {mode: advancing(simulation, *MODES[mode])}
-    actions = actions_of(policy, STEPS, scene.agents)
-    rates = actions.size / rounds_s(ways, actions, ROUNDS)[mode] / 1e6
-    return {
-        "threads": threads,
-        "policy": policy,
-        "mode": mode,
-        "shapes": scene.shapes,
-        "samples": scene.samples,
-        "rays": scene.rays,
-        "density_per_m2": scene.density_per_m2,
-        "x_m": scene.x_m,
-        "near": float(simulation.params.agents.near_counts.sum(axis=(1, 2)).mean()),
-        "best": float(rates.max()),
-        "median": float(np.median(rates)),
-    }
+def measured(scenes: Sequence[Scene], threads: int, mode: str, policy: str) -> list[dict[str, Any]]:
+    """One row a scene, all timed in turn."""
+    set_thread_count(threads)
+    simulations = [scene.simulation() for scene in scenes]
+    for simulation in simulations:
+        for actions in actions_of(policy, WARM_UP_STEPS, len(simulation)):
+            simulation.step(actions)
+    ways = {str(k): advancing(each, MODES[mode]) for k, each in enumerate(simulations)}
+    actions = actions_of(policy, STEPS, scenes[0].agents)
+    times = rounds_s(ways, actions, ROUNDS)
+    return [
+        {
+            **{"threads": threads, "policy": policy, "mode": mode, **asdict(scene)},
+            "near": float(simulation.params.agents.near_counts.sum(axis=(1, 2)).mean()),
+            "best": actions.size / float(seconds.min()) / 1e6,
+            "median": actions.size / float(np.median(seconds)) / 1e6,
+        }
+        for scene, simulation, seconds in zip(scenes, simulations, times.values(), strict=True)
+    ]
 
 
 def thread_counts() -> list[int]:
-    """Most first, so that the pool has all of its threads."""
-    return sorted({numba.config.NUMBA_NUM_THREADS, 1}, reverse=True)
+    """All, and one."""
+    return sorted({len(os.sched_getaffinity(0)), 1}, reverse=True)
 
 
 def first_step_s() -> dict[str, float]:
@@ -137,7 +136,7 @@ def draw(growths: dict[str, list[dict[str, Any]]]) -> None:
     for axes, (name, rows) in zip(figure.subplots(1, 3), growths.items(), strict=True):
         draw_panel(axes, name, rows)
     axes = figure.axes[0]
-    axes.set_ylabel("µs a step of one agent, all threads together")
+    axes.set_ylabel("µs of the clock an agent-step, all threads")
     axes.legend(frameon=False)
     figure.savefig(FIGURE, format="png", metadata={"Software": None})
 
@@ -150,19 +149,23 @@ def draw_panel(axes: Axes, name: str, rows: list[dict[str, Any]]) -> None:
         x, cost_us = zip(*points, strict=True)
         axes.plot(x, cost_us, "o-", color=colour, markersize=3.5, label=policy)
     if name == "x_m":
-        axes.set_xscale("symlog", linthresh=1e3)
+        axes.set_xscale("symlog", linthresh=PLACES_M[1])
+        axes.set_xticks(PLACES_M, [f"{place_m:g}" for place_m in PLACES_M])
     titles = {"rays": "rays", "near": "obstacles near (ρ 0.05 to 1.6)", "x_m": "begun at x, m"}
     axes.set_xlabel(titles[name], color=INK)
-    axes.set_ylim(bottom=0.0)
+    axes.set_ylim(0.0, 1.1 * axes.get_ylim()[1])
     axes.grid(color=GRID, linewidth=0.6)
     axes.spines[["top", "right"]].set_visible(False)
 
 
-def slope(rows: list[dict[str, Any]], name: str) -> npt.NDArray[np.float64]:
-    """Least squares of the blind cost: nanoseconds for each more of `name`, and at none."""
+def law(rows: list[dict[str, Any]], name: str) -> str:
+    """How the blind cost grows, in words."""
     blind = [found for found in rows if found["policy"] == "blind"]
-    cost_ns = [1e3 / found["best"] for found in blind]
-    return np.polyfit([found[name] for found in blind], cost_ns, 1)
+    cost_ns = np.array([1e3 / found["best"] for found in blind])
+    if name == "x_m":
+        return f"dearest place / cheapest place: {cost_ns.max() / cost_ns.min():.2f}"
+    each_ns, none_ns = np.polyfit([found[name] for found in blind], cost_ns, 1)
+    return f"{none_ns:.0f} ns and {each_ns:.3g} ns for each of {name}"
 
 
 def main() -> None:
@@ -192,8 +195,7 @@ def main() -> None:
         return
     for name, rows in growths.items():
         show(rows)
-        each_ns, none_ns = slope(rows, name)
-        print(f"blind: {none_ns:.0f} ns and {each_ns:.3g} ns for each of {name}\n")
+        print(f"blind: {law(rows, name)}\n")
 
 
 if __name__ == "__main__":

@@ -19,15 +19,16 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-import numba
 import numpy as np
 import numpy.typing as npt
-from world_scenes import Advance, Scene, actions_of, advancing, rounds_s
+from world_scenes import MODES, Advance, Scene, actions_of, advancing, rounds_s
 
 from reflexarc_runtime.arrays import Actions
+from reflexarc_sim_bridge import kernel
 from reflexarc_sim_bridge.layers import CHUNK_M
 from reflexarc_sim_bridge.params import AGENT_DTYPE, BOXES
 from reflexarc_sim_bridge.simulation import Simulation, motions_of
+from reflexarc_sim_bridge.threads import set_thread_count
 
 SOURCE = Path(__file__).parent / "world_c" / "world.c"
 FLAGS = ("-O3", "-march=native", "-ffast-math", "-shared", "-fPIC")
@@ -38,7 +39,6 @@ MOST_OFF_BY_ONE = 1e-4
 """Share of the values that may differ by 1, where rounding decides."""
 STEPS, ROUNDS = 60, 11
 WARM_UP_STEPS = 60
-MODES = {"look": (False, True), "move": (True, False), "both": (True, True)}
 
 _NUMBERS = (
     *("dt_s", "width_m", "side_m", "chunk_m", "ahead_m", "behind_m", "aside_m", "reach_m"),
@@ -80,17 +80,18 @@ class Rival:
         self._advance = ctypes.CDLL(str(library)).advance
         self._advance.restype = None
 
-    def advancing(self, moves: bool = True, looks: bool = True) -> Advance:
-        """Move, or look, or both in one pass."""
+    def advancing(self, tasks: int = MODES["both"]) -> Advance:
+        """Let all agents move, or look, or both in one pass."""
         fixed = ctypes.byref(self._world), ctypes.byref(self._agents), _pointer(self._motions)
-        n, modes = ctypes.c_int64(len(self.met)), (ctypes.c_bool(moves), ctypes.c_bool(looks))
+        n = ctypes.c_int64(len(self.met))
+        modes = ctypes.c_bool(tasks & kernel.MOVE != 0), ctypes.c_bool(tasks & kernel.LOOK != 0)
         met = _pointer(self.met)
         return lambda actions: self._advance(*fixed, _pointer(actions), met, n, *modes)
 
     @property
     def x_m(self) -> npt.NDArray[np.float64]:
         """Where the agents are, ahead: (n,)."""
-        return self.state["cell_x"] * CHUNK_M + self.state["x_m"]
+        return np.asarray(self.state["cell_x"] * CHUNK_M + self.state["x_m"], np.float64)
 
 
 def built(folder: Path) -> dict[str, Path]:
@@ -140,9 +141,9 @@ def raced(libraries: dict[str, Path], policy: str, mode: str) -> dict[str, Any]:
     for actions in actions_of(policy, WARM_UP_STEPS, scene.agents):
         ours.step(actions)
     rivals = {name: Rival(path, ours) for name, path in libraries.items()}
-    ways = {name: rival.advancing(*MODES[mode]) for name, rival in rivals.items()}
+    ways = {name: rival.advancing(MODES[mode]) for name, rival in rivals.items()}
     actions = actions_of(policy, STEPS, scene.agents)
-    times = rounds_s({"ours": advancing(ours, *MODES[mode]), **ways}, actions, ROUNDS)
+    times = rounds_s({"ours": advancing(ours, MODES[mode]), **ways}, actions, ROUNDS)
     best = {name: actions.size / float(seconds.min()) / 1e6 for name, seconds in times.items()}
     fastest = min(rivals, key=lambda name: float(times[name].min()))
     median = float(np.median(times[fastest] / times["ours"]))
@@ -184,7 +185,7 @@ def main() -> None:
     )
     parser.add_argument("--json", action="store_true", help="print JSON")
     as_json = parser.parse_args().json
-    numba.set_num_threads(1)
+    set_thread_count(1)
     with tempfile.TemporaryDirectory() as folder:
         libraries = built(Path(folder))
         differences = {name: compared(path) for name, path in libraries.items()}

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -14,9 +15,11 @@ from reflexarc_sim_bridge.reference_field import WORLD_NAME, reference_contract,
 from reflexarc_sim_bridge.seeds import training_seeds
 from reflexarc_sim_bridge.shapes import Curves, Rectangles, Shape
 from reflexarc_sim_bridge.simulation import Simulation, motions_of
+from reflexarc_sim_bridge.threads import shared
 from reflexarc_sim_bridge.world_files import world_named
 from reflexarc_sim_bridge.worlds import World
 
+MODES = {"look": kernel.LOOK, "move": kernel.MOVE, "both": kernel.MOVE + kernel.LOOK}
 HELD_STEPS = 3
 HALF_TURN_RAD = 3.141592653589793
 
@@ -77,11 +80,11 @@ def actions_of(policy: str, steps: int, agents: int) -> npt.NDArray[np.int64]:
     return np.repeat(drawn, HELD_STEPS, axis=0)[:steps]
 
 
-def advancing(simulation: Simulation, moves: bool = True, looks: bool = True) -> Advance:
-    """Move, or look, or both in one pass."""
+def advancing(simulation: Simulation, tasks: int = MODES["both"]) -> Advance:
+    """Let all agents move, or look, or both in one pass, on `threads.thread_count()` threads."""
     motions, met = motions_of(simulation.contract), np.zeros(len(simulation), np.bool_)
-    params = simulation.params
-    return lambda actions: kernel.advance_all(*params, motions, actions, met, moves, looks)
+    params, n = simulation.params, len(simulation)
+    return lambda actions: shared(partial(kernel.advance, params, motions, actions, met, tasks), n)
 
 
 def elapsed_s(advance: Advance, actions: npt.NDArray[np.int64]) -> float:
@@ -103,7 +106,5 @@ def rounds_s(
 
 
 def _carry_to(simulation: Simulation, x_m: float) -> None:
-    params = simulation.params
-    params.agents.state["cell_x"] = int(x_m / CHUNK_M)
-    everyone = np.arange(len(simulation))
-    kernel.place_agents(params, kernel.new_workspace(params), everyone)
+    simulation.params.agents.state["cell_x"] = int(x_m / CHUNK_M)
+    advancing(simulation, kernel.PLACE)(np.zeros(len(simulation), np.int64))

@@ -9,7 +9,7 @@ beyond can be felt: neighbouring chunks agree about their borders.
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_sim_bridge.compiled import compiled
+from reflexarc_sim_bridge.compiled import compiled_inner
 from reflexarc_sim_bridge.random_numbers import joined, number, uniform
 
 MAX_ROWS = 64
@@ -18,7 +18,7 @@ MAX_ROWS = 64
 _ONE = np.uint64(1)
 
 
-@compiled
+@compiled_inner
 def full_cells(
     key: np.uint64,
     count: int,
@@ -54,7 +54,7 @@ def full_cells(
         cells[row] = (cells[row + margin] >> np.uint64(margin)) & inner
 
 
-@compiled
+@compiled_inner
 def run_count(cells: npt.NDArray[np.uint64], count: int) -> int:
     """How many rows of neighbouring full cells a chunk has."""
     runs = 0
@@ -66,7 +66,7 @@ def run_count(cells: npt.NDArray[np.uint64], count: int) -> int:
     return runs
 
 
-@compiled
+@compiled_inner
 def find_run(cells: npt.NDArray[np.uint64], count: int, index: int) -> tuple[int, int, int]:
     """Row, first and last cell of run `index`."""
     runs = 0
@@ -84,7 +84,7 @@ def find_run(cells: npt.NDArray[np.uint64], count: int, index: int) -> tuple[int
     return 0, 0, -1
 
 
-@compiled
+@compiled_inner
 def _random_row(key: np.uint64, fill: float, x: int, y: int, width: int, period: int) -> np.uint64:
     row, bits = joined(key, np.uint64(x)), np.uint64(0)
     for bit in range(width):
@@ -94,7 +94,7 @@ def _random_row(key: np.uint64, fill: float, x: int, y: int, width: int, period:
     return bits
 
 
-@compiled
+@compiled_inner
 def _smooth(cells: npt.NDArray[np.uint64], rows: int) -> None:
     above = np.uint64(0)
     for row in range(rows):
@@ -104,7 +104,7 @@ def _smooth(cells: npt.NDArray[np.uint64], rows: int) -> None:
         above = here
 
 
-@compiled
+@compiled_inner
 def _smoothed(above: np.uint64, here: np.uint64, below: np.uint64) -> np.uint64:
     """Full with five neighbours or more, empty with three or fewer, else as it is."""
     ones, twos, fours, eights = np.uint64(0), np.uint64(0), np.uint64(0), np.uint64(0)
@@ -118,7 +118,7 @@ def _smoothed(above: np.uint64, here: np.uint64, below: np.uint64) -> np.uint64:
     return (four_or_more & ~four) | (four & here)
 
 
-@compiled
+@compiled_inner
 def _counted(
     ones: np.uint64, twos: np.uint64, fours: np.uint64, eights: np.uint64, bits: np.uint64
 ) -> tuple[np.uint64, np.uint64, np.uint64, np.uint64]:

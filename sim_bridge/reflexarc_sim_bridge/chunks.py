@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_sim_bridge import outlines
-from reflexarc_sim_bridge.compiled import compiled, compiled_inline
+from reflexarc_sim_bridge.compiled import compiled_inline, compiled_inner
 from reflexarc_sim_bridge.layers import CHUNK_M
 from reflexarc_sim_bridge.outlines import CURVE_CORNERS
 from reflexarc_sim_bridge.params import (
@@ -187,7 +187,7 @@ def scattered(
     )
 
 
-@compiled
+@compiled_inner
 def is_thinned(
     plane: Row,
     layer: Row,
@@ -214,7 +214,7 @@ def is_thinned(
     return False
 
 
-@compiled
+@compiled_inner
 def paint_of(layer: Row, key: np.uint64, block: np.uint64) -> int:
     """Colour of an obstacle: 8 bits each of red, green and blue."""
     bits = number(key, block + _PAINT)
@@ -227,7 +227,7 @@ def paint_of(layer: Row, key: np.uint64, block: np.uint64) -> int:
     return (red << 16) | (green << 8) | blue
 
 
-@compiled
+@compiled_inner
 def corner_m(key: np.uint64, obstacle: Obstacle, corner: int) -> tuple[float, float]:
     """A corner of an outline, relative to its centre; counter-clockwise. `key` is the chunk's."""
     if obstacle.kind == POLYGON or obstacle.kind == CURVE:
@@ -256,7 +256,7 @@ def nothing() -> Obstacle:
     return Obstacle(NOTHING, 0.0, 0.0, 0.0, 0.0, 0.0, 4, 0.0, np.uint64(0), 0)
 
 
-@compiled
+@compiled_inner
 def _form(shape: Row, bits: np.uint64) -> tuple[int, float]:
     """Corners and dent of a polygon, lobes and waviness of a curve."""
     dent = between(shape.dent_low, shape.dent_high, second_half(bits))

@@ -20,7 +20,6 @@ from reflexarc_sim_bridge.compile_cache import keyed_by_sources
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
 prange = numba.prange
-_njit: Any = numba.njit  # its stub does not know all of its options
 
 
 def compiled(function: _Function) -> _Function:
@@ -28,18 +27,21 @@ def compiled(function: _Function) -> _Function:
 
     It allocates nothing.
     """
-    with keyed_by_sources():
-        dispatcher: Any = _njit(cache=True, error_model="numpy", _nrt=False)(function)
-    return dispatcher  # type: ignore[no-any-return]  # it is called as the function is
+    return _compiled(function, _nrt=False)
+
+
+def compiled_inner(function: _Function) -> _Function:
+    """The same for a function that only compiled ones call: Python cannot, which saves a wrapper.
+
+    The wrapper takes arguments out of Python's objects; for tuples of many arrays it is larger than
+    the function.
+    """
+    return _compiled(function, _nrt=False, no_cpython_wrapper=True)
 
 
 def compiled_inline(function: _Function) -> _Function:
     """The same for a small function of a hot loop: it becomes part of whoever calls it."""
-    with keyed_by_sources():
-        dispatcher: Any = _njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)(
-            function
-        )
-    return dispatcher  # type: ignore[no-any-return]  # it is called as the function is
+    return _compiled(function, _nrt=False, no_cpython_wrapper=True, forceinline=True)
 
 
 def compiled_part(function: _Function) -> _Function:
@@ -49,18 +51,12 @@ def compiled_part(function: _Function) -> _Function:
     again at every level of a call. Not for a caller that is `compiled_allocating`: it would count
     the references of all that it inlines.
     """
-    with keyed_by_sources():
-        dispatcher: Any = _njit(cache=True, error_model="numpy", _nrt=False, inline="always")(
-            function
-        )
-    return dispatcher  # type: ignore[no-any-return]  # it is called as the function is
+    return _compiled(function, _nrt=False, no_cpython_wrapper=True, inline="always")
 
 
 def compiled_allocating(function: _Function) -> _Function:
-    """The same for a function that makes arrays; other threads of Python can run meanwhile."""
-    with keyed_by_sources():
-        dispatcher: Any = _njit(cache=True, error_model="numpy", _nrt=True, nogil=True)(function)
-    return dispatcher  # type: ignore[no-any-return]  # it is called as the function is
+    """For a function that makes arrays, too; other threads of Python can run meanwhile."""
+    return _compiled(function, _nrt=True, nogil=True)
 
 
 def compiled_parallel(function: _Function) -> _Function:
@@ -70,6 +66,13 @@ def compiled_parallel(function: _Function) -> _Function:
     array of that tuple, the two are compiled as if they shared no memory, and what the call wrote
     is not seen.
     """
+    return _compiled(function, parallel=True)
+
+
+def _compiled(function: _Function, **options: Any) -> _Function:
+    njit: Any = numba.njit  # its stub does not know all of its options
     with keyed_by_sources():
-        dispatcher: Any = _njit(cache=True, error_model="numpy", parallel=True)(function)
+        dispatcher = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, **options)(
+            function
+        )
     return dispatcher  # type: ignore[no-any-return]  # it is called as the function is

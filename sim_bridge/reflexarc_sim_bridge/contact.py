@@ -9,7 +9,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_sim_bridge.compiled import compiled, compiled_inline, compiled_part
+from reflexarc_sim_bridge.compiled import compiled_inline, compiled_inner, compiled_part
 from reflexarc_sim_bridge.geometry import meets_box_m, meets_disc_m, meets_side_m, reciprocal
 from reflexarc_sim_bridge.near import displacement_m, place_in_layer_m
 from reflexarc_sim_bridge.params import (
@@ -72,7 +72,7 @@ def free_share(params: Params, i: int, ahead_m: float, left_m: float) -> float:
     return share
 
 
-@compiled
+@compiled_inner
 def touches(params: Params, i: int) -> bool:
     """Whether an agent covers or touches an obstacle where it is."""
     world, agents = params.world, params.agents
@@ -103,20 +103,20 @@ def _touched(
     way_x_m: float,
     way_y_m: float,
     radius_m: float,
-) -> np.int32:
-    """How many obstacles meet the step's bounding box: nearly always none, and cheap to say."""
+) -> bool:
+    """Whether obstacles meet the step's bounding box: nearly always none, and cheap to say."""
     x, y = np.float32(x_m + 0.5 * way_x_m), np.float32(y_m + 0.5 * way_y_m)
     reach_x = np.float32(0.5 * abs(way_x_m) + radius_m + TOUCHING_M)
     reach_y = np.float32(0.5 * abs(way_y_m) + radius_m + TOUCHING_M)
     touched = _boxes_touched(boxes, counts[BOXES], x, y, reach_x, reach_y)
     if counts[DISCS]:
-        touched += _discs_touched(discs, counts[DISCS], x, y, reach_x, reach_y)
+        touched |= _discs_touched(discs, counts[DISCS], x, y, reach_x, reach_y)
     if counts[SIDES]:
-        touched += _sides_touched(sides, counts[SIDES], x, y, reach_x, reach_y)
+        touched |= _sides_touched(sides, counts[SIDES], x, y, reach_x, reach_y)
     return touched
 
 
-@compiled
+@compiled_inner
 def _share(
     boxes: Floats32,
     discs: Floats32,
@@ -131,9 +131,9 @@ def _share(
     length_m = math.hypot(way_x_m, way_y_m)
     ahead, left = (way_x_m / length_m, way_y_m / length_m) if length_m > 0.0 else (1.0, 0.0)
     met_m = min(
-        _first_box_m(boxes, counts[BOXES], x_m, y_m, ahead, left, radius_m),
-        _first_disc_m(discs, counts[DISCS], x_m, y_m, ahead, left, radius_m),
-        _first_side_m(sides, counts[SIDES], x_m, y_m, ahead, left, radius_m),
+        _first_box_m(boxes, counts[BOXES], x_m, y_m, ahead, left, length_m, radius_m),
+        _first_disc_m(discs, counts[DISCS], x_m, y_m, ahead, left, length_m, radius_m),
+        _first_side_m(sides, counts[SIDES], x_m, y_m, ahead, left, length_m, radius_m),
     )
     if met_m > length_m:
         return math.inf
@@ -143,48 +143,57 @@ def _share(
 @compiled_inline
 def _boxes_touched(
     near: Floats32, count: int, x: np.float32, y: np.float32, rx: np.float32, ry: np.float32
-) -> np.int32:
-    touched = np.int32(0)
+) -> bool:
+    touched = False
     for k in range(count):
         along = abs(near[BOX_X, k] - x) <= near[BOX_HALF_LENGTH, k] + rx
         across = abs(near[BOX_Y, k] - y) <= near[BOX_HALF_WIDTH, k] + ry
-        touched += np.int32(along & across)
+        touched |= along & across
     return touched
 
 
 @compiled_inline
 def _discs_touched(
     near: Floats32, count: int, x: np.float32, y: np.float32, rx: np.float32, ry: np.float32
-) -> np.int32:
-    touched = np.int32(0)
+) -> bool:
+    touched = False
     for k in range(count):
         radius = near[DISC_RADIUS, k]
         along = abs(near[DISC_X, k] - x) <= radius + rx
-        touched += np.int32(along & (abs(near[DISC_Y, k] - y) <= radius + ry))
+        touched |= along & (abs(near[DISC_Y, k] - y) <= radius + ry)
     return touched
 
 
 @compiled_inline
 def _sides_touched(
     near: Floats32, count: int, x: np.float32, y: np.float32, rx: np.float32, ry: np.float32
-) -> np.int32:
-    touched, half = np.int32(0), np.float32(0.5)
+) -> bool:
+    touched, half = False, np.float32(0.5)
     for k in range(count):
         ahead, left = half * near[SIDE_AHEAD, k], half * near[SIDE_LEFT, k]
         along = abs(near[SIDE_X, k] + ahead - x) <= abs(ahead) + rx
-        touched += np.int32(along & (abs(near[SIDE_Y, k] + left - y) <= abs(left) + ry))
+        touched |= along & (abs(near[SIDE_Y, k] + left - y) <= abs(left) + ry)
     return touched
 
 
 @compiled_inline
 def _first_box_m(
-    near: Floats32, count: int, x_m: float, y_m: float, ahead: float, left: float, radius_m: float
+    near: Floats32,
+    count: int,
+    x_m: float,
+    y_m: float,
+    ahead: float,
+    left: float,
+    length_m: float,
+    radius_m: float,
 ) -> float:
     per_ahead, per_left = reciprocal(ahead, _STEEPEST), reciprocal(left, _STEEPEST)
     first_m = math.inf
     for k in range(count):
         x, y = np.float64(near[BOX_X, k]) - x_m, np.float64(near[BOX_Y, k]) - y_m
         length, width = np.float64(near[BOX_HALF_LENGTH, k]), np.float64(near[BOX_HALF_WIDTH, k])
+        if max(abs(x) - length, abs(y) - width) > length_m + radius_m:
+            continue
         if radius_m == 0.0:
             first_m = min(first_m, meets_box_m(x, y, length, width, per_ahead, per_left))
             continue
@@ -200,24 +209,42 @@ def _first_box_m(
 
 @compiled_inline
 def _first_disc_m(
-    near: Floats32, count: int, x_m: float, y_m: float, ahead: float, left: float, radius_m: float
+    near: Floats32,
+    count: int,
+    x_m: float,
+    y_m: float,
+    ahead: float,
+    left: float,
+    length_m: float,
+    radius_m: float,
 ) -> float:
     first_m = math.inf
     for k in range(count):
         x, y = np.float64(near[DISC_X, k]) - x_m, np.float64(near[DISC_Y, k]) - y_m
         radius = np.float64(near[DISC_RADIUS, k]) + radius_m
+        if max(abs(x), abs(y)) > length_m + radius:
+            continue
         first_m = min(first_m, meets_disc_m(x, y, radius, ahead, left))
     return first_m
 
 
 @compiled_inline
 def _first_side_m(
-    near: Floats32, count: int, x_m: float, y_m: float, ahead: float, left: float, radius_m: float
+    near: Floats32,
+    count: int,
+    x_m: float,
+    y_m: float,
+    ahead: float,
+    left: float,
+    length_m: float,
+    radius_m: float,
 ) -> float:
     first_m = math.inf
     for k in range(count):
         x, y = np.float64(near[SIDE_X, k]) - x_m, np.float64(near[SIDE_Y, k]) - y_m
         side_x, side_y = np.float64(near[SIDE_AHEAD, k]), np.float64(near[SIDE_LEFT, k])
+        if max(abs(x), abs(y)) > abs(side_x) + abs(side_y) + length_m + radius_m:
+            continue
         if radius_m > 0.0:
             first_m = min(first_m, meets_disc_m(x, y, radius_m, ahead, left))
             per_length = radius_m / max(math.hypot(side_x, side_y), _STEEPEST)

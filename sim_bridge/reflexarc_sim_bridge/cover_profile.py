@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_sim_bridge.chunks import layer_key
+from reflexarc_sim_bridge.compiled import compiled
 from reflexarc_sim_bridge.params import world_tables
 from reflexarc_sim_bridge.reference_field import reference_contract
 from reflexarc_sim_bridge.simulation import covered
@@ -98,7 +99,7 @@ def right_side_m(world: World, seed: int, x_m: Floats) -> Floats:
     tables = world_tables([world], reference_contract(), world)
     number = int(tables.planes[0]["corridor"])
     walls = tables.layers[0, number]
-    key = np.uint64(layer_key(world.stream, np.uint64(seed), number))
+    key = np.uint64(_layer_key(world.stream, np.uint64(seed), number))
     middles_m = [corridor_middle_m(walls, key, x) for x in x_m.tolist()]
     return np.array(middles_m) - _room_m(world) / 2
 
@@ -150,3 +151,8 @@ def _room_m(world: World) -> float:
     if world.corridor is None:
         return world.width_m
     return world.corridor.width_m - 2 * _WALL_MARGIN_M
+
+
+@compiled
+def _layer_key(stream: int, seed: np.uint64, number: int) -> np.uint64:
+    return layer_key(stream, seed, number)

@@ -8,7 +8,7 @@ bits are the same on any number of threads.
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_sim_bridge.compiled import compiled, compiled_allocating
+from reflexarc_sim_bridge.compiled import compiled_allocating, compiled_inner
 from reflexarc_sim_bridge.contact import touches
 from reflexarc_sim_bridge.motion import step_agent
 from reflexarc_sim_bridge.near import keep_near
@@ -86,7 +86,7 @@ def cast(params: Params, distances_out: npt.NDArray[np.float32]) -> None:
     distances_out[:] = work.distance_m
 
 
-@compiled
+@compiled_inner
 def _cover(
     params: Params,
     work: Workspace,
@@ -100,6 +100,6 @@ def _cover(
         found_out[k] = touches(params, 0)
 
 
-@compiled
+@compiled_inner
 def _look(params: Params, work: Workspace) -> None:
     look(params, work, 0, 0)

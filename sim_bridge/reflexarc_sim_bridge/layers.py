@@ -99,10 +99,11 @@ class Scatter:
 
         Matérn's second rule keeps (1 − exp(−ρπg²)) / (πg²) of them.
         """
-        mean = math.fsum(self.sections) / len(self.sections) if self.sections else 1.0
-        density = mean * self.density_per_m2
+        densities = [self.density_per_m2 * factor for factor in self.sections or (1.0,)]
         disc_m2 = math.pi * self.gap_m**2
-        return -math.expm1(-density * disc_m2) / disc_m2 if disc_m2 > 0.0 else density
+        if disc_m2 > 0.0:
+            densities = [-math.expm1(-density * disc_m2) / disc_m2 for density in densities]
+        return math.fsum(densities) / len(densities)
 
     @property
     def mean_width_m(self) -> float:
@@ -185,8 +186,9 @@ class Corridor:
 
     @property
     def reach_m(self) -> float:
-        """A wall is cut into pieces, one a chunk's length."""
-        return CHUNK_M
+        """A wall is cut into pieces, one a chunk's length; nowhere is it steeper than that."""
+        steepest = math.pi * self.meander_m / (self.wavelength_m / 2)
+        return CHUNK_M * max(1.0, 0.5 + 0.5 * steepest)
 
 
 @dataclass(frozen=True)

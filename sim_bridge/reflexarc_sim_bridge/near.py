@@ -17,7 +17,7 @@ from reflexarc_sim_bridge.chunks import (
     scatter_count,
     scattered,
 )
-from reflexarc_sim_bridge.compiled import compiled, compiled_inline, compiled_part
+from reflexarc_sim_bridge.compiled import compiled_inline, compiled_inner, compiled_part
 from reflexarc_sim_bridge.layers import CHUNK_M
 from reflexarc_sim_bridge.params import (
     AT_REST,
@@ -131,7 +131,7 @@ def keep_near(params: Params, work: Workspace, i: int, anew: bool) -> None:
                 _gather_structure(plane, layer, key, cell, near_counts, boxes, sides, work.cells)
 
 
-@compiled
+@compiled_inner
 def _gather_scatter(
     plane: Row,
     layer: Row,
@@ -181,7 +181,7 @@ def _gather_scatter(
     near_counts[BOXES], near_counts[DISCS], near_counts[SIDES] = box, disc, side
 
 
-@compiled
+@compiled_inner
 def _gather_structure(
     plane: Row,
     layer: Row,
@@ -231,7 +231,7 @@ def _list_disc(rows: Floats32, k: int, obstacle: Obstacle, x_m: float, y_m: floa
     return min(k + 1, int(rows.shape[1]) - _SPARE)
 
 
-@compiled
+@compiled_inner
 def _list_sides(
     rows: Floats32, k: int, chunk: np.uint64, obstacle: Obstacle, x_m: float, y_m: float
 ) -> int:

@@ -406,9 +406,7 @@ def _most_chunks(world: World, contract: PolicyContract) -> int:
 
 def _write_gates(row: Table, layer: Gates, world: World) -> None:
     row["kind"], row["spacing_chunks"] = GATES, max(1, round(layer.spacing_m / CHUNK_M))
-    pitches = max(1, round(world.width_m / layer.pitch_m))
-    periodic = world.edges is Edges.PERIODIC
-    row["pitch_m"] = world.width_m / pitches if periodic else layer.pitch_m
+    row["pitch_m"] = world.pitch_m(layer)
     row["opening_low_m"], row["opening_high_m"] = layer.opening_m
     row["half_thickness_m"] = layer.thickness_m / 2
 
@@ -453,13 +451,12 @@ def _cumulative_counts(
     factors = layer.sections or (1.0,)
     rows = np.ones((MAX_SECTIONS, counts.shape[3]))  # the last entry stays 1: nothing passes it
     for section, factor in enumerate(factors):
-        mean = layer.density_per_m2 * factor * chunk_m2
-        probability = math.exp(-mean)
-        cumulative = probability
+        mean, cumulative = layer.density_per_m2 * factor * chunk_m2, 0.0
+        log_mean = math.log(mean) if mean > 0.0 else -math.inf
         for k in range(rows.shape[1] - 1):
+            # By its logarithm: exp(−mean) alone is 0 in the densest chunks.
+            cumulative += math.exp((k * log_mean if k else 0.0) - mean - math.lgamma(k + 1))
             rows[section, k] = min(cumulative, 1.0)
-            probability *= mean / (k + 1)
-            cumulative += probability
     return rows
 
 
@@ -511,12 +508,22 @@ def _needs(tables: WorldTables, w: int, number: int) -> npt.NDArray[np.int64]:
             return np.array([chunks * layer["cells"] * (layer["cells"] + 1) // 2, 0, 0])
     counts = tables.counts[w, number]
     densest = float((1.0 - counts).sum(axis=1).max()) / (CHUNK_M * plane["chunk_width_m"])
-    crowding = 1.0 if plane["edges"] != OPEN else plane["width_m"] / (plane["width_m"] - reach_m)
-    mean = densest * min(4.0, crowding) * length_m * width_m
+    mean = densest * _crowding(plane, layer) * length_m * width_m
     most = math.ceil(mean + 10 * math.sqrt(mean) + 20)
     corners = [_corners_of(shape) for shape in tables.shapes[w, number, : int(layer["shapes"])]]
     kinds = {int(shape["kind"]) for shape in tables.shapes[w, number, : int(layer["shapes"])]}
     return np.array([most * (BOX in kinds), most * (DISC in kinds), most * max(corners)])
+
+
+def _crowding(plane: Any, layer: Any) -> float:
+    """How much denser centres lie than they are drawn: with open edges, pushed inwards.
+
+    More than fourfold they are in a strip that is narrower than what is near anyway.
+    """
+    if plane["edges"] != OPEN:
+        return 1.0
+    room_m = plane["width_m"] - layer["reach_m"]
+    return float(plane["width_m"] / max(room_m, plane["width_m"] / 4))
 
 
 def _corners_of(shape: Any) -> int:

@@ -28,6 +28,8 @@ Picked = npt.NDArray[np.int64]
 Judged = npt.NDArray[np.bool_]
 
 _ZERO, _HALF = np.float32(0.0), np.float32(0.5)
+_SLIGHT_M = np.float32(1e-5)
+"""A ray along a wedge's edge, to where two sides meet, must not be beside both by rounding."""
 
 
 @compiled_inline
@@ -126,8 +128,8 @@ def judge_sides(
         judged[k] = (
             (away_x * away_x + away_y * away_y < range_m * range_m)
             & (ahead * dy - left * dx > _ZERO)
-            & (from_right >= _ZERO)
-            & (from_left >= _ZERO)
+            & (from_right >= -_SLIGHT_M)
+            & (from_left >= -_SLIGHT_M)
         )
 
 

@@ -9,13 +9,13 @@ import math
 import numpy as np
 
 from reflexarc_sim_bridge.chunks import Row, agent_number, layer_key
-from reflexarc_sim_bridge.compiled import compiled, compiled_inline
+from reflexarc_sim_bridge.compiled import compiled_inline, compiled_inner
 from reflexarc_sim_bridge.contact import touches
 from reflexarc_sim_bridge.layers import CHUNK_M
 from reflexarc_sim_bridge.near import keep_near
 from reflexarc_sim_bridge.params import OPEN, PERIODIC, UNBOUNDED, Params, WorldTables
 from reflexarc_sim_bridge.random_numbers import uniform
-from reflexarc_sim_bridge.structures import corridor_middle_m
+from reflexarc_sim_bridge.structures import corridor_line_m
 from reflexarc_sim_bridge.workspace import Workspace
 
 # So many draws miss every free place of a half-covered line once in 1e19; a line that refuses
@@ -32,7 +32,7 @@ def draw(plane: Row, state: Row) -> np.uint64:
     return bits
 
 
-@compiled
+@compiled_inner
 def go_to_free_place(params: Params, work: Workspace, i: int, anew: bool) -> None:
     """Put an agent at a free y of its x, all free places being equally likely.
 
@@ -73,13 +73,13 @@ def set_place(plane: Row, state: Row, cell_x: int, x_m: float, cell_y: int, y_m:
         state.cell_y %= plane.across
 
 
-@compiled
+@compiled_inner
 def _strip_m(world: WorldTables, plane: Row, state: Row) -> tuple[float, float]:
     """Between which lateral places an agent is put."""
     if plane.corridor >= 0:
         layer = world.layers[state.world, plane.corridor]
         key = layer_key(plane.stream, state.seed, plane.corridor)
-        middle_m = corridor_middle_m(layer, key, state.cell_x * CHUNK_M + state.x_m)
+        middle_m = corridor_line_m(layer, key, state.cell_x * CHUNK_M + state.x_m)
         return middle_m - layer.half_width_m, middle_m + layer.half_width_m
     if plane.edges == UNBOUNDED:
         middle_m = state.cell_y * plane.chunk_width_m + state.y_m

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from reflexarc_sim_bridge.compiled import compiled, compiled_inline
+from reflexarc_sim_bridge.compiled import compiled_inline, compiled_inner
 
 _GAMMA = np.uint64(0x9E3779B97F4A7C15)
 _MIX_1 = np.uint64(0xBF58476D1CE4E5B9)
@@ -64,7 +64,7 @@ def between(low: float, high: float, draw: float) -> float:
     return low + (high - low) * draw
 
 
-@compiled
+@compiled_inner
 def normal(bits: np.uint64) -> float:
     """A standard normal number from 64 bits (Box and Muller)."""
     radius = math.sqrt(-2.0 * math.log1p(-first_half(bits)))

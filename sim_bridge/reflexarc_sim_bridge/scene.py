@@ -8,7 +8,7 @@ import numpy.typing as npt
 from reflexarc_runtime.contract import PolicyContract
 from reflexarc_sim_bridge import chunks
 from reflexarc_sim_bridge.automaton import MAX_ROWS
-from reflexarc_sim_bridge.compiled import compiled_allocating
+from reflexarc_sim_bridge.compiled import compiled, compiled_allocating
 from reflexarc_sim_bridge.layers import CHUNK_M
 from reflexarc_sim_bridge.near import displacement_m
 from reflexarc_sim_bridge.params import (
@@ -77,7 +77,7 @@ def outlines_near(params: Params, agent: int) -> list[Outline]:
     sides_m = np.array([CHUNK_M, plane["chunk_width_m"]])
     for layer in range(int(plane["layers"])):
         row = params.world.layers[state["world"], layer]
-        moved_m = displacement_m(row, float(state["steps"] * plane["dt_s"]))
+        moved_m = _displacement_m(row, float(state["steps"] * plane["dt_s"]))
         corner_m = params.agents.layer_cells[agent, layer] * sides_m + np.array(moved_m)
         found += _near_in_layer(params, agent, layer, corner_m)
     return found
@@ -133,6 +133,11 @@ def _polygon(corners_m: npt.NDArray[np.float64], is_box: bool, paint: float, lay
 def _colour(paint: float) -> tuple[float, float, float]:
     bits = int(paint)
     return (bits >> 16) / 255, (bits >> 8 & 255) / 255, (bits & 255) / 255
+
+
+@compiled
+def _displacement_m(layer: chunks.Row, time_s: float) -> tuple[float, float]:
+    return displacement_m(layer, time_s)
 
 
 @compiled_allocating

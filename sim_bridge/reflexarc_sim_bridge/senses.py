@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_sim_bridge.chunks import Row
-from reflexarc_sim_bridge.compiled import compiled, compiled_inline, compiled_part
+from reflexarc_sim_bridge.compiled import compiled_inline, compiled_inner, compiled_part
 from reflexarc_sim_bridge.params import Params
 from reflexarc_sim_bridge.places import draw
 from reflexarc_sim_bridge.random_numbers import normal, uniform
@@ -38,7 +38,7 @@ def sense_agent(params: Params, work: Workspace, i: int) -> None:
     _remember(params, work, i)
 
 
-@compiled
+@compiled_inner
 def _disturb(
     plane: Row,
     state: Row,

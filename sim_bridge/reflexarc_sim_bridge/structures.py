@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from reflexarc_sim_bridge.automaton import find_run, full_cells, run_count
 from reflexarc_sim_bridge.chunks import Obstacle, Row, column_key, nothing, paint_of
-from reflexarc_sim_bridge.compiled import compiled
+from reflexarc_sim_bridge.compiled import compiled, compiled_inner
 from reflexarc_sim_bridge.layers import CHUNK_M
 from reflexarc_sim_bridge.params import BOX, CORRIDOR, GATES, NOTHING, WALL
 from reflexarc_sim_bridge.random_numbers import (
@@ -31,7 +31,7 @@ _ZERO, _ONE = np.uint64(0), np.uint64(1)
 _GATE_PIECES = 4
 
 
-@compiled
+@compiled_inner
 def structure_count(
     plane: Row, layer: Row, key: np.uint64, i: int, j: int, cells: npt.NDArray[np.uint64]
 ) -> int:
@@ -53,7 +53,7 @@ def structure_count(
     return run_count(cells, layer.cells)
 
 
-@compiled
+@compiled_inner
 def structure_at(
     plane: Row,
     layer: Row,
@@ -82,6 +82,15 @@ def corridor_middle_m(layer: Row, key: np.uint64, x_m: float) -> float:
 
 
 @compiled
+def corridor_line_m(layer: Row, key: np.uint64, x_m: float) -> float:
+    """The same of its walls, which are straight from one border of chunks to the next."""
+    i = math.floor(x_m / CHUNK_M)
+    begin_m = corridor_middle_m(layer, key, i * CHUNK_M)
+    end_m = corridor_middle_m(layer, key, (i + 1) * CHUNK_M)
+    return between(begin_m, end_m, x_m / CHUNK_M - i)
+
+
+@compiled_inner
 def _gate_piece(plane: Row, layer: Row, key: np.uint64, i: int, j: int, index: int) -> Obstacle:
     """What of a wall lies within the chunk: left or right of the opening of one of two pitches."""
     wall, pitch_m = column_key(key, i), layer.pitch_m
@@ -104,7 +113,7 @@ def _gate_piece(plane: Row, layer: Row, key: np.uint64, i: int, j: int, index: i
     return Obstacle(BOX, 0.5 * CHUNK_M, y_m, thick_m, half_m, 0.0, 4, 0.0, _ZERO, paint)
 
 
-@compiled
+@compiled_inner
 def _wall(plane: Row, layer: Row, key: np.uint64, i: int, j: int, index: int) -> Obstacle:
     """A chunk's length of the right or left wall, outside of the corridor's width."""
     begin_m = corridor_middle_m(layer, key, i * CHUNK_M)
@@ -118,7 +127,7 @@ def _wall(plane: Row, layer: Row, key: np.uint64, i: int, j: int, index: int) ->
     return Obstacle(kind, half_m, y_m, half_m, thick_m, 0.0, 4, rise_m, _ZERO, paint)
 
 
-@compiled
+@compiled_inner
 def _run(
     plane: Row,
     layer: Row,

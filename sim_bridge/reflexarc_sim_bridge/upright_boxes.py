@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_sim_bridge.chunks import BLOCK, PLACE, Row, chunk_key, column_key
-from reflexarc_sim_bridge.compiled import compiled, compiled_inline
+from reflexarc_sim_bridge.compiled import compiled_inline, compiled_inner
 from reflexarc_sim_bridge.layers import CHUNK_M
 from reflexarc_sim_bridge.params import BOX_HALF_LENGTH, BOX_HALF_WIDTH, BOX_PAINT, BOX_X, BOX_Y
 from reflexarc_sim_bridge.random_numbers import (
@@ -56,7 +56,7 @@ class Entries(NamedTuple):
     kept: npt.NDArray[np.bool_]
 
 
-@compiled
+@compiled_inner
 def gather_upright_boxes(
     plane: Row,
     layer: Row,
@@ -105,7 +105,8 @@ def is_beyond(x_m: float, length_m: float, y_m: float, width_m: float, farthest_
 @compiled_inline
 def farthest_in_reach_m(plane: Row, layer: Row) -> float:
     """Farther from an agent's cell no chunk holds anything that matters."""
-    return float(max(plane.ahead_m, plane.behind_m)) + _DIAGONAL * layer.reach_m
+    reach_m: float = _DIAGONAL * layer.reach_m
+    return float(max(plane.ahead_m, plane.behind_m)) + reach_m
 
 
 @compiled_inline
@@ -132,15 +133,21 @@ def _chunks_in_reach(
 
 @compiled_inline
 def _count(counts: npt.NDArray[np.float64], entries: Entries, chunks: int) -> None:
-    """Poisson: as many obstacles as there are counts whose probability the draw has passed."""
+    """Poisson: as many obstacles as there are counts whose probability the draw has passed.
+
+    All chunks are compared at once, until none has so many.
+    """
     keys, draws, found = entries.keys, entries.draws, entries.counts
     for c in range(chunks):
         draws[c] = uniform(number(keys[c], np.uint64(0)))
         found[c] = 0
     for k in range(counts.size):
-        probability = counts[k]
+        probability, passed = counts[k], 0
         for c in range(chunks):
             found[c] += draws[c] >= probability
+            passed += draws[c] >= probability
+        if passed == 0:
+            return
 
 
 @compiled_inline

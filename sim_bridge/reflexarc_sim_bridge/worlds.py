@@ -13,7 +13,7 @@ from enum import StrEnum
 from typing import Protocol
 
 from reflexarc_sim_bridge.checks import Span, require, require_within
-from reflexarc_sim_bridge.layers import Corridor, Layer, Scatter
+from reflexarc_sim_bridge.layers import Corridor, Gates, Layer, Scatter
 
 MAX_LAYERS = 5
 """One at rest and four that move."""
@@ -150,6 +150,7 @@ class World:
         require(len(self.layers) <= MAX_LAYERS, "layers", f"at most {MAX_LAYERS}", len(self.layers))
         self._check_open_sides()
         self._check_corridors()
+        self._check_gates()
 
     @property
     def reach_m(self) -> float:
@@ -160,6 +161,12 @@ class World:
     def corridor(self) -> Corridor | None:
         """The walls that hold the agent, if there are any."""
         return next((layer for layer in self.layers if isinstance(layer, Corridor)), None)
+
+    def pitch_m(self, gates: Gates) -> float:
+        """Lateral distance of the openings of gates, so that it divides the width."""
+        if self.edges is not Edges.PERIODIC:
+            return gates.pitch_m
+        return self.width_m / max(1, round(self.width_m / gates.pitch_m))
 
     @property
     def blind_contacts_per_100m(self) -> float | None:
@@ -220,6 +227,14 @@ class World:
         require(solid, "chassis.after_contact", "no ghost: walls hold", "ghost")
         room_m = self.corridor.width_m - 2 * self.chassis.radius_m if self.corridor else 0.0
         require(room_m > 0.0, "chassis.radius_m", "room within the corridor", room_m)
+
+    def _check_gates(self) -> None:
+        for layer in self.layers:
+            if isinstance(layer, Gates):
+                pitch_m = self.pitch_m(layer)
+                fits = layer.opening_m[1] < pitch_m
+                expected = f"below the pitch, which is {pitch_m:g} m in this width"
+                require(fits, "gates.opening_m", expected, layer.opening_m)
 
 
 class WorldSource(Protocol):

@@ -3,166 +3,190 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
-from reflexarc_runtime.contract import PolicyContract, RetinaSpec, sideways_actions
-from reflexarc_sim_bridge import kernel
-from reflexarc_sim_bridge.motion import free_share, is_free
-from reflexarc_sim_bridge.params import NEAR_ROWS
+from reflexarc_runtime.contract import Action, PolicyContract, RetinaSpec
+from reflexarc_sim_bridge.layers import Corridor, Scatter
+from reflexarc_sim_bridge.scene import Outline
 from reflexarc_sim_bridge.seeds import test_seeds
+from reflexarc_sim_bridge.shapes import Rectangles
 from reflexarc_sim_bridge.simulation import Simulation
-from reflexarc_sim_bridge.world_files import world_named
-from reflexarc_sim_bridge.worlds import Discs, World
-from support.slow_geometry import Obstacle
-from support.slow_world import obstacles_around
+from reflexarc_sim_bridge.structures import WALL_THICKNESS_M
+from reflexarc_sim_bridge.worlds import Chassis, Edges, World
+from support.slow_geometry import Floats
+from support.slow_world import outlines_around
 
-places = st.floats(-2.0, 2.0).map(lambda v: round(v, 3))
-halves = st.floats(0.05, 1.0).map(lambda v: round(v, 3))
-rectangles = st.builds(Obstacle, places, places, halves, halves, st.just(False))
-discs = st.builds(lambda x, y, r: Obstacle(x, y, r, r, True), places, places, halves)
-scenes = st.lists(rectangles | discs, min_size=1, max_size=4)
-steps = st.sampled_from([0.0, 1.0, -1.0, 0.37, 2.5])
-
-
-def share_of(scene: list[Obstacle], forward_m: float, aside_m: float) -> float:
-    near = np.zeros((NEAR_ROWS, len(scene)))
-    for k, o in enumerate(scene):
-        near[:, k] = (o.x_m, o.y_m, o.half_length_m, o.half_width_m, o.disc, 1.0)
-    return free_share(near, len(scene), 0.0, 0.0, forward_m, aside_m)
+EMPTY = World("empty", layers=())
+PLANE = dataclasses.replace(EMPTY, edges=Edges.UNBOUNDED)
+DRIVEN = PolicyContract(
+    retina=RetinaSpec(rays=2, range_m=1.0),
+    actions=(Action("ahead", 2.0, 1.0), Action("turn", 1.0, 0.0, 0.7)),
+)
 
 
-def grown(scene: list[Obstacle], by_m: float) -> list[Obstacle]:
-    return [
-        dataclasses.replace(
-            o, half_length_m=o.half_length_m + by_m, half_width_m=o.half_width_m + by_m
-        )
-        for o in scene
-    ]
+def one(world: World, contract: PolicyContract = DRIVEN) -> Simulation:
+    return Simulation(world, contract, test_seeds(1))
 
 
-@given(scenes, steps, steps)
-@settings(max_examples=300, deadline=None)
-def test_contacts_along_a_step_agree_with_dense_sampling(
-    scene: list[Obstacle], forward_m: float, aside_m: float
+def many(chassis: Chassis, agents: int = 4096) -> Simulation:
+    return Simulation(dataclasses.replace(PLANE, chassis=chassis), DRIVEN, test_seeds(agents))
+
+
+# Speeds
+
+
+def test_a_body_goes_straight_at_its_speeds() -> None:
+    simulation = one(PLANE)
+    y_m = float(simulation.y_m[0])
+    for _ in range(100):
+        assert not simulation.drive(2.0, -1.0, 0.0)
+    assert simulation.x_m[0] == pytest.approx(20.0, abs=1e-9)
+    assert simulation.y_m[0] - y_m == pytest.approx(-10.0, abs=1e-9)
+    assert (simulation.heading_rad[0], simulation.distance_m[0]) == (0.0, pytest.approx(20.0))
+
+
+@pytest.mark.parametrize(("linear_mps", "angular_radps"), [(1.0, 0.7), (2.0, -3.0), (0.5, 31.0)])
+def test_a_turning_body_ends_every_step_on_the_exact_arc(
+    linear_mps: float, angular_radps: float
 ) -> None:
-    shares = np.linspace(0.0, 1.0, 1001)
-    inside = [any(o.covers(s * forward_m, s * aside_m) for o in scene) for s in shares]
-    first = float(shares[inside.index(True)]) if any(inside) else math.inf
-    found = share_of(scene, forward_m, aside_m)
-    if math.isfinite(found):
-        # What is met is there: the place found touches an obstacle, and none lies before it.
-        assert any(o.covers(found * forward_m, found * aside_m) for o in grown(scene, 1e-6))
-        assert found <= first + 1e-9
-        before = shares[shares < found - 1e-6]
-        assert not any(o.covers(s * forward_m, s * aside_m, 1e-6) for o in scene for s in before)
-    else:
-        assert not any(inside)
+    simulation = one(PLANE)
+    y_m, radius_m = float(simulation.y_m[0]), linear_mps / angular_radps
+    for step in range(1, 60):
+        simulation.drive(linear_mps, 0.0, angular_radps)
+        turned_rad = angular_radps * 0.1 * step
+        assert simulation.x_m[0] == pytest.approx(radius_m * math.sin(turned_rad), abs=1e-9)
+        above_m = radius_m * (1.0 - math.cos(turned_rad))
+        assert simulation.y_m[0] - y_m == pytest.approx(above_m, abs=1e-9)
+        heading_rad = float(simulation.heading_rad[0])
+        assert math.remainder(heading_rad - turned_rad, math.tau) == pytest.approx(0.0, abs=1e-9)
+        assert -math.pi <= heading_rad <= math.pi
+    assert simulation.distance_m[0] == pytest.approx(simulation.x_m[0], abs=1e-9)
 
 
-@given(scenes)
-@settings(max_examples=100, deadline=None)
-def test_who_stands_still_outside_meets_nothing(scene: list[Obstacle]) -> None:
-    touching = any(o.covers(0.0, 0.0) for o in grown(scene, 1e-6))
-    inside = any(o.covers(0.0, 0.0, 1e-6) for o in scene)
-    if touching == inside:
-        assert share_of(scene, 0.0, 0.0) == (0.0 if inside else math.inf)
+def test_sideways_speed_is_in_the_body_s_own_frame() -> None:
+    simulation = one(PLANE)
+    simulation.params.agents.state["heading_rad"] = math.pi / 2
+    y_m = float(simulation.y_m[0])
+    simulation.drive(1.0, 2.0, 0.0)
+    assert simulation.x_m[0] == pytest.approx(-0.2)
+    assert simulation.y_m[0] - y_m == pytest.approx(0.1)
 
 
-@pytest.mark.parametrize("world", ["reference-1", "mixed", "legacy"])
-def test_the_ray_straight_ahead_says_when_a_contact_comes(world: str) -> None:
-    # One ray, bearing 0, and an agent that goes straight: eye and body share one geometry.
-    contract = PolicyContract(retina=RetinaSpec(rays=1, fov_rad=1.0), actions=sideways_actions())
-    simulation = Simulation(world_named(world), contract, test_seeds(64))
-    blind, checked = np.zeros(64, np.int64), 0
-    for _ in range(300):
-        simulation.sense()
-        ahead_m = simulation.params.agents.ray_distance_m[:, 0].astype(float)
-        before_m = simulation.distance_m.copy()
-        met = simulation.step(blind)
-        certain = np.abs(ahead_m - 0.1) > 1e-5
-        np.testing.assert_array_equal(met[certain], (ahead_m < 0.1)[certain])
-        travelled_m = simulation.distance_m - before_m
-        np.testing.assert_allclose(travelled_m[met], ahead_m[met], atol=1e-5)
-        np.testing.assert_allclose(travelled_m[~met], 0.1, atol=1e-12)
-        checked += int(met.sum())
-    assert checked > 200
+def test_speeds_follow_a_command_exponentially_where_they_lag() -> None:
+    simulation = one(dataclasses.replace(PLANE, chassis=Chassis(lag_s=0.4)))
+    for step in range(1, 30):
+        simulation.drive(2.0, -1.0, 0.5)
+        follows = 1.0 - math.exp(-0.1 * step / 0.4)
+        state = simulation.params.agents.state[0]
+        speeds = (state["linear_mps"], state["lateral_mps"], state["angular_radps"])
+        assert speeds == pytest.approx((2.0 * follows, -1.0 * follows, 0.5 * follows))
 
 
-@pytest.mark.parametrize("world", ["reference-1", "mixed", "legacy"])
-def test_nobody_ever_stands_inside_an_obstacle(world: str) -> None:
-    simulation = Simulation(world_named(world), PolicyContract(), test_seeds(8))
-    generator = np.random.default_rng(0)
-    for _ in range(40):
-        for _ in range(5):
-            simulation.step(generator.integers(0, 3, 8))
-        for i in range(8):
-            scene = obstacles_around(simulation, i, chunks=1)
-            x_m, y_m = float(simulation.x_m[i]), float(simulation.y_m[i])
-            assert not any(o.covers(x_m, y_m, 1e-9) for o in scene)
+def test_speeds_change_no_faster_than_they_can() -> None:
+    chassis = Chassis(acceleration_mps2=2.0, turn_acceleration_radps2=1.0)
+    simulation = one(dataclasses.replace(PLANE, chassis=chassis))
+    for step in range(1, 30):
+        simulation.drive(2.0, -1.0, 0.5)
+        state = simulation.params.agents.state[0]
+        assert state["linear_mps"] == pytest.approx(min(0.2 * step, 2.0))
+        assert state["lateral_mps"] == pytest.approx(-min(0.2 * step, 1.0))
+        assert state["angular_radps"] == pytest.approx(min(0.1 * step, 0.5))
+    wanted_m = sum(min(0.2 * step, 2.0) for step in range(1, 4)) * 0.1
+    straight = one(dataclasses.replace(PLANE, chassis=chassis))
+    for _ in range(3):
+        straight.drive(2.0, 0.0, 0.0)
+    assert straight.distance_m[0] == pytest.approx(wanted_m)
 
 
-def test_a_contact_moves_an_agent_aside_and_not_ahead() -> None:
-    simulation = Simulation(world_named("reference-1"), PolicyContract(), test_seeds(256))
-    x_m, y_m = simulation.x_m.copy(), simulation.y_m.copy()
-    met = np.zeros(256, np.bool_)
-    while not met.any():
-        x_m, y_m = simulation.x_m.copy(), simulation.y_m.copy()
-        met = simulation.step(np.zeros(256, np.int64))
-    assert (simulation.x_m[met] - x_m[met] <= 0.1).all()
-    assert (np.abs(simulation.y_m[met] - y_m[met]) > 0.0).all()
-    np.testing.assert_array_equal(simulation.y_m[~met], y_m[~met])
-    np.testing.assert_array_equal(simulation.contacts, met)
+def test_slip_has_its_standard_deviation_in_every_speed_and_no_bias() -> None:
+    simulation = many(Chassis(slip=0.2))
+    y_m = simulation.y_m
+    simulation.step(np.zeros(4096, np.int64))
+    ahead, left = simulation.distance_m / 0.2 - 1.0, (simulation.y_m - y_m) / 0.1 - 1.0
+    for share in (ahead, left):
+        assert share.mean() == pytest.approx(0.0, abs=4 * 0.2 / 64)
+        assert share.std() == pytest.approx(0.2, rel=4 / math.sqrt(2 * 4096))
+        assert ((share / 0.2) ** 4).mean() == pytest.approx(3.0, abs=4 * math.sqrt(96 / 4096))
+    assert abs(np.corrcoef(ahead, left)[0, 1]) < 4 / 64
+    turning = many(Chassis(slip=0.2))
+    turning.step(np.ones(4096, np.int64))
+    turned = turning.heading_rad / 0.07 - 1.0
+    assert turned.mean() == pytest.approx(0.0, abs=4 * 0.2 / 64)
+    assert turned.std() == pytest.approx(0.2, rel=4 / math.sqrt(2 * 4096))
 
 
-def test_places_after_a_contact_are_uniform_among_the_free() -> None:
-    """Of all free places of one line, each twentieth is drawn as often as it is long."""
-    world = world_named("reference-1")
-    simulation = Simulation(world, PolicyContract(), np.full(20_000, 11, np.uint64))
-    params, _, agents = simulation.params
-    grid_m = (np.arange(20_000) + 0.5) / 1000.0
-    free = np.array([is_free(params, np.uint64(11), 0.0, float(y)) for y in grid_m])
-    expected = np.histogram(grid_m[free], bins=20, range=(0.0, 20.0))[0] / free.sum()
-    found = np.histogram(agents.y_m, bins=20, range=(0.0, 20.0))[0] / 20_000
-    assert np.abs(found - expected).max() < 4.5 * math.sqrt(0.05 * 0.95 / 20_000)
+def test_slip_is_drawn_anew_at_every_step() -> None:
+    simulation = many(Chassis(slip=0.2))
+    simulation.step(np.zeros(4096, np.int64))
+    first_m = simulation.distance_m.copy()
+    simulation.step(np.zeros(4096, np.int64))
+    assert abs(np.corrcoef(first_m, simulation.distance_m - first_m)[0, 1]) < 4 / 64
+
+
+# Sides
 
 
 def test_open_edges_stop_sideways_motion_and_periodic_ones_wrap_it() -> None:
-    left = np.ones(16, np.int64)
-    for name, low_m in (("legacy", 0.0), ("reference-1", 0.0)):
-        empty = dataclasses.replace(world_named(name), density_per_m2=0.0)
-        simulation = Simulation(empty, PolicyContract(), test_seeds(16))
-        start_m = simulation.y_m.copy()
+    for edges in (Edges.OPEN, Edges.PERIODIC, Edges.UNBOUNDED):
+        world = dataclasses.replace(EMPTY, edges=edges, width_m=12.0)
+        simulation = Simulation(world, DRIVEN, test_seeds(16))
+        y_m = simulation.y_m
         for _ in range(250):
-            simulation.step(left)
-        moved_m = start_m + 25.0
-        wanted = np.full(16, 12.0) if name == "legacy" else moved_m % 20.0 + low_m
-        np.testing.assert_allclose(simulation.y_m, wanted, atol=1e-9)
+            simulation.step(np.zeros(16, np.int64))
+        wanted = {Edges.OPEN: np.full(16, 12.0), Edges.PERIODIC: (y_m + 25.0) % 12.0}
+        np.testing.assert_allclose(simulation.y_m, wanted.get(edges, y_m + 25.0), atol=1e-9)
 
 
-def blind_rate(world: World, agents: int, steps_: int) -> tuple[float, float]:
-    """Contacts per 100 m of agents that never steer, and its standard error."""
-    simulation = Simulation(world, PolicyContract(), test_seeds(agents))
-    params, _, state = simulation.params
-    zeros, met = np.zeros(agents, np.int64), np.zeros(agents, np.bool_)
-    for _ in range(steps_):
-        kernel.step_all(params, state, np.ones(1), np.zeros(1), zeros, met)
-    contacts = simulation.contacts.sum()
-    rate = 100.0 * contacts / simulation.distance_m.sum()
-    return float(rate), float(rate / np.sqrt(contacts))
+@pytest.mark.parametrize("radius_m", [0.0, 0.3])
+@pytest.mark.parametrize(
+    "corridor",
+    [
+        Corridor(),
+        Corridor(width_m=3.0, meander_m=2.5, wavelength_m=5.0),
+        Corridor(width_m=4.0, meander_m=10.0, wavelength_m=20.0),
+        Corridor(width_m=1.0, meander_m=0.0),
+    ],
+)
+def test_agents_never_leave_a_corridor(corridor: Corridor, radius_m: float) -> None:
+    chassis, clutter = Chassis(radius_m=radius_m), Scatter(density_per_m2=0.05)
+    world = World("walls", edges=Edges.UNBOUNDED, layers=(corridor, clutter), chassis=chassis)
+    actions = (Action("a", 1.0, 4.0), Action("b", 2.0, -4.0), Action("c", 3.0, 0.0))
+    contract = PolicyContract(retina=RetinaSpec(rays=2, range_m=0.4), actions=actions)
+    simulation, generator = Simulation(world, contract, test_seeds(32)), np.random.default_rng(4)
+    for _ in range(20):
+        for agent in range(0, 32, 8):
+            around = outlines_around(simulation, agent, corridor.width_m + 2.0)
+            walls = [o for o in around if o.layer == 0]
+            low_m, high_m = between_walls_m(walls, float(simulation.x_m[agent]))
+            assert high_m - low_m == pytest.approx(corridor.width_m, abs=1e-6)
+            assert low_m <= simulation.y_m[agent] <= high_m
+        held = generator.integers(0, 3, 32)
+        for _ in range(10):
+            simulation.step(held)
+    assert simulation.contacts.sum() > 32
 
 
-def test_a_blind_agent_meets_two_rho_r_rectangles_a_metre() -> None:
-    # 600 agents over 100 m: 21,000 contacts, so 0.7 % at one sigma: twice that is the 1.5 % bias
-    # that counting a contact's whole step would make.
-    rate, error = blind_rate(world_named("reference-1"), 600, 1000)
-    assert error < 0.27
-    assert rate == pytest.approx(36.0, abs=2.5 * error)
+def between_walls_m(walls: list[Outline], x_m: float) -> tuple[float, float]:
+    """Upper face of the right wall and lower face of the left one, at some x."""
+    spans_m = sorted(span for wall in walls if (span := span_at(wall.corners_m, x_m)))
+    assert all(high - low == pytest.approx(WALL_THICKNESS_M) for low, high in spans_m)
+    return spans_m[0][1], spans_m[-1][0]
 
 
-def test_a_blind_agent_meets_two_rho_r_discs_a_metre() -> None:
-    # In a wide world: in 20 m, one place in 29 lies beside the disc just met and meets it again.
-    wide = World("wide", width_m=60.0, density_per_m2=0.2, shapes=(Discs(radius_m=(0.2, 0.4)),))
-    rate, error = blind_rate(wide, 400, 1500)
-    assert error < 0.15
-    assert rate == pytest.approx(100 * 0.2 * 2 * 0.3, abs=3 * error)
+def span_at(corners_m: Floats, x_m: float) -> tuple[float, float] | None:
+    """Where a line across cuts a convex polygon."""
+    cuts = []
+    for (x, y), (end_x, end_y) in zip(corners_m, np.roll(corners_m, -1, axis=0), strict=True):
+        if min(x, end_x) <= x_m <= max(x, end_x) and x != end_x:
+            cuts.append(float(y + (x_m - x) / (end_x - x) * (end_y - y)))
+    return (min(cuts), max(cuts)) if cuts else None
+
+
+def test_a_wholly_blocked_line_lets_the_agent_through_without_counting_the_way() -> None:
+    tiny = Rectangles(width_m=(0.2, 0.5), length_m=(0.2, 0.5))
+    crowded = World("crowded", width_m=1.0, layers=(Scatter(density_per_m2=12.0, shapes=(tiny,)),))
+    simulation = Simulation(crowded, DRIVEN, test_seeds(64))
+    for _ in range(300):
+        simulation.step(np.zeros(64, np.int64))
+    assert np.isfinite(simulation.y_m).all()
+    assert (simulation.x_m > simulation.distance_m + 0.05).any()
+    assert (simulation.x_m > 5.0).all()

@@ -1,24 +1,44 @@
 import dataclasses
 import itertools
-import math
 import re
 
-import numba
 import numpy as np
 import numpy.typing as npt
 import pytest
 
 from reflexarc_runtime.contract import Action, PolicyContract, RetinaSpec
 from reflexarc_runtime.errors import WorldError
-from reflexarc_runtime.retina import Scan, retina_from_scan
-from reflexarc_sim_bridge.reference_field import reference_contract
+from reflexarc_sim_bridge import threads
+from reflexarc_sim_bridge.layers import Automaton, Corridor, Drift, Gates, Scatter, Swing
 from reflexarc_sim_bridge.seeds import test_seeds, validation_seeds
-from reflexarc_sim_bridge.simulation import Simulation
-from reflexarc_sim_bridge.world_files import world_named
-from reflexarc_sim_bridge.worlds import Scanner
+from reflexarc_sim_bridge.shapes import Curves, Discs, Polygons, Rectangles
+from reflexarc_sim_bridge.simulation import Simulation, motions_of
+from reflexarc_sim_bridge.worlds import AfterContact, Chassis, Edges, Scanner, Senses, World
+from support.drawn_worlds import TURNING
 
-REFERENCE = world_named("reference-1")
+REFERENCE = World("reference")
 CONTRACT = PolicyContract()
+WORLDS = {
+    "reference": REFERENCE,
+    "shapes": World(
+        "s",
+        layers=(
+            Scatter(0.1, (Discs(), Polygons(dent=(0.0, 0.5), corners=(5, 9)))),
+            Scatter(0.1, (Curves(), Rectangles(turned_rad=(0.0, 1.0))), gap_m=1.0),
+        ),
+        chassis=Chassis(radius_m=0.2, slip=0.1, lag_s=0.2, acceleration_mps2=5.0),
+    ),
+    "moving": World(
+        "m",
+        layers=(Scatter(0.1, motion=Drift(-1.0, 0.3)), Scatter(0.1, (Discs(),), motion=Swing())),
+        senses=Senses(noise=0.02, dropout=0.05, latency_steps=2),
+    ),
+    "gates": World("g", layers=(Gates(), Scatter(0.05, sections=(0.0, 2.0)))),
+    "corridor": World("c", edges=Edges.UNBOUNDED, layers=(Corridor(), Scatter(0.1))),
+    "automaton": World("a", layers=(Automaton(fill=0.3),)),
+    "ghosts": World("h", chassis=Chassis(after_contact=AfterContact.GHOST)),
+    "open": World("o", width_m=12.0, edges=Edges.OPEN, scanner=Scanner()),
+}
 
 
 def drive(simulation: Simulation, steps: int, seed: int = 0) -> bytes:
@@ -31,45 +51,85 @@ def drive(simulation: Simulation, steps: int, seed: int = 0) -> bytes:
     return b"".join(seen)
 
 
-def test_the_same_seeds_give_the_same_bits() -> None:
-    first, second = (Simulation(REFERENCE, CONTRACT, test_seeds(32)) for _ in range(2))
-    assert drive(first, 200) == drive(second, 200)
+def contract_of(name: str) -> PolicyContract:
+    return CONTRACT if name == "open" else PolicyContract(actions=TURNING)
 
 
-@pytest.mark.skipif(numba.get_num_threads() < 2, reason="needs two threads")
-def test_one_thread_and_two_give_the_same_bits() -> None:
-    drives = []
-    for threads in (1, 2):
-        numba.set_num_threads(threads)
-        drives.append(drive(Simulation(REFERENCE, CONTRACT, test_seeds(33)), 60))
-    numba.set_num_threads(1)
-    assert drives[0] == drives[1]
+# The same bits
 
 
-def test_what_an_agent_does_depends_on_no_other_agent() -> None:
-    seeds = test_seeds(20)
-    together = Simulation(REFERENCE, CONTRACT, seeds)
-    alone = Simulation(REFERENCE, CONTRACT, seeds[7:8])
-    for action in itertools.islice(itertools.cycle([0, 1, 0, 2, 2]), 150):
-        together.step(np.full(20, action))
-        alone.step(np.full(1, action))
-    assert (together.x_m[7], together.y_m[7]) == (alone.x_m[0], alone.y_m[0])
-    np.testing.assert_array_equal(together.sense()[7], alone.sense()[0])
+@pytest.mark.parametrize("name", WORLDS)
+def test_the_same_seeds_give_the_same_bits_on_one_thread_and_two(name: str) -> None:
+    before, drives = threads.thread_count(), []
+    try:
+        for count in (1, 1, 2, 3):
+            threads.set_thread_count(count)
+            drives.append(drive(Simulation(WORLDS[name], contract_of(name), test_seeds(200)), 40))
+    finally:
+        threads.set_thread_count(before)
+    assert drives[1:] == drives[:1] * 3
+
+
+@pytest.mark.parametrize("name", WORLDS)
+def test_what_an_agent_does_depends_on_no_other_agent(name: str) -> None:
+    seeds = test_seeds(5)
+    crowd = Simulation(WORLDS[name], contract_of(name), seeds)
+    alone = Simulation(WORLDS[name], contract_of(name), seeds[3:4])
+    generator = np.random.default_rng(0)
+    for _ in range(150):
+        assert crowd.sense()[3].tobytes() == alone.sense()[0].tobytes()
+        actions = generator.integers(0, 3, 5)
+        assert crowd.step(actions)[3] == alone.step(actions[3:4])[0]
+        assert (crowd.x_m[3], crowd.y_m[3]) == (alone.x_m[0], alone.y_m[0])
+
+
+@pytest.mark.parametrize("name", WORLDS)
+def test_a_restored_state_goes_on_to_the_same_bits(name: str) -> None:
+    simulation = Simulation(WORLDS[name], contract_of(name), test_seeds(16))
+    drive(simulation, 50)
+    state = simulation.state()
+    ahead = drive(simulation, 80, seed=1)
+    other = Simulation(WORLDS[name], contract_of(name), test_seeds(40)[24:])
+    other.restore(state)
+    assert drive(other, 80, seed=1) == ahead
+
+
+def test_step_and_sense_is_a_step_and_a_look() -> None:
+    both, one = (Simulation(REFERENCE, CONTRACT, test_seeds(70)) for _ in range(2))
+    for action in itertools.islice(itertools.cycle([0, 1, 0, 2, 2]), 60):
+        actions = np.full(70, action)
+        np.testing.assert_array_equal(one.step_and_sense(actions), both.step(actions))
+        np.testing.assert_array_equal(one.stacks[:, -1], both.sense())
+
+
+@pytest.mark.parametrize("name", WORLDS)
+def test_placed_agents_begin_as_in_a_simulation_of_their_own(name: str) -> None:
+    simulation = Simulation(WORLDS[name], contract_of(name), test_seeds(6))
+    drive(simulation, 40)
+    others = simulation.state()["state"][[0, 2, 3, 5]]
+    new = validation_seeds(2)
+    simulation.place(np.array([1, 4]), new)
+    np.testing.assert_array_equal(simulation.state()["state"][[0, 2, 3, 5]], others)
+    fresh = Simulation(WORLDS[name], contract_of(name), new)
+    assert (simulation.distance_m[[1, 4]] == 0.0).all()
+    for _ in range(40):
+        np.testing.assert_array_equal(simulation.sense()[[1, 4]], fresh.sense())
+        met = simulation.step(np.array([0, 1, 2, 0, 2, 1]))[[1, 4]]
+        np.testing.assert_array_equal(met, fresh.step(np.array([1, 2])))
+    np.testing.assert_array_equal(simulation.x_m[[1, 4]], fresh.x_m)
+
+
+def test_nobody_placed_is_nothing_done() -> None:
+    simulation = Simulation(REFERENCE, CONTRACT, test_seeds(3))
+    state = simulation.state()
+    simulation.place(np.zeros(0, np.int64), np.zeros(0, np.uint64))
+    assert all(np.array_equal(state[k], v) for k, v in simulation.state().items())
 
 
 def test_agents_of_one_world_start_apart() -> None:
     simulation = Simulation(REFERENCE, CONTRACT, validation_seeds(1500))
     assert len(np.unique(simulation.y_m)) == 1500
-
-
-def test_a_restored_state_goes_on_to_the_same_bits() -> None:
-    simulation = Simulation(REFERENCE, CONTRACT, test_seeds(16))
-    drive(simulation, 50)
-    state = simulation.state()
-    ahead = drive(simulation, 120, seed=1)
-    other = Simulation(REFERENCE, CONTRACT, test_seeds(40)[24:])
-    other.restore(state)
-    assert drive(other, 120, seed=1) == ahead
+    assert (simulation.x_m == 0.0).all()
 
 
 def test_a_state_is_a_copy() -> None:
@@ -80,46 +140,92 @@ def test_a_state_is_a_copy() -> None:
     assert all(np.array_equal(state[name], before[name]) for name in state)
 
 
+# Finite, for ever
+
+AGENTS = 4096
+STEPS = {
+    "reference": 800,
+    "shapes": 100,
+    "moving": 300,
+    "gates": 300,
+    "corridor": 300,
+    "automaton": 60,
+    "ghosts": 300,
+    "open": 300,
+}
+
+
+def first_not_finite(simulation: Simulation) -> str | None:
+    """Which number of the agents' is none, or has left its bounds."""
+    agents, state = simulation.params.agents, simulation.params.agents.state
+    for name in ("x_m", "y_m", "heading_rad", "distance_m", "linear_mps", "lateral_mps"):
+        if not np.isfinite(state[name]).all():
+            return name
+    for name in ("boxes", "discs", "sides"):
+        if not np.isfinite(np.sum(getattr(agents, name), dtype=np.float64)):
+            return name
+    side_m = simulation.params.world.planes["chunk_width_m"][state["world"]]
+    if ((state["x_m"] < 0.0) | (state["x_m"] > 2.5)).any():
+        return "x_m"
+    return "y_m" if ((state["y_m"] < 0.0) | (state["y_m"] > side_m)).any() else None
+
+
+@pytest.mark.parametrize("name", WORLDS)
+def test_ten_million_steps_stay_finite(name: str) -> None:
+    """4,096 agents in eight kinds of worlds, with and without turning."""
+    assert AGENTS * sum(STEPS.values()) >= 10_000_000
+    actions = (Action("a", 1.0, 0.5, 3.0), Action("b", 1.5, 0.0), Action("c", 0.5, -1.0, -4.0))
+    eye = PolicyContract(retina=RetinaSpec(rays=2, range_m=0.5), actions=actions)
+    simulation = Simulation(WORLDS[name], eye, test_seeds(AGENTS))
+    generator = np.random.default_rng(0)
+    for step in range(STEPS[name]):
+        if step % 20 == 0:
+            held = generator.integers(0, 3, AGENTS)
+            assert first_not_finite(simulation) is None
+            simulation.sense()
+        simulation.step(held)
+    assert first_not_finite(simulation) is None
+    assert simulation.contacts.sum() > 1000
+
+
+@pytest.mark.parametrize("name", ["x_m", "heading_rad", "linear_mps"])
+def test_a_number_that_is_not_finite_is_found(name: str) -> None:
+    simulation = Simulation(WORLDS["shapes"], contract_of("shapes"), test_seeds(64))
+    assert first_not_finite(simulation) is None
+    simulation.params.agents.state[name][17] = np.nan
+    assert first_not_finite(simulation) == name
+    near = Simulation(REFERENCE, CONTRACT, test_seeds(64))
+    near.params.agents.boxes[3, 0, 1, 2] = np.inf
+    assert first_not_finite(near) == "boxes"
+
+
+# What is refused
+
+
 def test_a_state_of_another_form_is_refused_and_changes_nothing() -> None:
     simulation = Simulation(REFERENCE, CONTRACT, test_seeds(4))
     state, x_m = Simulation(REFERENCE, CONTRACT, test_seeds(5)).state(), simulation.x_m.copy()
-    with pytest.raises(WorldError, match=re.escape("state.x_m: expected float64 (4,), got")):
+    with pytest.raises(WorldError, match=r"^state\.state: expected .* \(4,\), got .* \(5,\)"):
         simulation.restore(state)
-    with pytest.raises(WorldError, match=r"state\.x_m: expected .*, got nothing"):
+    with pytest.raises(WorldError, match=r"^state\.\w+: expected .*, got nothing"):
         simulation.restore({})
     np.testing.assert_array_equal(simulation.x_m, x_m)
 
 
-def test_a_retina_has_the_contract_s_shape() -> None:
-    contract = PolicyContract(retina=RetinaSpec(rays=24))
-    retinas = Simulation(REFERENCE, contract, test_seeds(5)).sense()
-    assert retinas.shape == (5, 1, 24, 1)
-    assert retinas.dtype == np.uint8
+def test_a_scanner_that_does_not_cover_the_eye_is_refused() -> None:
+    narrow = dataclasses.replace(REFERENCE, scanner=Scanner(91, 1.5))
+    with pytest.raises(WorldError, match="covers the field of view"):
+        Simulation(narrow, CONTRACT, test_seeds(1))
 
 
 @pytest.mark.parametrize(
-    ("contract", "where"),
-    [
-        (PolicyContract(retina=RetinaSpec(eyes=2, baseline_m=0.1)), "retina.eyes"),
-        (PolicyContract(retina=RetinaSpec(channels=3)), "retina.channels"),
-        (PolicyContract(retina=RetinaSpec(frames=2)), "retina.frames"),
-        (PolicyContract(actions=(Action("a", 1, 0, 0.5), Action("b", 1, 0))), "actions"),
-        (PolicyContract(actions=(Action("a", 1, 0), Action("b", 2, 0))), "actions"),
-    ],
-)
-def test_what_is_not_supported_is_refused_by_name(contract: PolicyContract, where: str) -> None:
-    with pytest.raises(WorldError, match=rf"^contract\.{re.escape(where)}: the simulator supports"):
-        Simulation(REFERENCE, contract, test_seeds(2))
-
-
-@pytest.mark.parametrize(
-    "actions",
-    [np.zeros(3, np.int64), np.zeros(4, np.int32), np.full(4, 3), np.full(4, -1)],
+    "actions", [np.zeros(3, np.int64), np.zeros(4, np.int32), np.full(4, 3), np.full(4, -1)]
 )
 def test_actions_that_cannot_be_are_refused(actions: npt.NDArray[np.int64]) -> None:
     simulation = Simulation(REFERENCE, CONTRACT, test_seeds(4))
-    with pytest.raises(WorldError, match=r"^actions: expected"):
-        simulation.step(actions)
+    for move in (simulation.step, simulation.step_and_sense):
+        with pytest.raises(WorldError, match=r"^actions: expected"):
+            move(actions)
 
 
 @pytest.mark.parametrize(
@@ -130,78 +236,26 @@ def test_seeds_that_cannot_be_are_refused(seeds: npt.NDArray[np.uint64]) -> None
         Simulation(REFERENCE, CONTRACT, seeds)
 
 
-def test_obstacles_for_drawing_hold_what_the_rays_meet() -> None:
-    world = dataclasses.replace(world_named("mixed"), colour=(0.3, 0.9))
-    simulation = Simulation(world, CONTRACT, test_seeds(3))
-    near = simulation.obstacles_near(1)
-    assert len(near) > 10
-    assert set(np.unique(near["round"])) == {False, True}
-    assert near["colour"].min() >= 0.3
-    assert near["colour"].max() <= 0.9
-    assert (np.abs(near["y_m"] - simulation.y_m[1]) < 9.0).all()
+# Shapes of arrays
 
 
-def test_a_narrow_period_shows_its_obstacles_again() -> None:
-    narrow = dataclasses.replace(REFERENCE, width_m=4.0)
-    simulation = Simulation(narrow, CONTRACT, test_seeds(3))
-    near = simulation.obstacles_near(0)
-    again = near[np.isclose(near["x_m"], near["x_m"][0])]
-    assert len(again) >= 3
-    np.testing.assert_allclose(np.diff(np.sort(again["y_m"])), 4.0)
+def test_a_retina_and_a_stack_have_the_contract_s_shapes() -> None:
+    spec = RetinaSpec(rays=24, eyes=2, baseline_m=0.1, channels=3, frames=2)
+    simulation = Simulation(REFERENCE, PolicyContract(retina=spec), test_seeds(5))
+    retinas = simulation.sense()
+    assert (retinas.shape, retinas.dtype) == ((5, 2, 24, 3), np.uint8)
+    assert simulation.stacks.shape == (5, 2, 2, 24, 3)
+    assert len(simulation) == 5
 
 
-def test_a_wholly_blocked_line_lets_the_agent_through_without_counting_the_way() -> None:
-    crowded = dataclasses.replace(REFERENCE, width_m=1.5, density_per_m2=2.0)
-    simulation = Simulation(crowded, CONTRACT, test_seeds(64))
-    for _ in range(300):
-        simulation.step(np.zeros(64, np.int64))
-    assert np.isfinite(simulation.y_m).all()
-    assert (simulation.x_m > simulation.distance_m + 0.05).any()
-    assert (simulation.x_m > 5.0).all()
+def test_motions_are_linear_lateral_angular() -> None:
+    contract = PolicyContract(actions=(Action("a", 1.0, 2.0, 3.0), Action("b", 4.0, 5.0)))
+    assert motions_of(contract).tolist() == [[1.0, 2.0, 3.0], [4.0, 5.0, 0.0]]
 
 
-def test_a_hundred_thousand_steps_stay_finite() -> None:
-    simulation = Simulation(REFERENCE, CONTRACT, test_seeds(2))
-    generator = np.random.default_rng(0)
-    for _ in range(50_000):
-        simulation.step(generator.integers(0, 3, 2))
-    agents = simulation.params.agents
-    assert all(np.isfinite(array).all() for array in agents)
-    assert (simulation.x_m > 4000.0).all()
-    assert ((simulation.y_m >= 0.0) & (simulation.y_m <= 20.0)).all()
-    assert (agents.near_count < agents.near.shape[2]).all()
-
-
-def test_behind_a_scanner_the_eye_sees_what_the_runtime_takes_from_the_sweep():
-    """181 rays over 181° stand at the beams of a sweep of 181 beams over 180°."""
-    seeds, scanner = test_seeds(64), Scanner()
-    every_beam = RetinaSpec(rays=181, fov_rad=math.pi * 181 / 180, range_m=5.0)
-    sweeping = Simulation(world_named("reference-1"), reference_contract(every_beam), seeds)
-    behind = Simulation(world_named("scanned"), reference_contract(), seeds)
-    seen = behind.sense()
-    sweeping.sense()
-    for agent in range(64):
-        leftmost_first = sweeping.params.agents.ray_distance_m[agent].astype(np.float64)
-        scan = Scan(scanner.start_rad, -scanner.start_rad, leftmost_first[::-1])
-        expected = retina_from_scan(scan, reference_contract().retina)
-        assert np.abs(seen[agent].astype(int) - expected.astype(int)).max() <= 1  # float32 bearings
-
-
-def test_a_scanner_that_does_not_cover_the_eye_is_refused():
-    narrow = dataclasses.replace(world_named("scanned"), scanner=Scanner(91, math.pi / 2))
-    with pytest.raises(WorldError, match="covers the field of view"):
-        Simulation(narrow, reference_contract(), test_seeds(1))
-
-
-def test_one_agent_alone_does_to_the_bit_what_it_does_among_many():
-    seeds = test_seeds(5)
-    crowd, alone = (
-        Simulation(REFERENCE, CONTRACT, seeds),
-        Simulation(REFERENCE, CONTRACT, seeds[3:4]),
-    )
-    generator = np.random.default_rng(0)
-    for _ in range(300):
-        assert crowd.sense()[3].tobytes() == alone.sense()[0].tobytes()
-        actions = generator.integers(0, 3, 5)
-        assert crowd.step(actions)[3] == alone.step(actions[3:4])[0]
-        assert (crowd.x_m[3], crowd.y_m[3]) == (alone.x_m[0], alone.y_m[0])
+def test_a_named_number_of_threads_is_kept_until_told_otherwise() -> None:
+    before = threads.thread_count()
+    threads.set_thread_count(5)
+    assert threads.thread_count() == 5
+    threads.set_thread_count(before)
+    assert re.fullmatch(r"\d+", str(threads.thread_count()))

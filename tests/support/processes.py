@@ -13,7 +13,8 @@ from typing import Any
 from reflexarc_logs.reader import read_log
 from reflexarc_runtime.errors import LogError
 
-PATIENCE_S = 60.0
+PATIENCE_S = 240.0
+"""Enough to compile the world on a busy machine; nothing waits for it to pass."""
 
 Process = subprocess.Popen[str]
 

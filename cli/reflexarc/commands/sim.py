@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from contextlib import nullcontext
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -145,7 +145,8 @@ class Sim:
     def _tell(self, journeys: "dict[str, Journey]") -> None:
         """One robot's journey as it is, several by name."""
         if self.json and journeys:
-            print_json(journeys if self.robots > 1 else next(iter(journeys.values())))
+            plain = {robot: asdict(journey) for robot, journey in journeys.items()}
+            print_json(plain if self.robots > 1 else next(iter(plain.values())))
             return
         for robot, journey in journeys.items():
             said = {

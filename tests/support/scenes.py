@@ -1,0 +1,96 @@
+"""Scenes laid out by hand: obstacles written into what an agent of an empty world keeps near."""
+
+import numpy as np
+
+from reflexarc_runtime.contract import PolicyContract
+from reflexarc_sim_bridge.layers import Motion, Scatter
+from reflexarc_sim_bridge.params import BOXES, DISCS, SIDES
+from reflexarc_sim_bridge.scene import Outline
+from reflexarc_sim_bridge.shapes import Discs, Polygons, Rectangles
+from reflexarc_sim_bridge.simulation import Simulation
+from reflexarc_sim_bridge.worlds import Chassis, Edges, Senses, World
+
+STANDS_AT_M = (1.25, 1.0)
+"""Where the agent of a scene is: within its cell, whose corner is the origin of the world."""
+
+_KINDS = (Rectangles(), Discs(), Polygons(corners=(3, 32)))
+
+
+def scene_of(
+    outlines: list[Outline],
+    contract: PolicyContract,
+    *,
+    heading_rad: float = 0.0,
+    steps: int = 0,
+    motion: Motion | None = None,
+    chassis: Chassis | None = None,
+    senses: Senses | None = None,
+    dt_s: float = 0.1,
+) -> Simulation:
+    """One agent at `STANDS_AT_M` among some obstacles, for one look or one step.
+
+    With a motion the outlines are where the obstacles are at time 0.
+    """
+    layer = Scatter(density_per_m2=0.0, shapes=_KINDS, motion=motion)
+    world = World(
+        "scene",
+        edges=Edges.UNBOUNDED,
+        layers=(layer,),
+        chassis=chassis or Chassis(),
+        senses=senses or Senses(),
+        dt_s=dt_s,
+    )
+    simulation = Simulation(world, contract, np.zeros(1, np.uint64))
+    state = simulation.params.agents.state
+    state["cell_x"], state["cell_y"], state["steps"] = 0, 0, steps
+    state["x_m"], state["y_m"] = STANDS_AT_M
+    state["heading_rad"] = heading_rad
+    simulation.params.agents.layer_cells[:] = 0
+    lay_out(simulation, outlines)
+    return simulation
+
+
+def lay_out(simulation: Simulation, outlines: list[Outline]) -> None:
+    """Write obstacles into the first layer's lists of the first agent."""
+    agents = simulation.params.agents
+    counts = agents.near_counts[0, 0]
+    boxes = [outline for outline in outlines if outline.is_box]
+    discs = [outline for outline in outlines if outline.is_disc]
+    counts[BOXES], counts[DISCS] = len(boxes), len(discs)
+    for k, outline in enumerate(boxes):
+        half_length_m, half_width_m = np.ptp(outline.corners_m, axis=0) / 2
+        middle_m = outline.corners_m.mean(axis=0)
+        agents.boxes[0, 0, :, k] = (*middle_m, half_length_m, half_width_m, paint(outline))
+    for k, outline in enumerate(discs):
+        agents.discs[0, 0, :, k] = (outline.x_m, outline.y_m, outline.radius_m, paint(outline))
+    side = 0
+    for outline in outlines:
+        if outline.is_box or outline.is_disc:
+            continue
+        corners_m = outline.corners_m.astype(np.float32)
+        edges_m = np.roll(corners_m, -1, axis=0) - corners_m
+        for corner_m, edge_m in zip(corners_m, edges_m, strict=True):
+            agents.sides[0, 0, :, side] = (*corner_m, *edge_m, paint(outline))
+            side += 1
+    counts[SIDES] = side
+
+
+def paint(outline: Outline) -> int:
+    red, green, blue = (round(255 * share) for share in outline.colour)
+    return red << 16 | green << 8 | blue
+
+
+def see_only_within(
+    simulation: Simulation, range_m: float
+) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+    """Which rays of the first agent's eyes meet something nearer than that: (eyes, rays).
+
+    So a distance can be asked for more finely than the 8 bits of a retina say it.
+    """
+    params = simulation.params
+    simulation.params = params._replace(
+        eye=params.eye._replace(range_m=float(range_m), nearness=False)
+    )
+    seen = simulation.sense()[0, :, :, 0] > 0
+    simulation.params = params
+    return seen
