@@ -24,9 +24,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from world_scenes import Scene, advancing, elapsed_s
+from world_scenes import Advance, Scene, advancing, elapsed_s
 
 from reflexarc_runtime.contract import Action
+from reflexarc_sim_bridge.one_agent import OneAgent
 from reflexarc_sim_bridge.simulation import Simulation
 from reflexarc_sim_bridge.threads import set_thread_count
 
@@ -105,13 +106,21 @@ class Ours:
         turn = Action("turn", SPEED_MPS, 0.0, TURN_RADPS)
         contract = replace(contract, actions=(turn, replace(turn, name="again")))
         self.simulation = Simulation(scene.world(), contract, np.arange(agents, dtype=np.uint64))
-        self._advance = advancing(self.simulation)
+        self._advance = (
+            one_advancing(self.simulation) if agents == 1 else advancing(self.simulation)
+        )
         self._actions = np.zeros((max(60, OUR_AGENT_STEPS // agents), agents), np.int64)
         elapsed_s(self._advance, self._actions[:60])
 
     def rate_hz(self) -> float:
         """Steps of one agent a second, of all agents together, of one round."""
         return self._actions.size / elapsed_s(self._advance, self._actions)
+
+
+def one_advancing(simulation: Simulation) -> Advance:
+    """What the Gymnasium environment calls: one agent without threads."""
+    step = OneAgent(simulation).step_and_sense
+    return lambda actions: step(0)
 
 
 def scene_text(boxes: int) -> str:

@@ -19,7 +19,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -71,9 +71,8 @@ def table(density_per_m2: float) -> list[dict[str, Any]]:
     return rows
 
 
-def growth(name: str, values: Sequence[float]) -> list[dict[str, Any]]:
-    """Both, on all threads, with a field of the scene changed."""
-    scenes = [replace(Scene(), **{name: value}) for value in values]
+def growth(scenes: Sequence[Scene]) -> list[dict[str, Any]]:
+    """Both, on all threads."""
     threads = thread_counts()[0]
     return [row for policy in COLOURS for row in measured(scenes, threads, "both", policy)]
 
@@ -90,7 +89,10 @@ def measured(scenes: Sequence[Scene], threads: int, mode: str, policy: str) -> l
     times = rounds_s(ways, actions, ROUNDS)
     return [
         {
-            **{"threads": threads, "policy": policy, "mode": mode, **asdict(scene)},
+            "threads": threads,
+            "policy": policy,
+            "mode": mode,
+            **asdict(scene),
             "near": float(simulation.params.agents.near_counts.sum(axis=(1, 2)).mean()),
             "best": actions.size / float(seconds.min()) / 1e6,
             "median": actions.size / float(np.median(seconds)) / 1e6,
@@ -185,9 +187,9 @@ def main() -> None:
         print(json.dumps(rows, indent=2)) if options.json else show(rows)
         return
     growths = {
-        "rays": growth("rays", RAYS),
-        "near": growth("density_per_m2", DENSITIES),
-        "x_m": growth("x_m", PLACES_M),
+        "rays": growth([Scene(rays=rays) for rays in RAYS]),
+        "near": growth([Scene(density_per_m2=density) for density in DENSITIES]),
+        "x_m": growth([Scene(x_m=place_m) for place_m in PLACES_M]),
     }
     draw(growths)
     if options.json:

@@ -72,7 +72,5 @@ def compiled_parallel(function: _Function) -> _Function:
 def _compiled(function: _Function, **options: Any) -> _Function:
     njit: Any = numba.njit  # its stub does not know all of its options
     with keyed_by_sources():
-        dispatcher = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, **options)(
-            function
-        )
-    return dispatcher  # type: ignore[no-any-return]  # it is called as the function is
+        compile_later = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, **options)
+        return compile_later(function)  # type: ignore[no-any-return]  # called as the function is

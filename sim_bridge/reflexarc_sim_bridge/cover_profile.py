@@ -13,10 +13,10 @@ import numpy.typing as npt
 
 from reflexarc_sim_bridge.chunks import layer_key
 from reflexarc_sim_bridge.compiled import compiled
-from reflexarc_sim_bridge.params import world_tables
 from reflexarc_sim_bridge.reference_field import reference_contract
 from reflexarc_sim_bridge.simulation import covered
 from reflexarc_sim_bridge.structures import corridor_middle_m
+from reflexarc_sim_bridge.world_tables import world_tables
 from reflexarc_sim_bridge.worlds import World, WorldSource
 
 BINS = 40

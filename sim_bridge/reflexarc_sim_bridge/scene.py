@@ -21,9 +21,9 @@ from reflexarc_sim_bridge.params import (
     SIDES,
     Params,
     WorldTables,
-    world_tables,
 )
 from reflexarc_sim_bridge.structures import structure_at, structure_count
+from reflexarc_sim_bridge.world_tables import world_tables
 from reflexarc_sim_bridge.worlds import World
 
 _MAX_CORNERS = 32

@@ -9,16 +9,13 @@ from reflexarc_runtime.arrays import Actions, RetinaBatch
 from reflexarc_runtime.contract import PolicyContract
 from reflexarc_runtime.errors import WorldError
 from reflexarc_sim_bridge import kernel
+from reflexarc_sim_bridge.agents import agents_at_zero
+from reflexarc_sim_bridge.eyes import eye_params
 from reflexarc_sim_bridge.layers import CHUNK_M
-from reflexarc_sim_bridge.params import (
-    Params,
-    agents_at_zero,
-    eye_params,
-    world_tables,
-    write_world,
-)
+from reflexarc_sim_bridge.params import Params
 from reflexarc_sim_bridge.scene import Outline, outlines_near
 from reflexarc_sim_bridge.threads import shared
+from reflexarc_sim_bridge.world_tables import world_tables, write_world
 from reflexarc_sim_bridge.worlds import World, WorldSource
 
 __all__ = ["Params", "Simulation", "covered", "motions_of"]

@@ -9,10 +9,11 @@ import pytest
 
 from reflexarc_runtime.contract import PolicyContract, RetinaSpec
 from reflexarc_sim_bridge.layers import CHUNK_M, Automaton, Gates, Scatter
-from reflexarc_sim_bridge.params import BOXES, DISCS, world_tables
+from reflexarc_sim_bridge.params import BOXES, DISCS
 from reflexarc_sim_bridge.scene import Outline, outlines_of_chunk
 from reflexarc_sim_bridge.shapes import Curves, Discs, Polygons, Rectangles, Shape
 from reflexarc_sim_bridge.simulation import Simulation
+from reflexarc_sim_bridge.world_tables import world_tables
 from reflexarc_sim_bridge.worlds import Edges, World
 from support.drawn_worlds import TURNING
 from support.slow_geometry import Floats, area_m2

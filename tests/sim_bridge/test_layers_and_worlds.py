@@ -7,8 +7,8 @@ import pytest
 from reflexarc_runtime.contract import Action, PolicyContract
 from reflexarc_runtime.errors import WorldError
 from reflexarc_sim_bridge.layers import Automaton, Corridor, Drift, Gates, Scatter, Swing
-from reflexarc_sim_bridge.params import world_tables
 from reflexarc_sim_bridge.shapes import Curves, Discs, Polygons, Rectangles
+from reflexarc_sim_bridge.world_tables import world_tables
 from reflexarc_sim_bridge.worlds import (
     AfterContact,
     Chassis,

@@ -3,11 +3,20 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from reflexarc_runtime.contract import PolicyContract, RetinaSpec
-from reflexarc_sim_bridge.layers import Automaton, Corridor, Drift, Gates, Layer, Scatter, Swing
+from reflexarc_sim_bridge.layers import (
+    Automaton,
+    Corridor,
+    Drift,
+    Gates,
+    Layer,
+    Motion,
+    Scatter,
+    Swing,
+)
 from reflexarc_sim_bridge.params import BOXES, DISCS, SIDES
 from reflexarc_sim_bridge.scene import Outline
 from reflexarc_sim_bridge.seeds import test_seeds
@@ -45,6 +54,8 @@ def lists(simulation: Simulation) -> list[bytes]:
 
 
 @given(worlds, st.integers(0, 2**64 - 1))
+@example(World("plain"), 5)
+@example(World("lane", width_m=6.0, edges=Edges.OPEN), 5)
 @settings(max_examples=30, deadline=None)
 def test_what_is_near_does_not_depend_on_the_way_there(world: World, seed: int) -> None:
     """Whoever has driven here has the same lists as who gathers them here for the first time."""
@@ -63,6 +74,8 @@ def test_what_is_near_does_not_depend_on_the_way_there(world: World, seed: int) 
 
 
 @given(worlds, st.integers(0, 2**64 - 1))
+@example(World("plain"), 5)
+@example(World("lane", width_m=6.0, edges=Edges.OPEN), 5)
 @settings(max_examples=20, deadline=None)
 def test_everything_in_reach_is_listed_where_it_is(world: World, seed: int) -> None:
     simulation = Simulation(world, ROUND_EYE, np.array([seed], np.uint64))
@@ -93,6 +106,28 @@ def is_same(outline: Outline, listed: Outline) -> bool:
         and outline.corners_m.shape == corners_m.shape
         and np.abs(outline.corners_m - corners_m).max(initial=0.0) < 1e-5
     )
+
+
+@pytest.mark.parametrize("motion", [None, Drift(-3.0, 0.7)])
+@pytest.mark.parametrize("edges", [Edges.PERIODIC, Edges.UNBOUNDED])
+@pytest.mark.parametrize("width_m", [1.3, 20.0])
+def test_fields_of_white_boxes_hold_the_same_as_those_of_grey_ones(
+    width_m: float, edges: Edges, motion: Motion | None
+) -> None:
+    """White upright boxes are gathered in a way of their own, which must list the same."""
+    found = []
+    for colour in ((1.0, 1.0), (0.1, 0.9)):
+        layer = Scatter(0.3, colour=(colour,), motion=motion)
+        world = World("boxes", width_m=width_m, edges=edges, layers=(layer,))
+        simulation = Simulation(world, ROUND_EYE, test_seeds(60))
+        drive(simulation, 20, 3)
+        agents = simulation.params.agents
+        for agent, count in enumerate(agents.near_counts[:, 0, BOXES]):
+            columns = agents.boxes[agent, 0, :4, :count]
+            found.append(columns[:, np.lexsort(columns)])
+    for white, grey in zip(found[:60], found[60:], strict=True):
+        np.testing.assert_allclose(white, grey, rtol=0.0, atol=1e-6)  # some float32 more or less
+    assert len({columns.tobytes() for columns in found[:60]}) == 60
 
 
 CROWDED: dict[str, tuple[Layer, Edges, float]] = {

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from reflexarc_runtime.contract import PolicyContract, RetinaSpec, Shading
-from reflexarc_sim_bridge.params import eye_params
+from reflexarc_sim_bridge.eyes import eye_params
 from reflexarc_sim_bridge.seeds import test_seeds
 from reflexarc_sim_bridge.simulation import Simulation
 from reflexarc_sim_bridge.worlds import Scanner, Senses, World

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from reflexarc_runtime import retina
@@ -118,6 +118,8 @@ def assert_lengths(simulation: Simulation, outlines: list[Outline]) -> None:
 
 
 @given(worlds, contracts, st.integers(0, 2**64 - 1))
+@example(World("plain"), eye_contract(rays=64, fov_rad=math.tau), 5)
+@example(World("plain"), PolicyContract(), 5)
 @settings(max_examples=40, deadline=None)
 def test_everything_in_reach_is_seen_in_any_world_wherever_the_agent_has_gone(
     world: World, contract: PolicyContract, seed: int

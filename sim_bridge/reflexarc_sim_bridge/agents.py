@@ -1,0 +1,121 @@
+"""Agents that are nowhere yet, with room for all that can come near them."""
+
+import math
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from reflexarc_runtime.contract import PolicyContract
+from reflexarc_sim_bridge.layers import CHUNK_M
+from reflexarc_sim_bridge.outlines import CURVE_CORNERS
+from reflexarc_sim_bridge.params import (
+    AGENT_DTYPE,
+    BOX,
+    BOX_ROWS,
+    CURVE,
+    DISC,
+    DISC_ROWS,
+    NOWHERE_M,
+    OPEN,
+    POLYGON,
+    SIDE_ROWS,
+    TURNED_BOX,
+    Agents,
+    WorldTables,
+)
+from reflexarc_sim_bridge.world_tables import world_tables
+from reflexarc_sim_bridge.worlds import World
+
+_SPARE_COLUMNS = 4
+"""Rays take obstacles four at a time: the last four may be filled up with nothing."""
+
+
+def agents_at_zero(
+    seeds: npt.NDArray[np.uint64], world: World, tables: WorldTables, contract: PolicyContract
+) -> Agents:
+    """Agents that are nowhere yet; `kernel.place_all` puts them into their worlds.
+
+    Args:
+        seeds: one an agent: (n,).
+        world: the densest of the worlds, which says how much room to make.
+        tables: one world for all, or one for each agent.
+        contract: what the agents see and do.
+    """
+    spec, n, layers = contract.retina, len(seeds), tables.layers.shape[1]
+    state = np.zeros(n, AGENT_DTYPE)
+    state["seed"], state["lane"] = seeds, _lanes(seeds)
+    state["world"] = np.arange(n) if len(tables.planes) > 1 else 0
+    boxes, discs, sides = _near_capacities(world_tables([world], contract, world))
+    agents = Agents(
+        state,
+        np.zeros((n, layers, 2), np.int64),
+        np.zeros((n, layers, 3), np.int64),
+        np.zeros((n, layers, BOX_ROWS, boxes), np.float32),
+        np.zeros((n, layers, DISC_ROWS, discs), np.float32),
+        np.zeros((n, layers, SIDE_ROWS, sides), np.float32),
+        np.zeros((n, world.senses.latency_steps + 1, spec.size), np.uint8),
+        np.zeros((n, spec.frames * spec.size), np.uint8),
+    )
+    for near in (agents.boxes, agents.discs, agents.sides):
+        near[:, :, 0, -1], near[:, :, 1, -1] = NOWHERE_M
+    return agents
+
+
+def _near_capacities(tables: WorldTables) -> tuple[int, int, int]:
+    """Columns of the three near lists: enough for any layer of any world."""
+    needs = np.zeros(3, np.int64)
+    for w, plane in enumerate(tables.planes):
+        for number in range(int(plane["layers"])):
+            needs = np.maximum(needs, _needs(tables, w, number))
+    boxes, discs, sides = (int(need) + _SPARE_COLUMNS for need in needs)
+    return boxes, discs, sides
+
+
+def _needs(tables: WorldTables, w: int, number: int) -> npt.NDArray[np.int64]:
+    """Most boxes, discs and sides near an agent: mean and ten standard deviations."""
+    plane, layer = tables.planes[w], tables.layers[w, number]
+    reach_m = 2 * layer["reach_m"]
+    length_m = CHUNK_M + plane["ahead_m"] + plane["behind_m"] + reach_m
+    width_m = plane["chunk_width_m"] + 2 * plane["aside_m"] + reach_m
+    chunks = math.ceil(length_m / CHUNK_M + 1) * math.ceil(width_m / plane["chunk_width_m"] + 1)
+    match int(layer["kind"]):
+        case 1:  # gates: pieces of walls
+            return np.array([4 * chunks, 0, 0])
+        case 2:  # corridor: two walls of four sides
+            return np.array([0, 0, 8 * math.ceil(length_m / CHUNK_M + 1)])
+        case 3:  # automaton: every other cell at most begins a run
+            return np.array([chunks * layer["cells"] * (layer["cells"] + 1) // 2, 0, 0])
+    counts = tables.counts[w, number]
+    densest = float((1.0 - counts).sum(axis=1).max()) / (CHUNK_M * plane["chunk_width_m"])
+    mean = densest * _crowding(plane, layer) * length_m * width_m
+    most = math.ceil(mean + 10 * math.sqrt(mean) + 20)
+    corners = [_corners_of(shape) for shape in tables.shapes[w, number, : int(layer["shapes"])]]
+    kinds = {int(shape["kind"]) for shape in tables.shapes[w, number, : int(layer["shapes"])]}
+    return np.array([most * (BOX in kinds), most * (DISC in kinds), most * max(corners)])
+
+
+def _crowding(plane: Any, layer: Any) -> float:
+    """How much denser centres lie than they are drawn: with open edges, pushed inwards.
+
+    More than fourfold they are in a strip that is narrower than what is near anyway.
+    """
+    if plane["edges"] != OPEN:
+        return 1.0
+    room_m = plane["width_m"] - layer["reach_m"]
+    return float(plane["width_m"] / max(room_m, plane["width_m"] / 4))
+
+
+def _corners_of(shape: Any) -> int:
+    by_kind = {TURNED_BOX: 4, POLYGON: int(shape["corners_high"]), CURVE: CURVE_CORNERS}
+    return by_kind.get(int(shape["kind"]), 0)
+
+
+def _lanes(seeds: npt.NDArray[np.uint64]) -> npt.NDArray[np.uint64]:
+    """How many earlier agents have the same seed: (n,)."""
+    seen: dict[int, int] = {}
+    lanes = np.zeros(len(seeds), np.uint64)
+    for i, seed in enumerate(seeds.tolist()):
+        lanes[i] = seen.setdefault(seed, 0)
+        seen[seed] += 1
+    return lanes
