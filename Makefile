@@ -9,7 +9,7 @@ PYTEST_WORKERS ?= 2
 export OPENBLAS_NUM_THREADS ?= 1
 export OMP_WAIT_POLICY ?= passive
 
-.PHONY: help demo test check fmt wheel golden proto clean real-input
+.PHONY: help demo test check fmt wheel golden proto clean real-input worlds
 
 help:            ## say what there is
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/'
@@ -39,6 +39,9 @@ golden: $(STAMP) ## rebuild the golden logs; look at the difference before you c
 real-input: $(STAMP) ## a reflex on real lidar logs: DATA="intel.log.gz …" (CARMEN) → table and picture
 	@test -n "$(DATA)" || { echo 'real-input: DATA="path/to/intel.log.gz …": which CARMEN logs?' >&2; exit 2; }
 	$(BIN)/python docs/real_input.py $(DATA)
+
+worlds: $(STAMP) ## check and draw every shipped world → docs/worlds.md and its pictures
+	$(BIN)/python docs/worlds_page.py
 
 proto:           ## generate messages_pb2 (protoc of grpcio-tools 1.71, the oldest supported protobuf)
 	$(PYTHON) -m venv $(VENV)-proto

@@ -12,7 +12,7 @@ from reflexarc_trainer.train import Progress, ProgressCallback
 
 @contextmanager
 def show_progress() -> Iterator[ProgressCallback]:
-    """A bar with rate, ε and contacts on validation worlds, on standard error."""
+    """A bar with rate, ε, error and contacts on validation worlds, on standard error."""
     columns = (
         TextColumn("learning"),
         BarColumn(),
@@ -30,8 +30,8 @@ def show_progress() -> Iterator[ProgressCallback]:
 
 
 def _said(progress: Progress) -> str:
-    rate = progress.step / progress.seconds if progress.seconds > 0 else 0.0
-    said = f"{rate / 1e3:.0f} k steps/s  ε {progress.epsilon:.2f}"
+    rate = f"{progress.steps_per_s / 1e3:.0f} k steps/s"
+    said = f"{rate}  ε {progress.epsilon:.2f}  error {progress.mean_abs_error:.3f}"
     if progress.last is None:
         return said
     return f"{said}  contacts per 100 m {progress.last.validation_contacts_per_100m:.1f}"

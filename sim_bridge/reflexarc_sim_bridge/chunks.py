@@ -57,9 +57,12 @@ _NEIGHBOURS = 9
 _FULL = 255.0
 _WHITE = 0xFFFFFF
 
+_CURVE_RAD = 2.0 * np.pi * np.arange(CURVE_CORNERS) / CURVE_CORNERS
+_CURVE_COS, _CURVE_SIN = np.cos(_CURVE_RAD), np.sin(_CURVE_RAD)
+
 polygon_angle_rad = compiled_inline(outlines.polygon_angle_rad)
 polygon_share = compiled_inline(outlines.polygon_share)
-curve_share = compiled_inline(outlines.curve_share)
+wavy_share = compiled_inline(outlines.wavy_share)
 
 
 class Obstacle(NamedTuple):
@@ -227,21 +230,41 @@ def paint_of(layer: Row, key: np.uint64, block: np.uint64) -> int:
     return (red << 16) | (green << 8) | blue
 
 
+@compiled_inline
+def corner_m(
+    key: np.uint64, obstacle: Obstacle, corner: int, cos: float, sin: float
+) -> tuple[float, float]:
+    """A corner of an outline, relative to its centre; counter-clockwise.
+
+    Args:
+        key: the chunk's.
+        obstacle: whose.
+        corner: which.
+        cos: of the angle by which the obstacle is turned; the same for all of its corners.
+        sin: the same.
+    """
+    x_m, y_m = _upright_corner_m(key, obstacle, corner)
+    return x_m * cos - y_m * sin, x_m * sin + y_m * cos
+
+
 @compiled_inner
-def corner_m(key: np.uint64, obstacle: Obstacle, corner: int) -> tuple[float, float]:
-    """A corner of an outline, relative to its centre; counter-clockwise. `key` is the chunk's."""
-    if obstacle.kind == POLYGON or obstacle.kind == CURVE:
-        angle_rad, share = _outline(key, obstacle, corner)
-        radius_m = obstacle.half_length_m * share
-        angle_rad += obstacle.turned_rad
+def _upright_corner_m(key: np.uint64, obstacle: Obstacle, corner: int) -> tuple[float, float]:
+    """A corner before the obstacle is turned. See `outlines`."""
+    if obstacle.kind == CURVE:
+        lobe = obstacle.corners * corner % CURVE_CORNERS
+        radius_m = obstacle.half_length_m * wavy_share(_CURVE_COS[lobe], obstacle.dent)
+        return radius_m * _CURVE_COS[corner], radius_m * _CURVE_SIN[corner]
+    if obstacle.kind == POLYGON:
+        jitter = first_half(number(key, obstacle.block + _CORNERS + np.uint64(corner)))
+        angle_rad = polygon_angle_rad(corner, obstacle.corners, jitter)
+        radius_m = obstacle.half_length_m * polygon_share(corner, obstacle.dent)
         return radius_m * math.cos(angle_rad), radius_m * math.sin(angle_rad)
-    right, upper = corner == 0 or corner == 3, corner == 0 or corner == 1
+    right, upper = corner in (0, 3), corner in (0, 1)
     x_m = obstacle.half_length_m if right else -obstacle.half_length_m
     y_m = obstacle.half_width_m if upper else -obstacle.half_width_m
     if obstacle.kind == WALL:
-        return x_m, y_m + (obstacle.dent if right else -obstacle.dent)
-    cos, sin = math.cos(obstacle.turned_rad), math.sin(obstacle.turned_rad)
-    return x_m * cos - y_m * sin, x_m * sin + y_m * cos
+        y_m += obstacle.dent if right else -obstacle.dent
+    return x_m, y_m
 
 
 @compiled_inline
@@ -264,14 +287,3 @@ def _form(shape: Row, bits: np.uint64) -> tuple[int, float]:
         return LOBES[0] + int((LOBES[1] + 1 - LOBES[0]) * first_half(bits)), dent
     span = shape.corners_high + 1 - shape.corners_low
     return shape.corners_low + int(span * first_half(bits)), dent
-
-
-@compiled_inline
-def _outline(key: np.uint64, obstacle: Obstacle, corner: int) -> tuple[float, float]:
-    """Angle of a corner, and its distance as a share of the radius. See `outlines`."""
-    if obstacle.kind == CURVE:
-        angle_rad = polygon_angle_rad(corner, CURVE_CORNERS, 0.0)
-        return angle_rad, curve_share(angle_rad, obstacle.corners, obstacle.dent)
-    jitter = first_half(number(key, obstacle.block + _CORNERS + np.uint64(corner)))
-    angle_rad = polygon_angle_rad(corner, obstacle.corners, jitter)
-    return angle_rad, polygon_share(corner, obstacle.dent)

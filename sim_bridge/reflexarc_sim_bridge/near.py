@@ -239,10 +239,11 @@ def _list_sides(
     corners = corner_count(obstacle)
     if k + corners > rows.shape[1] - _SPARE:
         return k
-    dx_m, dy_m = corner_m(chunk, obstacle, corners - 1)
+    cos, sin = math.cos(obstacle.turned_rad), math.sin(obstacle.turned_rad)
+    dx_m, dy_m = corner_m(chunk, obstacle, corners - 1, cos, sin)
     x, y = np.float32(x_m + dx_m), np.float32(y_m + dy_m)
     for corner in range(corners):
-        dx_m, dy_m = corner_m(chunk, obstacle, corner)
+        dx_m, dy_m = corner_m(chunk, obstacle, corner, cos, sin)
         next_x, next_y = np.float32(x_m + dx_m), np.float32(y_m + dy_m)
         rows[SIDE_X, k], rows[SIDE_Y, k] = x, y
         rows[SIDE_AHEAD, k], rows[SIDE_LEFT, k] = next_x - x, next_y - y

@@ -30,4 +30,9 @@ def polygon_share(corner: int, dent: float) -> float:
 
 def curve_share(angle_rad: float, lobes: int, waviness: float) -> float:
     """Distance of a point of the curve from the centre, as a share of the radius."""
-    return (1.0 + waviness * math.cos(lobes * angle_rad)) / (1.0 + waviness)
+    return wavy_share(math.cos(lobes * angle_rad), waviness)
+
+
+def wavy_share(lobe_cos: float, waviness: float) -> float:
+    """The same from cos(mφ)."""
+    return (1.0 + waviness * lobe_cos) / (1.0 + waviness)

@@ -1,5 +1,6 @@
 """Obstacles for drawing and for tests: outlines in the world's frame."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -168,8 +169,9 @@ def _listed(
         corners = chunks.corner_count(obstacle)
         rows[n, 0], rows[n, 1], rows[n, 2] = obstacle.kind, x_m, y_m
         rows[n, 3], rows[n, 4], rows[n, 5] = obstacle.half_length_m, corners, obstacle.paint
+        cos, sin = math.cos(obstacle.turned_rad), math.sin(obstacle.turned_rad)
         for corner in range(corners):
-            dx_m, dy_m = chunks.corner_m(chunk, obstacle, corner)
+            dx_m, dy_m = chunks.corner_m(chunk, obstacle, corner, cos, sin)
             rows[n, 8 + 2 * corner], rows[n, 9 + 2 * corner] = x_m + dx_m, y_m + dy_m
         n += 1
     return rows[:n]

@@ -1,8 +1,8 @@
 """What is near an agent in a field of upright white boxes: the common case, in vectors.
 
-The same obstacles as `near.py` lists, to the bit, in phases over flat arrays, each of which the
-compiler turns into vector instructions: the chunks in reach; how many obstacles each has; one
-entry an obstacle; the entries' places and sizes; those that reach into the box are kept.
+The same obstacles as `near.py` lists, but for rounding to float32, in phases over flat arrays, each
+of which the compiler turns into vector instructions: the chunks in reach; how many obstacles each
+has; one entry an obstacle; the entries' places and sizes; those that reach into the box are kept.
 """
 
 import math

@@ -527,7 +527,7 @@ LAYERS = st.one_of(
     st.builds(
         World,
         st.just("trip"),
-        width_m=st.floats(1, 1e4),
+        width_m=st.floats(3, 1e4),
         layers=st.lists(LAYERS, max_size=3).map(tuple),
         senses=st.builds(Senses, dead_sectors=st.lists(st.just((0.1, 0.2)), max_size=2).map(tuple)),
         chassis=st.builds(Chassis, after_contact=st.sampled_from(AfterContact)),

@@ -13,7 +13,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from reflexarc_sim_bridge.simulation import Simulation
-from reflexarc_sim_bridge.world_files import world_named
 from reflexarc_trainer.choice import new_streams
 from reflexarc_trainer.config import (
     ExplorationConfig,
@@ -142,7 +141,7 @@ def test_compiled_learner_equals_the_reference_in_a_world() -> None:
     learner = OnlineLearner(config)
     learner.run(config.steps)
 
-    body = Simulation(world_named(config.world), config.contract(), np.array([11], np.uint64))
+    body = Simulation(config.goal_world, config.contract(), np.array([11], np.uint64))
     network = new_network(config.contract(), config.network, config.seed)
     list(learn(network, body, config.learner, new_streams(11), config.steps))
     np.testing.assert_allclose(learner.weights, pack(network), rtol=0, atol=1e-9)

@@ -2,8 +2,10 @@
 
 import csv
 import dataclasses
+import functools
 import json
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -26,7 +28,11 @@ from reflexarc_trainer.presets import preset_named
 from reflexarc_trainer.train import Progress
 from reflexarc_trainer.weights import NetworkPolicy
 
-FILES = {"policy.onnx", "config.json", "metrics.csv", "curve.png", "checkpoint.npz"}
+WITHOUT_A_POINT = {
+    *("policy.onnx", "config.json", "metrics.csv", "checkpoint.npz"),
+    *("report.md", "curve.png", "occupancy.png"),
+}
+FILES = WITHOUT_A_POINT | {"policy-best.onnx"}
 
 
 @pytest.fixture(scope="module", params=["online", "batched"])
@@ -137,7 +143,7 @@ def same_arrays(one: Learner, other: Learner) -> bool:
     )
 
 
-@pytest.mark.parametrize("after", [0, 500, 1200])
+@pytest.mark.parametrize("after", [0, 1200])
 def test_resumed_run_equals_an_uninterrupted_one(
     after: int, config: TrainConfig, whole_run: train.TrainResult, tmp_path: Path
 ) -> None:
@@ -145,15 +151,89 @@ def test_resumed_run_equals_an_uninterrupted_one(
     broken = train.train(config, tmp_path, progress=listen, should_stop=should_stop)
     assert broken.interrupted
     assert after <= broken.steps < after + 320
-    assert names(tmp_path) == FILES
+    assert names(tmp_path) == (FILES if broken.history else WITHOUT_A_POINT)
     mended = train.resume(tmp_path)
     assert (mended.steps, mended.interrupted) == (config.steps, False)
-    assert mended.policy_path.read_bytes() == whole_run.policy_path.read_bytes()
-    folders = (whole_run.policy_path.parent, tmp_path)
-    learners = [checkpoint.load(folder / "checkpoint.npz").learner() for folder in folders]
-    assert same_arrays(*learners)
-    rows = [[row._replace(seconds=0.0) for row in result.history] for result in (whole_run, mended)]
+    assert_same_run(mended, whole_run)
+
+
+def test_run_interrupted_at_three_random_steps_equals_an_uninterrupted_one(
+    config: TrainConfig,
+    whole_run: train.TrainResult,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(train, "CHUNK_STEPS", 23)
+    stops = np.sort(np.random.default_rng().choice(config.steps - 400, 3, replace=False))
+    print(f"interrupted after {stops}")  # said where it fails
+    begin: Callable[..., train.TrainResult] = functools.partial(train.train, config)
+    for after in stops.tolist():
+        listen, should_stop = stop_after(after)
+        assert begin(tmp_path, progress=listen, should_stop=should_stop).interrupted
+        begin = train.resume
+    assert_same_run(train.resume(tmp_path), whole_run)
+
+
+def assert_same_run(one: train.TrainResult, other: train.TrainResult) -> None:
+    """The same policies and state to the bit, the same history but for the time it took."""
+    assert one.policy_path.read_bytes() == other.policy_path.read_bytes()
+    assert one.best_policy_path.read_bytes() == other.best_policy_path.read_bytes()
+    saved = [checkpoint.load(run.policy_path.parent / "checkpoint.npz") for run in (one, other)]
+    assert same_arrays(*(each.learner() for each in saved))
+    assert saved[0].best.tobytes() == saved[1].best.tobytes()
+    rows = [[row._replace(seconds=0.0) for row in run.history] for run in (one, other)]
     assert rows[0] == rows[1]
+
+
+def test_run_ends_where_two_points_in_a_row_are_good_enough(
+    config: TrainConfig, whole_run: train.TrainResult, tmp_path: Path
+) -> None:
+    scores = [row.validation_contacts_per_100m for row in whole_run.history]
+    goal = min(max(pair) for pair in pairwise(scores[:-1]))
+    ends = next(i for i, pair in enumerate(pairwise(scores)) if max(pair) <= goal) + 2
+    wanted = dataclasses.replace(config.validation, stop_at=goal)
+    listen, should_stop = stop_after(700)
+    config = dataclasses.replace(config, validation=wanted)
+    assert not train.train(config, tmp_path, progress=listen, should_stop=should_stop).reached
+    early = train.resume(tmp_path)
+    assert (early.reached, early.interrupted, len(early.history)) == (True, False, ends)
+    assert [row.validation_contacts_per_100m for row in early.history] == scores[:ends]
+    assert train.resume(tmp_path).steps == early.steps == whole_run.history[ends - 1].step
+
+
+def test_best_policy_is_that_of_the_best_validation_point(
+    config: TrainConfig, whole_run: train.TrainResult, tmp_path: Path
+) -> None:
+    points = list(whole_run.history)
+    best = points[int(np.argmin([row.validation_contacts_per_100m for row in points]))]
+    assert whole_run.best == best
+    scores = load_policy(whole_run.best_policy_path).contract.provenance.scores
+    assert scores == {
+        "steps": best.step,
+        "validation_contacts_per_100m": best.validation_contacts_per_100m,
+    }
+    listen, should_stop = stop_after(best.step)
+    until_then = train.train(config, tmp_path, progress=listen, should_stop=should_stop)
+    q_values = [
+        load_policy(path).decide(np.full((1, 1, 1, 16, 1), 77, np.uint8))[0]
+        for path in (whole_run.best_policy_path, until_then.policy_path)
+    ]
+    assert q_values[0].tobytes() == q_values[1].tobytes()
+
+
+def test_new_run_removes_the_results_of_an_earlier_one(config: TrainConfig, tmp_path: Path) -> None:
+    (tmp_path / "policy-best.onnx").write_text("of something else")
+    train.train(config, tmp_path, should_stop=lambda: True)
+    assert names(tmp_path) == WITHOUT_A_POINT
+
+
+def test_progress_says_rate_and_error(config: TrainConfig, tmp_path: Path) -> None:
+    seen: list[Progress] = []
+    result = train.train(config, tmp_path, progress=seen.append)
+    assert all(where.steps_per_s > 0.0 and where.mean_abs_error > 0.0 for where in seen)
+    # The last look before a validation point is at the error that the point reports.
+    firsts = [where for where in seen if where.step == result.history[0].step]
+    assert firsts[-1].mean_abs_error == result.history[0].mean_abs_error
 
 
 def test_ctrl_c_leaves_a_policy_of_what_was_learned(config: TrainConfig, tmp_path: Path) -> None:
@@ -163,7 +243,7 @@ def test_ctrl_c_leaves_a_policy_of_what_was_learned(config: TrainConfig, tmp_pat
 
     result = train.train(config, tmp_path, progress=interrupt)
     assert result.interrupted
-    assert names(tmp_path) == FILES
+    assert names(tmp_path) == (FILES if result.history else WITHOUT_A_POINT)
     assert load_policy(result.policy_path).contract.provenance.scores["steps"] == result.steps
 
 

@@ -1,5 +1,6 @@
 """Many agents that learn together, each in an endless world of its own: the face in Python."""
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -8,7 +9,6 @@ import numpy.typing as npt
 
 from reflexarc_sim_bridge.seeds import TRAINING_SEEDS
 from reflexarc_sim_bridge.simulation import Simulation, motions_of
-from reflexarc_sim_bridge.world_files import world_named
 from reflexarc_trainer.batched import Learning, Pace, Sums, learn
 from reflexarc_trainer.block import input_curve, layers_for
 from reflexarc_trainer.choice import new_streams
@@ -18,14 +18,16 @@ from reflexarc_trainer.learner import (
     Arrays,
     Report,
     check_finite,
+    driven_m,
     restore_arrays,
     world_arrays,
 )
 from reflexarc_trainer.optimiser import new_moments
-from reflexarc_trainer.q_network import QNetwork, new_network
+from reflexarc_trainer.q_network import QNetwork
 from reflexarc_trainer.rollout import Manner, Pending, choose_all, new_rollout, take_up
 from reflexarc_trainer.schedules import linear
-from reflexarc_trainer.weights import pack, unpack
+from reflexarc_trainer.training_world import stage_at, stage_ends
+from reflexarc_trainer.weights import initial_weights, unpack
 
 
 class BatchedLearner:
@@ -33,17 +35,18 @@ class BatchedLearner:
 
     Args:
         config: the run; its seed gives the initial weights, the exploration and the worlds.
+        weights: what to begin with instead, in the order of `weights.py`: (parameters,).
 
     Raises:
         WorldError: there is no such world, or it cannot give what the eye asks for.
     """
 
-    def __init__(self, config: TrainConfig) -> None:
+    def __init__(self, config: TrainConfig, weights: npt.NDArray[np.float64] | None = None) -> None:
         self.config = config
         self.contract = config.contract()
-        world = world_named(config.world)
-        self._simulation = Simulation(world, self.contract, _seeds(config))
-        self._learning = new_learning(config, self._simulation.params)
+        self._ends = stage_ends(config.worlds, pace_of(config).updates)
+        self._stage, self._simulation = 0, self._world_of_stage(0)
+        self._learning = new_learning(config, self._simulation.params, weights)
         self._reported = np.zeros(3)  # steps, contacts and distance_m at the last report
         self._begin()
 
@@ -74,22 +77,25 @@ class BatchedLearner:
             UsageError: the weights are no longer finite.
         """
         updates = max(1, steps // self.config.learner.batched.batch_steps)
-        layers, manner, pace, params, pending, rollout, sums, moments = self._learning
-        learn(layers, manner, pace, *params, pending, rollout, sums, moments, updates)
-        check_finite(self._learning.sums.weights, self.step, self.config)
+        while updates > 0:
+            left = self._ends[self._stage] - self._learning.sums.progress[0]
+            part = updates if left == math.inf else min(updates, math.ceil(left))
+            self._update(part)
+            updates -= part
 
     def report(self) -> Report:
-        """What happened since the last report; the next one begins here."""
-        simulation, learning = self._simulation, self._learning
-        now = np.array([self.step, simulation.contacts.sum(), simulation.distance_m.sum()])
-        steps, contacts, driven_m = now - self._reported
-        report = Report(
-            mean_abs_error=float(learning.sums.errors.sum()) / max(1.0, steps),
-            contacts_per_100m=100.0 * contacts / max(1e-9, driven_m),
+        """What happened since the last mark."""
+        steps, contacts, distance_m = self._counts() - self._reported
+        world = self._simulation.world.densest
+        return Report(
+            mean_abs_error=float(self._learning.sums.errors.sum()) / max(1.0, steps),
+            contacts_per_100m=100.0 * contacts / driven_m(self.config, world, steps, distance_m),
         )
-        learning.sums.errors[:] = 0.0
-        self._reported[:] = now
-        return report
+
+    def mark(self) -> None:
+        """The next report begins here."""
+        self._learning.sums.errors[:] = 0.0
+        self._reported[:] = self._counts()
 
     def arrays(self) -> Arrays:
         """Everything that the rest of the run depends on, by name."""
@@ -103,7 +109,33 @@ class BatchedLearner:
             UsageError: an array is missing or of another shape.
         """
         restore_arrays(self._own(), arrays)
+        self._enter(stage_at(self._ends, self._learning.sums.progress[0]))
         self._simulation.restore(world_arrays(arrays))
+
+    def _update(self, updates: int) -> None:
+        """Learn, and go on to the next world where this one's part is over."""
+        layers, manner, pace, params, pending, rollout, sums, moments = self._learning
+        learn(layers, manner, pace, *params, pending, rollout, sums, moments, updates)
+        check_finite(sums.weights, self.step, self.config)
+        stage = stage_at(self._ends, sums.progress[0])
+        if stage != self._stage:
+            self._reported[1:] -= self._counts()[1:]  # the new world counts from zero
+            self._enter(stage)
+            self._begin()
+
+    def _world_of_stage(self, stage: int) -> Simulation:
+        return Simulation(self.config.worlds[stage].source(), self.contract, _seeds(self.config))
+
+    def _enter(self, stage: int) -> None:
+        """Put the agents into the world of a stage, unless they are there."""
+        if stage != self._stage:
+            self._stage, self._simulation = stage, self._world_of_stage(stage)
+            self._learning = self._learning._replace(params=self._simulation.params)
+
+    def _counts(self) -> npt.NDArray[np.float64]:
+        """Steps, and contacts and distance_m in this world: (3,)."""
+        simulation = self._simulation
+        return np.array([self.step, simulation.contacts.sum(), simulation.distance_m.sum()])
 
     def _own(self) -> Arrays:
         learning = self._learning
@@ -118,23 +150,32 @@ class BatchedLearner:
         }
 
     def _begin(self) -> None:
-        """Look for the first time, and choose the first actions."""
-        layers, manner, pace, _, pending, rollout, sums, _ = self._learning
+        """Look for the first time in a world, and choose the first actions."""
+        layers, manner, _, _, pending, rollout, sums, _ = self._learning
         self._simulation.sense()
         pending.seen[:] = self._simulation.stacks.reshape(pending.seen.shape)
         met = np.ones(rollout.actions.shape[-1], np.bool_)  # as after a contact: nothing is held
         for shard in range(len(rollout.actions)):
             take_up(manner, pending, rollout, shard)
-            start = pace.epsilon_start
-            choose_all(layers, sums.weights, manner, pending, rollout, shard, 0, met, start)
+            epsilon = self.epsilon
+            choose_all(layers, sums.weights, manner, pending, rollout, shard, 0, met, epsilon)
 
 
-def new_learning(config: TrainConfig, params: Any) -> Learning:
-    """Everything that an update needs, before the first one; `params` are the simulation's."""
+def new_learning(
+    config: TrainConfig, params: Any, weights: npt.NDArray[np.float64] | None = None
+) -> Learning:
+    """Everything that an update needs, before the first one.
+
+    Args:
+        config: the run.
+        params: the simulation's.
+        weights: to begin with; by default those that the seed gives: (parameters,).
+    """
     batched, contract = config.learner.batched, config.contract()
     shards, columns = batched.agents // batched.shard_agents, batched.shard_agents
     layers, dtype = layers_for(config.network, contract), np.dtype(batched.precision)
-    weights = pack(new_network(contract, config.network, config.seed)).astype(dtype)
+    weights = initial_weights(config) if weights is None else weights
+    weights = weights.astype(dtype)
     return Learning(
         layers=layers,
         manner=_manner(config),

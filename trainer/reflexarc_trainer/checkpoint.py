@@ -1,7 +1,7 @@
 """A run, stopped anywhere and continued to the same bits.
 
 One .npz file without pickled objects: the configuration, the weights, the trace or the optimiser,
-the pending actions, the random streams, the worlds, and the history.
+the pending actions, the random streams, the worlds, the history, and the best weights so far.
 """
 
 import io
@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 
 from reflexarc_runtime.errors import UsageError
 from reflexarc_trainer.config import TrainConfig
@@ -19,9 +20,10 @@ from reflexarc_trainer.forms import new_learner
 from reflexarc_trainer.history import Row, from_table
 from reflexarc_trainer.learner import Arrays, Learner
 
-FORMAT = 2
+FORMAT = 3
 
-_FORMAT, _CONFIG, _HISTORY, _LEARNER = "format", "config", "history", "learner."
+_FORMAT, _CONFIG, _HISTORY, _BEST = "format", "config", "history", "best"
+_LEARNER = "learner."
 
 
 @dataclass(frozen=True)
@@ -32,6 +34,8 @@ class Checkpoint:
     arrays: Arrays
     """Of `Learner.arrays`."""
     history: list[Row]
+    best: npt.NDArray[np.float64]
+    """Weights of the best validation point, none before the first: (parameters,) or (0,)."""
 
     def learner(self) -> Learner:
         """The learner where it was."""
@@ -40,8 +44,8 @@ class Checkpoint:
         return learner
 
 
-def save(path: Path, learner: Learner, history: list[Row]) -> None:
-    """Write a checkpoint, whole or not at all."""
+def save(path: Path, learner: Learner, history: list[Row], best: npt.NDArray[np.float64]) -> None:
+    """Write a checkpoint, whole or not at all; see `Checkpoint`."""
     arrays = {_LEARNER + name: array for name, array in learner.arrays().items()}
     buffer = io.BytesIO()
     np.savez(
@@ -50,6 +54,7 @@ def save(path: Path, learner: Learner, history: list[Row]) -> None:
         **{_FORMAT: np.array(FORMAT)},
         **{_CONFIG: np.array(json.dumps(learner.config.resolved()))},
         **{_HISTORY: np.array(history, np.float64).reshape(-1, len(Row._fields))},
+        **{_BEST: best},
         **arrays,
     )
     write_atomically(path, buffer.getvalue())
@@ -62,13 +67,14 @@ def load(path: Path) -> Checkpoint:
         UsageError: there is none, or it is not one that this version wrote.
     """
     arrays = _read(path)
-    missing = [name for name in (_FORMAT, _CONFIG, _HISTORY) if name not in arrays]
+    missing = [name for name in (_FORMAT, _CONFIG, _HISTORY, _BEST) if name not in arrays]
     if missing or int(arrays[_FORMAT]) != FORMAT:
         raise UsageError(f"{path}: expected a checkpoint of format {FORMAT}; train anew")
     return Checkpoint(
         config=TrainConfig.from_resolved(json.loads(str(arrays[_CONFIG]))),
         arrays={k.removeprefix(_LEARNER): v for k, v in arrays.items() if k.startswith(_LEARNER)},
         history=from_table(arrays[_HISTORY].tolist()),
+        best=arrays[_BEST],
     )
 
 

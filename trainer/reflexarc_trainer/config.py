@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any, Self
 
 from reflexarc_runtime.contract import (
+    Action,
     PolicyContract,
     Provenance,
     RetinaSpec,
@@ -19,7 +20,8 @@ from reflexarc_runtime.contract import (
     sideways_actions,
 )
 from reflexarc_runtime.errors import ContractError, UsageError
-from reflexarc_trainer.checks import require
+from reflexarc_sim_bridge.worlds import WorldSource
+from reflexarc_trainer.checks import require, require_one_of
 from reflexarc_trainer.learner_config import (
     BatchedConfig,
     ExplorationConfig,
@@ -27,6 +29,8 @@ from reflexarc_trainer.learner_config import (
     NetworkConfig,
     OnlineConfig,
 )
+from reflexarc_trainer.motions import Motion, turning_actions
+from reflexarc_trainer.training_world import TrainingWorld
 
 __all__ = [
     "BatchedConfig",
@@ -35,8 +39,11 @@ __all__ = [
     "NetworkConfig",
     "OnlineConfig",
     "TrainConfig",
+    "TrainingWorld",
     "ValidationConfig",
 ]
+
+MOST_WORLDS = 64
 
 
 @dataclass(frozen=True)
@@ -51,12 +58,17 @@ class ValidationConfig:
     """Steps counted for each agent."""
     discard: int = 50
     """Steps before the counting begins."""
+    stop_at: float | None = None
+    """The run ends where two points in a row have at most so many contacts per 100 m."""
 
     def __post_init__(self) -> None:
         require(1 <= self.points <= 10_000, "validation.points", "1 to 10000", self.points)
         require(self.agents >= 1, "validation.agents", "1 or more", self.agents)
         require(self.steps >= 1, "validation.steps", "1 or more", self.steps)
         require(self.discard >= 0, "validation.discard", "0 or more", self.discard)
+        goal = self.stop_at
+        fits = goal is None or 0.0 <= goal < math.inf
+        require(fits, "validation.stop_at", "0 or more contacts per 100 m", goal)
 
 
 @dataclass(frozen=True)
@@ -69,12 +81,19 @@ class TrainConfig:
     """Seed of the initial weights, the exploration and the training world."""
     steps: int = 500_000
     """Transitions to learn from."""
-    world: str = "reference-1"
-    """Name of the world to learn in."""
+    worlds: tuple[TrainingWorld, ...] = field(default_factory=lambda: (TrainingWorld(),))
+    """The worlds to learn in, one after another. The last is the one that the policy is for: it is
+    measured there."""
+    init_from: str = ""
+    """SHA-256 of the policy file whose weights the run begins with; by default new ones."""
+    motion: Motion = "sideways"
+    """What left and right do: shift the body, or turn it."""
     forward_mps: float = 1.0
     """Forward speed of every action."""
     lateral_mps: float = 1.0
-    """Sideways speed of left and right."""
+    """Sideways speed of left and right, where they shift."""
+    angular_radps: float = 2.0
+    """Turning speed of left and right, where they turn."""
     rate_hz: float = 50.0
     """Rate at which the exported policy is meant to run."""
     max_input_age_s: float = 0.1
@@ -97,9 +116,21 @@ class TrainConfig:
             "one layer with learner.form = 'online' (deeper ones learn with 'batched')",
             self.network.hidden,
         )
-        for name in ("forward_mps", "lateral_mps"):
-            speed_mps = getattr(self, name)
-            require(0.0 < speed_mps < math.inf, name, "positive", speed_mps)
+        require_one_of(Motion, "motion", self.motion)
+        require(1 <= len(self.worlds) <= MOST_WORLDS, "worlds", "1 to 64", len(self.worlds))
+        for name in ("forward_mps", "lateral_mps", "angular_radps"):
+            speed = getattr(self, name)
+            require(0.0 < speed < math.inf, name, "positive", speed)
+
+    @property
+    def goal(self) -> TrainingWorld:
+        """The world that the policy is for: the last one."""
+        return self.worlds[-1]
+
+    @property
+    def goal_world(self) -> WorldSource:
+        """The same, as the simulator takes it."""
+        return self.goal.source()
 
     def resolved(self) -> dict[str, Any]:
         """The configuration as plain JSON values, every default filled in."""
@@ -122,6 +153,7 @@ class TrainConfig:
         try:
             eye = {**document["retina"], "shading": Shading(document["retina"]["shading"])}
             parts = {
+                "worlds": tuple(TrainingWorld(**world) for world in document["worlds"]),
                 "retina": RetinaSpec(**eye),
                 "network": NetworkConfig(**document["network"]),
                 "learner": _learner(document["learner"]),
@@ -137,11 +169,16 @@ class TrainConfig:
         """What the policy of this run sees and does."""
         return PolicyContract(
             retina=self.retina,
-            actions=sideways_actions(self.forward_mps, self.lateral_mps),
+            actions=self._actions(),
             rate_hz=self.rate_hz,
             max_input_age_s=self.max_input_age_s,
             provenance=provenance or Provenance(),
         )
+
+    def _actions(self) -> tuple[Action, ...]:
+        if self.motion == "turning":
+            return turning_actions(self.forward_mps, self.angular_radps)
+        return sideways_actions(self.forward_mps, self.lateral_mps)
 
 
 def _learner(document: Mapping[str, Any]) -> LearnerConfig:

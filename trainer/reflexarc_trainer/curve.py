@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from reflexarc_sim_bridge.world_files import world_named
 from reflexarc_sim_bridge.worlds import World
 from reflexarc_trainer.config import TrainConfig
 from reflexarc_trainer.history import Row
@@ -31,12 +30,14 @@ def draw_curve(config: TrainConfig, rows: Sequence[Row]) -> bytes:
     axes.plot(
         steps, validation, "o-", color=_VALIDATION, markersize=3.5, label="greedy, validation"
     )
-    world = world_named(config.world)
+    world = config.goal_world
     blind = world.blind_contacts_per_100m if isinstance(world, World) else None
     if blind is not None:
         label = f"blind: {blind:.1f}"
         axes.axhline(blind, color=_BLIND, linestyle="--", linewidth=1.0, label=label)
-    axes.set_title(f"{config.preset} in {config.world}, seed {config.seed}", loc="left", color=_INK)
+    axes.set_title(
+        f"{config.preset} in {config.goal.name}, seed {config.seed}", loc="left", color=_INK
+    )
     axes.set_xlabel("steps")
     axes.set_ylabel("contacts per 100 m")
     axes.set_xlim(0, config.steps)
@@ -47,10 +48,11 @@ def draw_curve(config: TrainConfig, rows: Sequence[Row]) -> bytes:
     axes.grid(color="#dddddd", linewidth=0.6)
     axes.spines[["top", "right"]].set_visible(False)
     axes.legend(frameon=False)
-    return _png(figure)
+    return as_png(figure)
 
 
-def _png(figure: Figure) -> bytes:
+def as_png(figure: Figure) -> bytes:
+    """A figure as the bytes of a file, without a date in it."""
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", metadata={"Software": None})
     return buffer.getvalue()

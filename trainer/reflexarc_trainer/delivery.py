@@ -4,25 +4,34 @@ from pathlib import Path
 
 from reflexarc_runtime.contract import PolicyContract
 from reflexarc_trainer import checkpoint
+from reflexarc_trainer.config import TrainConfig
 from reflexarc_trainer.export import export
 from reflexarc_trainer.history import Row
-from reflexarc_trainer.learner import Learner
 from reflexarc_trainer.provenance import provenance_of
+from reflexarc_trainer.q_network import QNetwork
 from reflexarc_trainer.validation import drive_and_record
 
 
-def deliver(learner: Learner, history: list[Row], path: Path) -> PolicyContract:
-    """Export the learner's network, with its provenance, checked on retinas that it met.
+def deliver(
+    network: QNetwork, config: TrainConfig, step: int, point: Row | None, path: Path
+) -> PolicyContract:
+    """Export a network, with its provenance, checked on retinas that it met.
+
+    Args:
+        network: what was learned.
+        config: by which run.
+        step: from how many transitions.
+        point: the validation point that says how good it is.
+        path: the file.
 
     Raises:
         PolicyError: the backends do not agree; then nothing is written.
     """
-    network = learner.network()
-    scores = {"steps": float(learner.step)}
-    if history:
-        scores["validation_contacts_per_100m"] = history[-1].validation_contacts_per_100m
-    contract = learner.config.contract(provenance_of(learner.config, scores))
-    return export(network, contract, path, recorded=drive_and_record(network, learner.config))
+    scores = {"steps": float(step)}
+    if point is not None:
+        scores["validation_contacts_per_100m"] = point.validation_contacts_per_100m
+    contract = config.contract(provenance_of(config, scores))
+    return export(network, contract, path, recorded=drive_and_record(network, config))
 
 
 def export_checkpoint(source: Path, out: Path) -> PolicyContract:
@@ -33,4 +42,5 @@ def export_checkpoint(source: Path, out: Path) -> PolicyContract:
         PolicyError: the backends do not agree; then nothing is written.
     """
     saved = checkpoint.load(source)
-    return deliver(saved.learner(), saved.history, out)
+    learner, last = saved.learner(), saved.history[-1] if saved.history else None
+    return deliver(learner.network(), learner.config, learner.step, last, out)

@@ -1,15 +1,24 @@
 """Which form of the algorithm a run asks for."""
 
+import numpy as np
+import numpy.typing as npt
+
 from reflexarc_trainer.batched_learner import BatchedLearner
 from reflexarc_trainer.config import TrainConfig
 from reflexarc_trainer.learner import Learner
 from reflexarc_trainer.online_learner import OnlineLearner
 
 
-def new_learner(config: TrainConfig) -> Learner:
+def new_learner(config: TrainConfig, weights: npt.NDArray[np.float64] | None = None) -> Learner:
     """A learner before its first step.
+
+    Args:
+        config: the run.
+        weights: to begin with; by default those that the seed gives: (parameters,).
 
     Raises:
         WorldError: there is no such world, or it cannot give what the eye asks for.
     """
-    return BatchedLearner(config) if config.learner.form == "batched" else OnlineLearner(config)
+    if config.learner.form == "batched":
+        return BatchedLearner(config, weights)
+    return OnlineLearner(config, weights)

@@ -5,6 +5,9 @@ import io
 from collections.abc import Sequence
 from typing import NamedTuple
 
+IN_A_ROW = 2
+"""One point may be luck."""
+
 
 class Row(NamedTuple):
     """One validation point."""
@@ -19,6 +22,17 @@ class Row(NamedTuple):
     """While learning, random actions included, since the last row."""
     validation_contacts_per_100m: float
     """Greedy, on validation worlds."""
+
+
+def best_of(rows: Sequence[Row]) -> Row | None:
+    """The point with the fewest contacts on validation worlds, the first of equals."""
+    return min(rows, key=lambda row: row.validation_contacts_per_100m, default=None)
+
+
+def has_reached(rows: Sequence[Row], goal: float | None) -> bool:
+    """Whether the last two points are both at or below a goal in contacts per 100 m."""
+    last = [row.validation_contacts_per_100m for row in rows[-IN_A_ROW:]]
+    return goal is not None and len(last) == IN_A_ROW and all(score <= goal for score in last)
 
 
 def to_csv(rows: Sequence[Row]) -> bytes:

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_runtime.errors import UsageError
+from reflexarc_sim_bridge.worlds import World
 from reflexarc_trainer.config import TrainConfig
 from reflexarc_trainer.q_network import QNetwork
 
@@ -19,7 +20,7 @@ WORLD = "world."
 
 @dataclass(frozen=True)
 class Report:
-    """What happened while learning since the last report."""
+    """What happened while learning since the last mark."""
 
     mean_abs_error: float
     """Of the TD error online, of the λ-return batched."""
@@ -44,6 +45,11 @@ class Learner(Protocol):
         """Share of random actions now."""
         ...
 
+    @property
+    def weights(self) -> npt.NDArray[np.float64]:
+        """What has been learned, in the order of `weights.py`: (parameters,)."""
+        ...
+
     def network(self) -> QNetwork:
         """What has been learned, as a network."""
         ...
@@ -57,7 +63,11 @@ class Learner(Protocol):
         ...
 
     def report(self) -> Report:
-        """What happened since the last report; the next one begins here."""
+        """What happened since the last mark."""
+        ...
+
+    def mark(self) -> None:
+        """The next report begins here."""
         ...
 
     def arrays(self) -> Arrays:
@@ -92,6 +102,23 @@ def check_finite(weights: npt.NDArray[Any], step: int, config: TrainConfig) -> N
         f"learner: the weights are not finite after {step} steps ({set_up}, network.output = "
         f"{config.network.output!r}); {advice}"
     )
+
+
+def driven_m(config: TrainConfig, world: World, steps: float, distance_m: float) -> float:
+    """The metres over which contacts are counted, all agents together.
+
+    Progress along x: nobody scores better by zigzagging. A body that turns has no x of its own, so
+    for it the length of the path, which its uniform speed gives.
+
+    Args:
+        config: says whether it turns.
+        world: where, for the duration of a step.
+        steps: of all agents.
+        distance_m: their progress along x.
+    """
+    if config.motion == "turning":
+        return max(1e-9, steps * world.dt_s * config.forward_mps)
+    return max(1e-9, distance_m)
 
 
 def restore_arrays(mine: Mapping[str, npt.NDArray[Any]], arrays: Mapping[str, Any]) -> None:

@@ -28,10 +28,11 @@ linear = compiled(schedules.linear)
 
 @fused
 def begin(rules: Rules, state: LearnerState, scratch: Scratch, retina: Bytes) -> None:
-    """Choose the first action for a retina (inputs,)."""
+    """Choose the first action in a world for a retina (inputs,)."""
     _see(scratch.curve, retina, scratch.inputs)
     _look_ahead(rules, scratch)
-    state.pending[0] = _next_action(rules, state, scratch.next_q_values, 0, True)
+    step = state.pending[2]
+    state.pending[0] = _next_action(rules, state, scratch.next_q_values, step, True)
     _copy(scratch.inputs, state.inputs)
 
 

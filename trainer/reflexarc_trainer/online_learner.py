@@ -5,6 +5,7 @@ called for some ten thousand steps at a time; how a run is cut into calls change
 that it needs lies in arrays that a checkpoint carries.
 """
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -15,7 +16,6 @@ from reflexarc_sim_bridge.compiled import compiled_allocating
 from reflexarc_sim_bridge.kernel import Params, new_workspace, sense_agent, step_agent
 from reflexarc_sim_bridge.seeds import TRAINING_SEEDS
 from reflexarc_sim_bridge.simulation import Simulation, motions_of
-from reflexarc_sim_bridge.world_files import world_named
 from reflexarc_trainer.block import input_curve
 from reflexarc_trainer.choice import new_streams
 from reflexarc_trainer.config import TrainConfig
@@ -24,6 +24,7 @@ from reflexarc_trainer.learner import (
     Arrays,
     Report,
     check_finite,
+    driven_m,
     restore_arrays,
     world_arrays,
 )
@@ -37,11 +38,12 @@ from reflexarc_trainer.online_state import (
     new_state,
 )
 from reflexarc_trainer.online_weights import from_online, to_online
-from reflexarc_trainer.q_network import QNetwork, new_network
+from reflexarc_trainer.q_network import QNetwork
 from reflexarc_trainer.schedules import linear
 from reflexarc_trainer.traces import STEP_RULES
+from reflexarc_trainer.training_world import stage_at, stage_ends
 from reflexarc_trainer.units import UNITS
-from reflexarc_trainer.weights import pack, unpack
+from reflexarc_trainer.weights import initial_weights, unpack
 
 
 class OnlineLearner:
@@ -49,20 +51,21 @@ class OnlineLearner:
 
     Args:
         config: the run; its seed gives the initial weights, the exploration and the world.
+        weights: what to begin with instead, in the order of `weights.py`: (parameters,).
 
     Raises:
         WorldError: there is no such world, or it cannot give what the eye asks for.
     """
 
-    def __init__(self, config: TrainConfig) -> None:
+    def __init__(self, config: TrainConfig, weights: Floats | None = None) -> None:
         self.config = config
         self.contract = config.contract()
-        seeds = np.array([TRAINING_SEEDS[config.seed % len(TRAINING_SEEDS)]], np.uint64)
-        self._simulation = Simulation(world_named(config.world), self.contract, seeds)
+        self._ends = stage_ends(config.worlds, config.steps)
+        self._stage, self._simulation = 0, self._world_of_stage(0)
         self._rules = rules_for(config)
         self._sizes = sizes_of(config)
-        self._state, self._scratch = new_learning(config)
-        begin(self._rules, self._state, self._scratch, self._simulation.sense().ravel())
+        self._state, self._scratch = new_learning(config, weights)
+        self._begin()
 
     @property
     def step(self) -> int:
@@ -92,20 +95,25 @@ class OnlineLearner:
         Raises:
             UsageError: the weights are no longer finite.
         """
-        params, motions = self._simulation.params, motions_of(self.contract)
-        drive(self._rules, self._state, self._scratch, params, motions, steps)
-        check_finite(self._state.weights, self.step, self.config)
+        while steps > 0:
+            left = self._ends[self._stage] - self.step
+            part = steps if left == math.inf else min(steps, math.ceil(left))
+            self._drive(part)
+            steps -= part
 
     def report(self) -> Report:
-        """What happened since the last report; the next one begins here."""
+        """What happened since the last mark."""
         td_errors, contacts, step, distance_m = self._state.totals.tolist()
-        driven_m = float(self._simulation.distance_m[0])
-        report = Report(
-            mean_abs_error=td_errors / max(1.0, self.step - step),
-            contacts_per_100m=100.0 * contacts / max(1e-9, driven_m - distance_m),
+        world, steps = self._simulation.world.densest, self.step - step
+        distance_m = float(self._simulation.distance_m[0]) - distance_m
+        return Report(
+            mean_abs_error=td_errors / max(1.0, steps),
+            contacts_per_100m=100.0 * contacts / driven_m(self.config, world, steps, distance_m),
         )
-        self._state.totals[:] = 0.0, 0.0, self.step, driven_m
-        return report
+
+    def mark(self) -> None:
+        """The next report begins here."""
+        self._state.totals[:] = 0.0, 0.0, self.step, self._simulation.distance_m[0]
 
     def arrays(self) -> Arrays:
         """Everything that the rest of the run depends on, by name."""
@@ -119,7 +127,34 @@ class OnlineLearner:
             UsageError: an array is missing or of another shape.
         """
         restore_arrays(self._state._asdict(), arrays)
+        self._enter(stage_at(self._ends, self.step))
         self._simulation.restore(world_arrays(arrays))
+
+    def _drive(self, steps: int) -> None:
+        """Learn, and go on to the next world where this one's part is over."""
+        params, motions = self._simulation.params, motions_of(self.contract)
+        drive(self._rules, self._state, self._scratch, params, motions, steps)
+        check_finite(self._state.weights, self.step, self.config)
+        stage = stage_at(self._ends, self.step)
+        if stage != self._stage:
+            self._state.totals[3] -= self._simulation.distance_m[0]  # the new one counts from zero
+            self._enter(stage)
+            self._begin()
+
+    def _world_of_stage(self, stage: int) -> Simulation:
+        seeds = np.array([TRAINING_SEEDS[self.config.seed % len(TRAINING_SEEDS)]], np.uint64)
+        return Simulation(self.config.worlds[stage].source(), self.contract, seeds)
+
+    def _enter(self, stage: int) -> None:
+        """Put the agent into the world of a stage, unless it is there."""
+        if stage != self._stage:
+            self._stage, self._simulation = stage, self._world_of_stage(stage)
+
+    def _begin(self) -> None:
+        """Look for the first time in a world, and choose the first action; nothing led here."""
+        self._state.trace[:] = 0.0
+        self._simulation.sense()
+        begin(self._rules, self._state, self._scratch, self._simulation.stacks[0].ravel())
 
 
 def sizes_of(config: TrainConfig) -> tuple[int, int, int]:
@@ -129,12 +164,13 @@ def sizes_of(config: TrainConfig) -> tuple[int, int, int]:
     return inputs, config.network.hidden[0], len(contract.actions)
 
 
-def new_learning(config: TrainConfig) -> tuple[LearnerState, Scratch]:
-    """State and buffers before the first step."""
+def new_learning(
+    config: TrainConfig, weights: Floats | None = None
+) -> tuple[LearnerState, Scratch]:
+    """State and buffers before the first step; `weights` as for `OnlineLearner`."""
     inputs, hidden, actions = sizes_of(config)
-    plain = pack(new_network(config.contract(), config.network, config.seed))
-    weights = to_online(plain, inputs, hidden, actions)
-    state = new_state(weights, inputs, new_streams(config.seed))
+    plain = initial_weights(config) if weights is None else weights
+    state = new_state(to_online(plain, inputs, hidden, actions), inputs, new_streams(config.seed))
     curve = input_curve(config.network, np.float64)
     return state, new_scratch(state, hidden, actions, curve)
 

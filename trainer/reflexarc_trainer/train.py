@@ -1,37 +1,28 @@
-"""A training run, and what it leaves in its folder.
+"""A training run: learn, measure, keep the best, leave a folder behind (`run_folder.py`).
 
-    policy.onnx      the policy, whole: see `export.py`
-    config.json      the resolved configuration, its hash, versions and commit
-    metrics.csv      one row a validation point: see `history.py`
-    curve.png        the same as a picture
-    checkpoint.npz   where the run stands: `resume` goes on from it to the same bits
-
-Each file is whole or absent. An interrupted run leaves all of them, of what it learned so far; one
-that is killed leaves the last validation point's checkpoint and metrics.
+An interrupted run leaves everything, of what it learned so far; one that is killed leaves the last
+validation point's checkpoint and metrics.
 """
 
-import json
+import dataclasses
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from reflexarc_trainer import checkpoint
+import numpy as np
+
 from reflexarc_trainer.config import TrainConfig
-from reflexarc_trainer.curve import draw_curve
-from reflexarc_trainer.delivery import deliver
-from reflexarc_trainer.files import write_atomically
 from reflexarc_trainer.forms import new_learner
-from reflexarc_trainer.history import Row, to_csv
+from reflexarc_trainer.history import Row, best_of, has_reached
 from reflexarc_trainer.learner import Learner
-from reflexarc_trainer.provenance import commit, versions
+from reflexarc_trainer.run_folder import RunFolder
 from reflexarc_trainer.validation import validate
+from reflexarc_trainer.warm_start import weights_of
+from reflexarc_trainer.weights import Weights
 
 CHUNK_STEPS = 20_000
 """Transitions between two looks at `should_stop`."""
-
-POLICY, CONFIG, METRICS = "policy.onnx", "config.json", "metrics.csv"
-CURVE, CHECKPOINT = "curve.png", "checkpoint.npz"
 
 
 @dataclass(frozen=True)
@@ -42,6 +33,10 @@ class Progress:
     steps: int
     epsilon: float
     seconds: float
+    steps_per_s: float
+    """Of learning alone, since the last look."""
+    mean_abs_error: float
+    """Since the last validation point: see `history.py`."""
     last: Row | None
     """The last validation point."""
 
@@ -51,21 +46,34 @@ class TrainResult:
     """What a run gave."""
 
     policy_path: Path
+    """The policy as the run left it."""
     steps: int
     """Transitions learned from."""
     seconds: float
     history: tuple[Row, ...]
     interrupted: bool
+    best: Row | None = None
+    """The best validation point, that of `best_policy_path`; none before the first point."""
+    reached: bool = False
+    """The run ended at `validation.stop_at`."""
+
+    @property
+    def best_policy_path(self) -> Path:
+        """The policy of the best validation point, if there is one."""
+        return RunFolder(self.policy_path.parent).best_policy
 
 
 ProgressCallback = Callable[[Progress], None]
+RowCallback = Callable[[Row], None]
 
 
 def train(
     config: TrainConfig,
     out: Path,
     *,
+    init_from: Path | None = None,
     progress: ProgressCallback | None = None,
+    measured: RowCallback | None = None,
     should_stop: Callable[[], bool] | None = None,
 ) -> TrainResult:
     """Train from the start and write everything into `out`, over what lies there.
@@ -73,21 +81,31 @@ def train(
     Args:
         config: the run.
         out: its folder, made if need be.
+        init_from: a policy file to begin with the weights of; its hash becomes part of the
+            configuration.
         progress: told where the run stands, every `CHUNK_STEPS` steps.
+        measured: told of each validation point.
         should_stop: asked as often; True ends the run as Ctrl-C does.
 
     Raises:
-        WorldError: the world or the eye is not supported.
-        UsageError: the weights diverged.
-        PolicyError: the policy could not be exported faithfully.
+        WorldError: a world or the eye is not supported.
+        UsageError: the weights diverged; or `init_from` is not of this eye and network.
+        PolicyError: the policy could not be exported faithfully; or `init_from` is none.
     """
-    return _Run(out, new_learner(config), [], progress, should_stop).go()
+    weights: Weights | None = None
+    if init_from is not None:
+        weights, name = weights_of(init_from, config)
+        config = dataclasses.replace(config, init_from=name)
+    run = _Run(RunFolder(out), new_learner(config, weights), progress, measured, should_stop)
+    run.folder.begin(config)
+    return run.go()
 
 
 def resume(
     out: Path,
     *,
     progress: ProgressCallback | None = None,
+    measured: RowCallback | None = None,
     should_stop: Callable[[], bool] | None = None,
 ) -> TrainResult:
     """Continue the run in `out` to the end that it was given; arguments as for `train`.
@@ -95,17 +113,21 @@ def resume(
     Raises:
         UsageError: there is no checkpoint in `out`.
     """
-    saved = checkpoint.load(out / CHECKPOINT)
-    return _Run(out, saved.learner(), saved.history, progress, should_stop).go()
+    folder = RunFolder(out)
+    saved = folder.load()
+    run = _Run(folder, saved.learner(), progress, measured, should_stop, saved.history, saved.best)
+    return run.go()
 
 
 @dataclass
 class _Run:
-    out: Path
+    folder: RunFolder
     learner: Learner
-    history: list[Row]
     progress: ProgressCallback | None
+    measured: RowCallback | None
     should_stop: Callable[[], bool] | None
+    history: list[Row] = field(default_factory=list)
+    best: Weights = field(default_factory=lambda: np.empty(0))
     started_s: float = field(default_factory=time.perf_counter)
 
     def __post_init__(self) -> None:
@@ -120,62 +142,74 @@ class _Run:
         return time.perf_counter() - self.started_s
 
     def go(self) -> TrainResult:
-        self._write_config()
         try:
             interrupted = not self._learn()
         except KeyboardInterrupt:
             interrupted = True
-        self._save()
-        write_atomically(self.out / CURVE, draw_curve(self.config, self.history))
-        path = self.out / POLICY
-        deliver(self.learner, self.history, path)
-        history = tuple(self.history)
-        return TrainResult(path, self.learner.step, self.seconds, history, interrupted)
+        self.folder.save(self.learner, self.history, self.best)
+        self.folder.finish(self.learner, self.history, self.best)
+        return TrainResult(
+            policy_path=self.folder.policy,
+            steps=self.learner.step,
+            seconds=self.seconds,
+            history=tuple(self.history),
+            interrupted=interrupted,
+            best=best_of(self.history),
+            reached=self._has_reached(),
+        )
 
     def _learn(self) -> bool:
         """True when the end is reached, False when someone wants to stop."""
         for target in validation_steps(self.config)[len(self.history) :]:
+            if self._has_reached():
+                break
             while self.learner.step < target:
                 if self.should_stop is not None and self.should_stop():
                     return False
-                self.learner.run(min(CHUNK_STEPS, target - self.learner.step))
-                self._tell()
+                self._learn_until(target)
             self._measure()
-            self._save()
         return True
 
+    def _learn_until(self, target: int) -> None:
+        """A chunk of steps, at most up to the target."""
+        before, began_s = self.learner.step, time.perf_counter()
+        self.learner.run(min(CHUNK_STEPS, target - before))
+        rate = (self.learner.step - before) / max(1e-9, time.perf_counter() - began_s)
+        if self.progress is not None:
+            self.progress(self._where(rate))
+
     def _measure(self) -> None:
-        score = validate(self.learner.network(), self.config)
-        report = self.learner.report()
-        self.history.append(
-            Row(
-                step=self.learner.step,
-                seconds=self.seconds,
-                epsilon=self.learner.epsilon,
-                mean_abs_error=report.mean_abs_error,
-                learning_contacts_per_100m=report.contacts_per_100m,
-                validation_contacts_per_100m=score,
-            )
+        """A validation point; kept at once, for a killed run to go on from."""
+        score, report = validate(self.learner.network(), self.config), self.learner.report()
+        self.learner.mark()
+        row = Row(
+            step=self.learner.step,
+            seconds=self.seconds,
+            epsilon=self.learner.epsilon,
+            mean_abs_error=float(report.mean_abs_error),
+            learning_contacts_per_100m=float(report.contacts_per_100m),
+            validation_contacts_per_100m=score,
+        )
+        self.history.append(row)
+        if best_of(self.history) is row:
+            self.best = self.learner.weights.copy()
+        if self.measured is not None:
+            self.measured(row)
+        self.folder.save(self.learner, self.history, self.best)
+
+    def _where(self, steps_per_s: float) -> Progress:
+        return Progress(
+            step=self.learner.step,
+            steps=self.config.steps,
+            epsilon=self.learner.epsilon,
+            seconds=self.seconds,
+            steps_per_s=steps_per_s,
+            mean_abs_error=self.learner.report().mean_abs_error,
+            last=self.history[-1] if self.history else None,
         )
 
-    def _tell(self) -> None:
-        if self.progress is not None:
-            last = self.history[-1] if self.history else None
-            step, steps = self.learner.step, self.config.steps
-            self.progress(Progress(step, steps, self.learner.epsilon, self.seconds, last))
-
-    def _write_config(self) -> None:
-        document = {
-            "config": self.config.resolved(),
-            "config_hash": self.config.hash,
-            "versions": versions(),
-            "commit": commit(),
-        }
-        write_atomically(self.out / CONFIG, (json.dumps(document, indent=2) + "\n").encode())
-
-    def _save(self) -> None:
-        checkpoint.save(self.out / CHECKPOINT, self.learner, self.history)
-        write_atomically(self.out / METRICS, to_csv(self.history))
+    def _has_reached(self) -> bool:
+        return has_reached(self.history, self.config.validation.stop_at)
 
 
 def validation_steps(config: TrainConfig) -> list[int]:

@@ -1,7 +1,7 @@
 """How good the greedy policy is, on validation worlds: what a run may look at while it learns.
 
-The same figure as `reference_field.measure` gives for the network, by a compiled forward pass: a
-run asks for it twenty times.
+The same figure as `reference_field.measure` gives for the network (but for bodies that turn, see
+`learner.driven_m`), by a compiled forward pass: a run asks for it twenty times.
 """
 
 import numpy as np
@@ -10,9 +10,9 @@ import numpy.typing as npt
 from reflexarc_runtime.arrays import Actions, RetinaBatch
 from reflexarc_sim_bridge.seeds import validation_seeds
 from reflexarc_sim_bridge.simulation import Simulation
-from reflexarc_sim_bridge.world_files import world_named
 from reflexarc_trainer.block import forward, input_curve, layers_for
 from reflexarc_trainer.config import TrainConfig
+from reflexarc_trainer.learner import driven_m
 from reflexarc_trainer.q_network import QNetwork
 from reflexarc_trainer.weights import NetworkPolicy, pack
 
@@ -48,19 +48,20 @@ class GreedyDriver:
 def validate(network: QNetwork, config: TrainConfig) -> float:
     """Contacts per 100 m of the greedy policy in the run's world, on validation seeds."""
     scale, seeds = config.validation, validation_seeds(config.validation.agents)
-    simulation = Simulation(world_named(config.world), config.contract(), seeds)
+    simulation = Simulation(config.goal_world, config.contract(), seeds)
     driver = GreedyDriver(network, config, simulation)
     driver.drive(scale.discard)
     distance_m, contacts = simulation.distance_m.copy(), simulation.contacts.copy()
     driver.drive(scale.steps)
-    driven_m = float((simulation.distance_m - distance_m).sum())
-    return 100.0 * int((simulation.contacts - contacts).sum()) / driven_m
+    progress_m = float((simulation.distance_m - distance_m).sum())
+    metres = driven_m(config, simulation.world.densest, scale.agents * scale.steps, progress_m)
+    return 100.0 * int((simulation.contacts - contacts).sum()) / metres
 
 
 def drive_and_record(network: QNetwork, config: TrainConfig) -> RetinaBatch:
     """Retinas that the greedy policy meets, (n, frames, eyes, rays, channels): for the export."""
     seeds = validation_seeds(RECORDED_AGENTS)
-    simulation = Simulation(world_named(config.world), config.contract(), seeds)
+    simulation = Simulation(config.goal_world, config.contract(), seeds)
     policy, seen = NetworkPolicy(network), []
     for step in range(RECORDED_STEPS):
         simulation.sense()

@@ -11,8 +11,12 @@ from torch.nn.utils import parameters_to_vector, vector_to_parameters
 from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
 from reflexarc_runtime.contract import PolicyContract
 from reflexarc_runtime.policy import Policy
+from reflexarc_trainer.config import TrainConfig
 from reflexarc_trainer.learner_config import NetworkConfig
-from reflexarc_trainer.q_network import QNetwork, empty_network
+from reflexarc_trainer.q_network import QNetwork, empty_network, new_network
+
+Weights = npt.NDArray[np.float64]
+"""Of a whole network: (parameters,)."""
 
 
 def pack(network: torch.nn.Module) -> npt.NDArray[np.float64]:
@@ -27,6 +31,11 @@ def unpack(
     network = empty_network(contract, config)
     vector_to_parameters(torch.from_numpy(weights.astype(np.float64)), network.parameters())
     return network
+
+
+def initial_weights(config: TrainConfig) -> npt.NDArray[np.float64]:
+    """What a run's seed gives its network to begin with: (parameters,)."""
+    return pack(new_network(config.contract(), config.network, config.seed))
 
 
 class NetworkPolicy(Policy):

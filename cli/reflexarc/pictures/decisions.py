@@ -11,7 +11,7 @@ from reflexarc_runtime.messages_pb2 import Decision
 from reflexarc_runtime.policy import load_policy
 from reflexarc_sim_bridge.strips import Decisions, Floats
 
-_BRIGHT = {Shading.NEARNESS: "near", Shading.COLOUR: "brightly coloured"}
+BRIGHT = {Shading.NEARNESS: "near", Shading.COLOUR: "brightly coloured"}
 
 
 def decisions_of(log: Log) -> Decisions:
@@ -33,7 +33,7 @@ def decisions_of(log: Log) -> Decisions:
         q_values=_q_values(made, contract),
         actions=np.array([decision.action for decision in made], np.int64),
         action_names=tuple(action.name for action in contract.actions),
-        bright=_BRIGHT[contract.retina.shading],
+        bright=BRIGHT[contract.retina.shading],
     )
 
 
