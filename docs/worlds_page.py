@@ -35,10 +35,10 @@ Figures: `reflexarc worlds check NAME --json`, {SEEDS} seeds.
 
 - blind rate: contacts per 100 m of an agent that never steers, ± its standard error
 - 2ρR: the same by the mean free path, where that is known
-- cover: the share of the ground under obstacles
+- cover: the share of the ground that lies under obstacles
 - flat within: the largest deviation of the cover anywhere across, as a share of it, ± its error
-- clutter: ρR²v/w at equal speeds; above {CRITICAL_CLUTTER} nobody passes for ever (Karaman and
-  Frazzoli, arXiv 1202.0253)
+- clutter: ρR²v/w at equal speeds, of scattered obstacles; above {CRITICAL_CLUTTER} nobody
+  passes for ever (Karaman and Frazzoli, arXiv 1202.0253)
 - fair: nowhere can an agent hide, and what is met is what there is
 
 ## By family
@@ -58,7 +58,7 @@ def main() -> int:
     except ReflexarcError as error:
         print(f"worlds: {error}", file=sys.stderr)
         return 2
-    PAGE.write_text("\n".join([INTRODUCTION + _families(), *sections]), encoding="utf-8")
+    PAGE.write_text("\n".join([f"{INTRODUCTION}\n{_families()}", *sections]), encoding="utf-8")
     return 0
 
 

@@ -62,8 +62,10 @@ class Body:
         """Move for one period by the command that still holds, or do the safe thing.
 
         Returns:
-            Where a collision began, or None.
+            Where a collision began, to within the lateral way of one step; or None. The robot
+            itself now stands elsewhere.
         """
+        before = self.place
         command = self._watchdog.obeyed(now_ns)
         # The safe thing is this body's own: a command without an echo moves nothing, whatever
         # speeds it names, for it would hold for ever.
@@ -72,7 +74,7 @@ class Body:
         if not self.simulation.drive(motion.linear_mps, motion.lateral_mps, motion.angular_radps):
             return None
         self.contacts += 1
-        return self.place
+        return replace(before, x_m=self.place.x_m)
 
     def _can_move_so(self, command: Command) -> bool:
         """Whether it is no faster than the contract's fastest actions: nobody else is obeyed."""

@@ -30,3 +30,25 @@ def test_a_drive_command_moves_it_no_longer_than_it_is_valid():
 def test_a_command_without_an_echo_moves_nothing_whatever_speeds_it_names():
     for verdict in Verdict:
         assert moved_m(Command(0, SAFE_ACTION, verdict, 1.0, 0.0, 0.0)) == 0.0
+
+
+def test_a_contact_is_said_to_be_where_it_began_and_not_where_the_body_goes_on():
+    body = Body(world_named("reference-1"), CONTRACT, 50.0, seed=0)
+    for step in range(1, 2000):
+        body.hear(
+            drive_command(
+                0,
+                step * PERIOD_NS,
+                CONTRACT.actions[0],
+                Input(step, step * PERIOD_NS, 0, 0),
+                10 * PERIOD_NS,
+            )
+        )
+        before = body.place
+        met = body.move(step * PERIOD_NS)
+        if met is not None:
+            assert (met.y_m, met.heading_rad) == (before.y_m, before.heading_rad)
+            assert before.x_m <= met.x_m == body.place.x_m
+            assert body.place.y_m != met.y_m
+            return
+    raise AssertionError("it drove 40 m through a quarter-covered field without a contact")
