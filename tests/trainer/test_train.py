@@ -227,6 +227,18 @@ def test_new_run_removes_the_results_of_an_earlier_one(config: TrainConfig, tmp_
     assert names(tmp_path) == WITHOUT_A_POINT
 
 
+def test_run_killed_before_its_first_point_leaves_no_earlier_checkpoint(
+    config: TrainConfig, tmp_path: Path
+) -> None:
+    def die() -> bool:
+        raise SystemExit
+
+    (tmp_path / "checkpoint.npz").write_text("of something else")
+    with pytest.raises(SystemExit):
+        train.train(config, tmp_path, should_stop=die)
+    assert names(tmp_path) == {"config.json"}
+
+
 def test_progress_says_rate_and_error(config: TrainConfig, tmp_path: Path) -> None:
     seen: list[Progress] = []
     result = train.train(config, tmp_path, progress=seen.append)

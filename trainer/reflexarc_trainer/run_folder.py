@@ -32,7 +32,7 @@ POLICY, BEST, CONFIG, METRICS = "policy.onnx", "policy-best.onnx", "config.json"
 CURVE, CHECKPOINT = "curve.png", "checkpoint.npz"
 REPORT, OCCUPANCY = "report.md", "occupancy.png"
 
-_RESULTS = (POLICY, BEST, REPORT, CURVE, OCCUPANCY)
+_MADE = (POLICY, BEST, REPORT, CURVE, OCCUPANCY, METRICS, CHECKPOINT)
 
 
 class RunFolder:
@@ -52,8 +52,8 @@ class RunFolder:
         return self.path / BEST
 
     def begin(self, config: TrainConfig) -> None:
-        """Say what will be learned; results of an earlier run, of something else, go."""
-        for name in _RESULTS:
+        """Say what will be learned; what an earlier run left goes, lest it be mistaken for this."""
+        for name in _MADE:
             (self.path / name).unlink(missing_ok=True)
         document = {
             "config": config.resolved(),

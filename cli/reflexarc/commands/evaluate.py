@@ -52,6 +52,12 @@ class Evaluate:
         from reflexarc_sim_bridge.simple_policies import BlindPolicy
 
         loaded = {str(path): load_policy(path) for path in self.policies}
+        for name, policy in loaded.items():
+            if any(action.angular_radps for action in policy.contract.actions):
+                raise UsageError(
+                    f"{name}: expected a body that moves sideways, got one that turns; the field "
+                    "counts progress along x, which it has not: see its training's report.md"
+                )
         scores = {}
         with progress_bar("blind", self.steps) as progress:
             scores["blind"] = measure(

@@ -15,8 +15,7 @@ if TYPE_CHECKING:
     from reflexarc_trainer.history import Row
     from reflexarc_trainer.train import TrainResult
 
-_GIVEN_ONCE = ("steps", "worlds", "init_from", "epsilon", "stop_at")
-FINE_TUNING_EPSILON = 0.1
+_GIVEN_ONCE = ("steps", "worlds", "init_from", "stop_at")
 
 
 @dataclass(frozen=True)
@@ -51,8 +50,6 @@ class Train:
     steps. The policy is measured in the last."""
     init_from: Path | None = None
     """Begin with the weights of this policy, of the same eye, actions and network."""
-    epsilon: float | None = None
-    """Share of random actions at the first step; the preset's by default, 0.1 with --init-from."""
     stop_at: float | None = None
     """End once so many contacts per 100 m on validation worlds are reached twice in a row."""
     tensorboard: bool = False
@@ -101,19 +98,7 @@ class Train:
         if self.worlds:
             config = replace(config, worlds=tuple(map(parse_training_world, self.worlds)))
         validation = replace(config.validation, stop_at=self.stop_at)
-        return replace(self._exploring(config), validation=validation)
-
-    def _exploring(self, config: "TrainConfig") -> "TrainConfig":
-        """What a policy knows would be lost among nothing but random actions."""
-        from dataclasses import replace
-
-        epsilon = self.epsilon
-        if epsilon is None and self.init_from is not None:
-            epsilon = FINE_TUNING_EPSILON
-        if epsilon is None:
-            return config
-        exploration = replace(config.learner.exploration, epsilon_start=epsilon)
-        return replace(config, learner=replace(config.learner, exploration=exploration))
+        return replace(config, validation=validation)
 
     def _check_resume(self) -> None:
         for name in _GIVEN_ONCE if self.resume else ():
