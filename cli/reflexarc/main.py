@@ -53,7 +53,12 @@ COMMANDS = (
 )
 BAD_INPUT = 2
 
-_EXTRAS = {"torch": "train", "matplotlib": "train", "rosbags": "ros2", "cv2": "camera"}
+_EXTRAS = {
+    **dict.fromkeys(("torch", "matplotlib"), "train"),
+    "rosbags": "ros2",
+    "cv2": "camera",
+    "tensorboard": "tensorboard",
+}
 """Which extra brings a module."""
 
 _NEEDS = {"demo": "train", "train": "train", "export": "train", "render": "train"}
