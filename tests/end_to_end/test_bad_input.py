@@ -7,7 +7,7 @@ from pathlib import Path
 import onnx
 import pytest
 
-from reflexarc_runtime.contract import PolicyContract
+from reflexarc_runtime.contract import SCHEMA_VERSION, PolicyContract
 from support.policies import exported, network
 from support.processes import reflexarc
 
@@ -22,7 +22,9 @@ def files(policy: Path, tmp_path: Path) -> Path:
     (tmp_path / "cut.onnx").write_bytes(data[: len(data) // 2])
     (tmp_path / "operator.onnx").write_bytes(exported(PolicyContract(), activation="Softsign"))
     (tmp_path / "tampered.onnx").write_bytes(tampered(data))
-    (tmp_path / "newer.onnx").write_bytes(data.replace(b'"schema":1}', b'"schema":9}'))
+    now, then = b'"schema":%d}' % SCHEMA_VERSION, b'"schema":9}'
+    assert now in data
+    (tmp_path / "newer.onnx").write_bytes(data.replace(now, then))
     (tmp_path / "empty.mcap").write_bytes(b"")
     (tmp_path / "text.mcap").write_text("not a log")
     (tmp_path / "cut.mcap").write_bytes(golden_log().read_bytes()[:3000])
