@@ -87,10 +87,14 @@ class Sim:
 
         # The first robot listens for the others.
         with Bus(robot.config(listens=number == 0), MonotonicClock().now_ns) as bus:
-            contract = contract_of(self.policy, bus, stop, f"reflexarc sim, {robot.robot}")
+            contract = contract_of(self.policy, bus, stop, self._who(robot.robot))
             if contract is None:
                 return None
             return self._drive(bus, contract, stop, script, robot.robot, number)
+
+    def _who(self, robot: str) -> str:
+        """Who speaks; the only robot needs no name."""
+        return f"reflexarc sim: {robot}" if self.robots > 1 else "reflexarc sim"
 
     def _check_flags(self) -> None:
         if self.rate is not None and not MIN_RATE_HZ <= self.rate <= MAX_RATE_HZ:
@@ -137,7 +141,7 @@ class Sim:
         inbox, clock = Inbox(), MonotonicClock()
         with faulty_retinas(bus, script, clock.now_ns) if script else nullcontext() as retinas:
             bridge = Bridge(bus, body, robot, inbox, retinas)
-            aside.print(f"reflexarc sim: {robot} in {self.world}, seed {self.seed}, {rate_hz:g} Hz")
+            aside.print(f"{self._who(robot)}: {self.world}, seed {self.seed}, {rate_hz:g} Hz")
             if self.lockstep:
                 return bridge.drive_in_lockstep(round(1e9 / rate_hz), stop, self.steps)
             return bridge.drive(RatePacer(rate_hz, clock, inbox), stop, self.steps)
