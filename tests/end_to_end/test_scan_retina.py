@@ -95,22 +95,15 @@ def test_simulator_bus_and_replay_give_the_same_bytes_for_the_same_scan(tmp_path
 
 def simulated(contract: PolicyContract) -> tuple[list[Scan], list[bytes]]:
     """What a simulated eye meets, as scans, and what it sees, as bytes; all things are white."""
-    from reflexarc_sim_bridge import vision
-    from reflexarc_sim_bridge.params import NEAR_COLOUR
     from reflexarc_sim_bridge.simulation import Simulation
     from reflexarc_sim_bridge.world_files import world_named
 
     simulation = Simulation(world_named("mixed"), contract, np.array([3], np.uint64))
-    _, eye, agents = simulation.params
     scans, seen = [], []
     for _ in range(STEPS):
         simulation.step(np.array([0], np.int64))
-        agents.near[0, NEAR_COLOUR] = 1.0
         seen.append(simulation.sense()[0].tobytes())
-        met, colour = np.empty((2, contract.retina.rays), np.float32)
-        place = agents.x_m[0], agents.y_m[0]
-        vision.look(eye, agents.near[0], agents.near_count[0], *place, met, colour)
-        scans.append(scan_of(met, contract.retina))
+        scans.append(scan_of(simulation.distances(), contract.retina))
     return scans, seen
 
 
