@@ -49,7 +49,7 @@ PLANE_DTYPE = np.dtype(
         *((name, np.float64) for name in ("noise", "dropout", "background")),
         # `across`: chunks from side to side, 0 where there are no sides.
         *((name, np.int64) for name in ("edges", "across", "stream", "layers", "corridor")),
-        *((name, np.int64) for name in ("after_contact", "latency_steps", "is_moving")),
+        *((name, np.int64) for name in ("after_contact", "latency_steps")),
     ],
     align=True,
 )

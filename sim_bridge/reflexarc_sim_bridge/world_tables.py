@@ -135,7 +135,6 @@ def _write_plane(row: Table, world: World, contract: PolicyContract) -> None:
     row["across"], row["stream"], row["layers"] = _across(world), world.stream, len(world.layers)
     row["corridor"] = world.layers.index(world.corridor) if world.corridor else -1
     row["after_contact"] = list(AfterContact).index(chassis.after_contact)
-    row["is_moving"] = any(layer.motion is not None for layer in world.layers)
 
 
 def _write_colour(row: Table, layer: Layer) -> None:

@@ -2,13 +2,14 @@
 
 from collections.abc import Iterator
 
-import numba
 import pytest
+
+from reflexarc_sim_bridge import threads
 
 
 @pytest.fixture(autouse=True, scope="session")
 def _one_thread() -> Iterator[None]:
-    before = numba.get_num_threads()
-    numba.set_num_threads(1)
+    before = threads.thread_count()
+    threads.set_thread_count(1)
     yield
-    numba.set_num_threads(before)
+    threads.set_thread_count(before)
