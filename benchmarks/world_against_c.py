@@ -35,6 +35,7 @@ FLAGS = ("-O3", "-march=native", "-ffast-math", "-shared", "-fPIC")
 COMPILERS = ("gcc", "clang")
 COMPARED = Scene(agents=256)
 COMPARED_STEPS = 200
+STEEPEST = np.float32(1e-9)
 MOST_OFF_BY_ONE = 1e-4
 """Share of the values that may differ by 1, where rounding decides."""
 STEPS, ROUNDS = 60, 11
@@ -44,7 +45,9 @@ _NUMBERS = (
     *("dt_s", "width_m", "side_m", "chunk_m", "ahead_m", "behind_m", "aside_m", "reach_m"),
     *("width_low_m", "width_high_m", "length_low_m", "length_high_m", "range_m"),
 )
-_COUNTS = ("across", "stream", "columns", "count_steps", "rays")
+_COUNTS = ("across", "stream", "columns", "belt_boxes", "belt_columns", "count_steps", "rays")
+_TABLES = ("counts", "ahead", "left", "per_ahead", "per_left")
+_AGENTS = ("state", "counts", "boxes", "places", "sizes", "belts", "stack")
 
 
 class CWorld(ctypes.Structure):
@@ -53,14 +56,14 @@ class CWorld(ctypes.Structure):
     _fields_ = (
         *((name, ctypes.c_double) for name in _NUMBERS),
         *((name, ctypes.c_int64) for name in _COUNTS),
-        *((name, ctypes.c_void_p) for name in ("counts", "ahead", "left")),
+        *((name, ctypes.c_void_p) for name in _TABLES),
     )
 
 
 class CAgents(ctypes.Structure):
     """`Agents` of world.c."""
 
-    _fields_ = tuple((name, ctypes.c_void_p) for name in ("state", "counts", "boxes", "stack"))
+    _fields_ = tuple((name, ctypes.c_void_p) for name in _AGENTS)
 
 
 class Rival:
@@ -72,11 +75,15 @@ class Rival:
         self.state, self.stack = agents.state.copy(), agents.stack.copy()
         self.met = np.zeros(len(simulation), np.bool_)
         self._counts = np.ascontiguousarray(agents.near_counts[:, 0, BOXES])
-        self._boxes = agents.boxes.copy()
+        self._boxes, self._belts = agents.boxes.copy(), agents.belt_counts.copy()
+        self._places, self._sizes = agents.belt_places.copy(), agents.belt_sizes.copy()
         self._motions = motions_of(simulation.contract)
-        self._tables = (world.counts[0, 0, 0].copy(), eye.ahead.copy(), eye.left.copy())
-        self._world = _c_world(simulation, self._boxes.shape[3], self._tables)
-        self._agents = CAgents(*map(_address, (self.state, self._counts, self._boxes, self.stack)))
+        rays = (eye.ahead, eye.left, *map(_reciprocal, (eye.ahead, eye.left)))
+        self._tables = (world.counts[0, 0, 0].copy(), *(row.copy() for row in rays))
+        self._world = _c_world(simulation, self._tables)
+        belts = (self._places, self._sizes, self._belts)
+        rows = (self.state, self._counts, self._boxes, *belts, self.stack)
+        self._agents = CAgents(*map(_address, rows))
         self._advance = ctypes.CDLL(str(library)).advance
         self._advance.restype = None
 
@@ -151,7 +158,7 @@ def raced(libraries: dict[str, Path], policy: str, mode: str) -> dict[str, Any]:
     return {"policy": policy, "mode": mode, **best, **ratios}
 
 
-def _c_world(simulation: Simulation, columns: int, tables: tuple[npt.NDArray[Any], ...]) -> CWorld:
+def _c_world(simulation: Simulation, tables: tuple[npt.NDArray[Any], ...]) -> CWorld:
     world, eye, agents = simulation.params
     assert agents.state.dtype == AGENT_DTYPE
     assert AGENT_DTYPE.itemsize == 17 * 8, "Agent of world.c has seventeen fields of 8 bytes"
@@ -160,8 +167,15 @@ def _c_world(simulation: Simulation, columns: int, tables: tuple[npt.NDArray[Any
     numbers += [CHUNK_M, *(plane[name] for name in ("ahead_m", "behind_m", "aside_m"))]
     numbers += [layer["reach_m"], shape["size_low"], shape["size_high"]]
     numbers += [shape["length_low"], shape["length_high"], eye.range_m]
-    counts = [plane["across"], plane["stream"], columns, tables[0].size, eye.rays]
+    rooms = [agents.boxes.shape[3], agents.belt_places.shape[3], agents.belt_counts.shape[2]]
+    counts = [plane["across"], plane["stream"], *rooms, tables[0].size, eye.rays]
     return CWorld(*numbers, *counts, *map(_address, tables))
+
+
+def _reciprocal(component: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+    """1 / component, finite."""
+    steep = np.copysign(np.maximum(np.abs(component), STEEPEST), component)
+    return (1.0 / steep).astype(np.float32)
 
 
 def _address(array: npt.NDArray[Any]) -> int:

@@ -1,8 +1,8 @@
 /* The reference world in plain C: the rival of the compiled world in world_against_c.py.
  *
  * The same algorithm on the same data: SplitMix64 keys, a near list of boxes in float32 relative
- * to the corner of the agent's cell, boxes judged by range and wedge, rays cast at four boxes at a
- * time, contact along the step, another free place after it. Only what the reference world needs:
+ * to the corner of the agent's cell, picked from a belt of boxes around the period, boxes judged by
+ * range and wedge, rays cast at four boxes at a time, contact along the step, another free place after it. Only what the reference world needs:
  * one layer of upright white boxes, periodic edges, a point that goes ahead and sideways, one grey
  * eye with a multiple of 16 rays.
  *
@@ -14,9 +14,10 @@
 #include <stdint.h>
 
 #define TILE 16
-#define SPARE 4
 #define MOST_NEAR 1024
 #define MOST_CHUNKS 256
+#define CHUNK_BITS 24
+#define TURN 4294967296.0
 #define EIGHT 8
 #define PLACE_DRAWS 64
 #define PAST_BLOCKED_M 0.1
@@ -24,13 +25,15 @@
 #define STEEPEST 1e-12
 
 enum { X, Y, HALF_LENGTH, HALF_WIDTH, PAINT, ROWS };
+enum { BELT_LENGTH, BELT_WIDTH, BELT_ROWS = 4 }; /* of sizes; the other two are for turned boxes */
 
 typedef struct {
     double dt_s, width_m, side_m, chunk_m, ahead_m, behind_m, aside_m, reach_m;
     double width_low_m, width_high_m, length_low_m, length_high_m, range_m;
-    int64_t across, stream, columns, count_steps, rays;
+    int64_t across, stream, columns, belt_boxes, belt_columns, count_steps, rays;
     const double *counts;      /* (count_steps): probability of at most so many in a chunk */
     const float *ahead, *left; /* (rays): directions, a multiple of TILE of them */
+    const float *per_ahead, *per_left; /* (rays): 1 over them */
 } World;
 
 typedef struct { /* AGENT_DTYPE of params.py */
@@ -44,8 +47,20 @@ typedef struct {
     Agent *state;    /* (n) */
     int64_t *counts; /* (n): boxes in use */
     float *boxes;    /* (n, ROWS, columns) */
+    int32_t *places; /* (n, 2, belt_boxes) */
+    float *sizes;    /* (n, BELT_ROWS, belt_boxes) */
+    int64_t *belts;  /* (n, belt_columns): boxes in each column of the belt */
     uint8_t *stack;  /* (n, rays) */
 } Agents;
+
+typedef struct { /* one agent's rows */
+    Agent *agent;
+    int64_t *count;
+    float *boxes;
+    int32_t *places;
+    float *sizes;
+    int64_t *belt;
+} Own;
 
 /* Random numbers: a function of a key and a counter. */
 
@@ -81,9 +96,10 @@ static inline uint64_t draw(const World *world, Agent *agent) {
     return number(joined(stream_key(world, agent->seed, AGENTS), agent->lane), agent->draws++);
 }
 
-/* What is near: gathered where an agent enters another cell. In phases over flat arrays, without
- * branches, so that each becomes vector instructions: the chunks in reach, how many obstacles each
- * has, one entry an obstacle, its place and size, and those that reach into the near box. */
+/* What is near: picked from a belt of all boxes of the columns of chunks in reach, over the whole
+ * period. The belt loses and gains a column where the agent enters another one. In phases over flat
+ * arrays, without branches, so that each becomes vector instructions. Places on the belt are 32-bit
+ * integers that wrap. */
 
 static inline double larger(double a, double b) { return a > b ? a : b; }
 
@@ -92,134 +108,160 @@ static inline int64_t around(int64_t j, int64_t across) {
     return ((j % across) + across) % across;
 }
 
-static inline bool is_beyond(double x, double length, double y, double width, double farthest) {
-    const double away_x = larger(fabs(x) - length, 0.0), away_y = larger(fabs(y) - width, 0.0);
-    return away_x * away_x + away_y * away_y > farthest * farthest;
-}
-
-typedef struct { /* chunks in reach, by column: key, corner, obstacles */
-    int count;
-    uint64_t key[MOST_CHUNKS];
-    double draw[MOST_CHUNKS];
-    float x[MOST_CHUNKS], y[MOST_CHUNKS];
-    int64_t obstacles[MOST_CHUNKS];
-} Chunks;
-
-typedef struct { /* obstacles drawn, by column, with room for one EIGHT too many */
+typedef struct { /* boxes of a column of chunks, with room for one EIGHT too many */
     uint64_t key[MOST_NEAR + EIGHT];
-    float x[MOST_NEAR + EIGHT], y[MOST_NEAR + EIGHT];
-    float half_length[MOST_NEAR], half_width[MOST_NEAR];
-    bool reaches[MOST_NEAR];
+    double chunk[MOST_NEAR + EIGHT];
 } Drawn;
 
-static void list_chunks(const World *world, const Agent *agent, Chunks *chunks) {
-    const double side = world->side_m, chunk_m = world->chunk_m, reach = world->reach_m;
-    const double farthest = larger(world->ahead_m, world->behind_m) + sqrt(2.0) * reach;
-    const int first_i = (int)floor((-world->behind_m - reach) / chunk_m);
-    const int last_i = (int)floor((chunk_m + world->ahead_m + reach) / chunk_m);
-    const int first_j = (int)floor((-world->aside_m - reach) / side);
-    const int last_j = (int)floor((side + world->aside_m + reach) / side);
-    const uint64_t key = stream_key(world, agent->seed, OBSTACLES);
-    int n = 0;
-    for (int i = first_i; i <= last_i; i++) {
-        const uint64_t column = joined(key, (uint64_t)(agent->cell_x + i));
-        for (int j = first_j; j <= last_j; j++) {
-            const uint64_t row = (uint64_t)around(agent->cell_y + j, world->across);
-            chunks->key[n] = column ^ mixed(row * GAMMA + GAMMA);
-            chunks->x[n] = (float)(i * chunk_m);
-            chunks->y[n] = (float)(j * side);
-            n += !is_beyond(i * chunk_m, chunk_m, j * side, side, farthest);
+static int64_t count_boxes(const World *world, uint64_t column, uint64_t *restrict keys,
+                           int64_t *restrict boxes) {
+    double draws[MOST_CHUNKS];
+    for (int64_t j = 0; j < world->across; j++) {
+        keys[j] = joined(column, (uint64_t)j);
+        draws[j] = uniform(number(keys[j], 0));
+        boxes[j] = 0;
+    }
+    for (int64_t k = 0; k < world->count_steps; k++) {
+        const double passed = world->counts[k];
+        int64_t more = 0;
+        for (int64_t j = 0; j < world->across; j++) {
+            boxes[j] += draws[j] >= passed;
+            more += draws[j] >= passed;
         }
+        if (!more) break;
     }
-    chunks->count = n;
+    int64_t all = 0;
+    for (int64_t j = 0; j < world->across; j++) all += boxes[j];
+    return all;
 }
 
-static void count_obstacles(const World *world, Chunks *chunks) {
-    for (int c = 0; c < chunks->count; c++) {
-        chunks->key[c] = mixed(chunks->key[c]);
-        chunks->draw[c] = uniform(number(chunks->key[c], 0));
-        chunks->obstacles[c] = 0;
-    }
-    bool more = true; /* few chunks have passed the first eight */
-    for (int64_t first = 0; first < world->count_steps && more; first += EIGHT) {
-        const int64_t next = first + EIGHT;
-        const int64_t last = next < world->count_steps ? next : world->count_steps;
-        for (int64_t k = first; k < last; k++) {
-            const double passed = world->counts[k];
-            for (int c = 0; c < chunks->count; c++)
-                chunks->obstacles[c] += chunks->draw[c] >= passed;
-        }
-        more = false;
-        for (int c = 0; c < chunks->count; c++) more |= chunks->obstacles[c] == last;
-    }
-}
-
-static int spread(const Chunks *restrict chunks, Drawn *restrict drawn) {
-    int n = 0;
-    for (int c = 0; c < chunks->count && n + chunks->obstacles[c] <= MOST_NEAR; c++) {
-        for (int k = 0; k < chunks->obstacles[c]; k += EIGHT)
-            for (int e = 0; e < EIGHT; e++) {
-                const uint64_t counter = (uint64_t)((k + e) * BLOCK + PLACE + 1);
-                drawn->key[n + k + e] = chunks->key[c] + counter * GAMMA;
-                drawn->x[n + k + e] = chunks->x[c];
-                drawn->y[n + k + e] = chunks->y[c];
-            }
-        n += (int)chunks->obstacles[c];
-    }
-    return n;
-}
-
-static void draw_obstacles(const World *world, Drawn *drawn, int count) {
-    const double back = -world->behind_m, front = world->chunk_m + world->ahead_m;
-    const double right = -world->aside_m, left = world->side_m + world->aside_m;
-    for (int k = 0; k < count; k++) {
-        const uint64_t place = mixed(drawn->key[k]), size = mixed(drawn->key[k] + GAMMA);
-        const double x = first_half(place) * world->chunk_m + drawn->x[k];
-        const double y = second_half(place) * world->side_m + drawn->y[k];
-        const double half_width =
-            0.5 * between(world->width_low_m, world->width_high_m, first_half(size));
-        const double half_length =
-            0.5 * between(world->length_low_m, world->length_high_m, second_half(size));
-        drawn->x[k] = (float)x;
-        drawn->y[k] = (float)y;
-        drawn->half_length[k] = (float)half_length;
-        drawn->half_width[k] = (float)half_width;
-        drawn->reaches[k] = (larger(back - x, x - front) <= half_length) &
-                            (larger(right - y, y - left) <= half_width);
-    }
-}
-
-static void gather(const World *world, const Agent *agent, int64_t *count, float *restrict boxes) {
-    const int64_t columns = world->columns;
-    Chunks chunks;
-    Drawn drawn;
-    list_chunks(world, agent, &chunks);
-    count_obstacles(world, &chunks);
-    const int all = spread(&chunks, &drawn);
-    draw_obstacles(world, &drawn, all);
+static void spread(const World *world, const uint64_t *restrict keys,
+                   const int64_t *restrict boxes, Drawn *restrict drawn) {
     int64_t n = 0;
-    for (int k = 0; k < all; k++) {
-        boxes[X * columns + n] = drawn.x[k];
-        boxes[Y * columns + n] = drawn.y[k];
-        boxes[HALF_LENGTH * columns + n] = drawn.half_length[k];
-        boxes[HALF_WIDTH * columns + n] = drawn.half_width[k];
-        n += drawn.reaches[k] & (n < columns - SPARE);
+    for (int64_t j = 0; j < world->across && n + boxes[j] <= MOST_NEAR; j++) {
+        for (int64_t k = 0; k < boxes[j]; k += EIGHT)
+            for (int64_t e = 0; e < EIGHT; e++) {
+                drawn->key[n + k + e] = keys[j] + (uint64_t)((k + e) * BLOCK + PLACE + 1) * GAMMA;
+                drawn->chunk[n + k + e] = (double)j;
+            }
+        n += boxes[j];
     }
-    for (int64_t k = 0; k < n; k++) boxes[PAINT * columns + k] = 0xFFFFFF;
-    *count = n;
+}
+
+static void draw_boxes(const World *world, int64_t i, const Drawn *restrict drawn,
+                       int32_t *restrict x, int32_t *restrict y, float *restrict half_length,
+                       float *restrict half_width, int64_t count) {
+    const double per_chunk = TURN / (double)world->across;
+    const int64_t corner = i * (1 << CHUNK_BITS);
+    for (int64_t k = 0; k < count; k++) {
+        const uint64_t place = mixed(drawn->key[k]), size = mixed(drawn->key[k] + GAMMA);
+        x[k] = (int32_t)(corner + (int64_t)(first_half(place) * (1 << CHUNK_BITS)));
+        y[k] = (int32_t)(int64_t)((drawn->chunk[k] + second_half(place)) * per_chunk);
+        half_width[k] =
+            (float)(0.5 * between(world->width_low_m, world->width_high_m, first_half(size)));
+        half_length[k] =
+            (float)(0.5 * between(world->length_low_m, world->length_high_m, second_half(size)));
+    }
+}
+
+static int64_t drop_first(const World *world, const Own *own, int64_t columns) {
+    const int64_t gone = own->belt[0], boxes = world->belt_boxes;
+    int64_t left = 0;
+    for (int64_t k = 1; k < columns; k++) {
+        left += own->belt[k];
+        own->belt[k - 1] = own->belt[k];
+    }
+    for (int row = 0; row < 2; row++)
+        for (int64_t k = 0; k < left; k++) {
+            own->places[row * boxes + k] = own->places[row * boxes + gone + k];
+            own->sizes[row * boxes + k] = own->sizes[row * boxes + gone + k];
+        }
+    return left;
+}
+
+static void move_belt(const World *world, const Own *own, int64_t steps) {
+    const int64_t first = (int64_t)floor((-world->behind_m - world->reach_m) / world->chunk_m);
+    const int64_t last =
+        (int64_t)floor((world->chunk_m + world->ahead_m + world->reach_m) / world->chunk_m);
+    const int64_t columns = last + 1 - first, boxes = world->belt_boxes;
+    const uint64_t key = stream_key(world, own->agent->seed, OBSTACLES);
+    int64_t kept = 0, end = 0, counts[MOST_CHUNKS];
+    uint64_t keys[MOST_CHUNKS];
+    Drawn drawn;
+    if (steps == 1) {
+        kept = columns - 1;
+        end = drop_first(world, own, columns);
+    }
+    for (int64_t k = kept; k < columns; k++) {
+        const int64_t i = own->agent->cell_x + first + k;
+        int64_t count = count_boxes(world, joined(key, (uint64_t)i), keys, counts);
+        spread(world, keys, counts, &drawn);
+        if (count > boxes - end) count = boxes - end;
+        draw_boxes(world, i, &drawn, own->places + end, own->places + boxes + end,
+                   own->sizes + BELT_LENGTH * boxes + end, own->sizes + BELT_WIDTH * boxes + end,
+                   count);
+        own->belt[k] = count;
+        end += count;
+    }
+}
+
+static void pick_near(const World *world, const Own *own) {
+    const int64_t boxes = world->belt_boxes, columns = world->columns;
+    const int32_t *restrict places = own->places;
+    const float *restrict sizes = own->sizes;
+    const double length = world->chunk_m + world->ahead_m + world->behind_m;
+    const float middle_x = (float)(0.5 * length - world->behind_m), half_x = (float)(0.5 * length);
+    const float middle_y = (float)(0.5 * world->side_m);
+    const float half_y = (float)(0.5 * world->side_m + world->aside_m);
+    const float unit_x = (float)(world->chunk_m / (1 << CHUNK_BITS));
+    const float unit_y = (float)(world->side_m * (double)world->across / TURN);
+    const uint32_t corner_x = (uint32_t)(own->agent->cell_x * (1 << CHUNK_BITS));
+    const uint32_t corner_y =
+        (uint32_t)(int64_t)((double)own->agent->cell_y * (TURN / (double)world->across));
+    float near_x[MOST_NEAR], near_y[MOST_NEAR];
+    uint8_t is_near[MOST_NEAR];
+    int32_t picked[MOST_NEAR];
+    int64_t end = 0, n = 0;
+    for (int64_t k = 0; k < world->belt_columns; k++) end += own->belt[k];
+    for (int64_t k = 0; k < end; k++) {
+        const float x = (float)(int32_t)((uint32_t)places[k] - corner_x) * unit_x;
+        const float y = (float)(int32_t)((uint32_t)places[boxes + k] - corner_y) * unit_y;
+        near_x[k] = x;
+        near_y[k] = y;
+        is_near[k] = (fabsf(x - middle_x) <= half_x + sizes[BELT_LENGTH * boxes + k]) &
+                     (fabsf(y - middle_y) <= half_y + sizes[BELT_WIDTH * boxes + k]);
+    }
+    for (int64_t k = 0; k < end; k++) {
+        picked[n] = (int32_t)k;
+        n += is_near[k];
+    }
+    n = n < columns ? n : columns;
+    float *restrict near = own->boxes;
+    for (int64_t k = 0; k < n; k++) {
+        const int32_t at = picked[k];
+        near[X * columns + k] = near_x[at];
+        near[Y * columns + k] = near_y[at];
+        near[HALF_LENGTH * columns + k] = sizes[BELT_LENGTH * boxes + at];
+        near[HALF_WIDTH * columns + k] = sizes[BELT_WIDTH * boxes + at];
+        near[PAINT * columns + k] = 0xFFFFFF;
+    }
+    *own->count = n;
 }
 
 /* Where an agent stands. */
 
-static inline bool set_place(const World *world, Agent *agent, double x_m, int64_t cell_y,
-                             double y_m) {
+static inline void set_place(const World *world, const Own *own, double x_m, int64_t cell_y,
+                             double y_m, bool anew) {
+    Agent *agent = own->agent;
     const int64_t before_x = agent->cell_x, before_y = agent->cell_y;
     const double steps_x = floor(x_m / world->chunk_m), steps_y = floor(y_m / world->side_m);
     agent->cell_x += (int64_t)steps_x;
     agent->x_m = x_m - steps_x * world->chunk_m;
     agent->cell_y = around(cell_y + (int64_t)steps_y, world->across);
     agent->y_m = y_m - steps_y * world->side_m;
-    return agent->cell_x != before_x || agent->cell_y != before_y;
+    if (anew || agent->cell_x != before_x)
+        move_belt(world, own, anew ? 0 : agent->cell_x - before_x);
+    if (anew || agent->cell_x != before_x || agent->cell_y != before_y) pick_near(world, own);
 }
 
 static bool touches(const World *world, const Agent *agent, int64_t count, const float *boxes) {
@@ -235,17 +277,15 @@ static bool touches(const World *world, const Agent *agent, int64_t count, const
     return found > 0;
 }
 
-static void go_to_free_place(const World *world, Agent *agent, int64_t *count, float *boxes,
-                             bool anew) {
+static void go_to_free_place(const World *world, const Own *own, double x_m) {
     for (;;) {
         for (int tried = 0; tried < PLACE_DRAWS; tried++) {
-            const double y_m = world->width_m * uniform(draw(world, agent));
-            const bool moved = set_place(world, agent, agent->x_m, 0, y_m);
-            if (moved || anew) gather(world, agent, count, boxes);
-            anew = false;
-            if (!touches(world, agent, *count, boxes)) return;
+            const double y_m = world->width_m * uniform(draw(world, own->agent));
+            set_place(world, own, x_m, 0, y_m, false);
+            x_m = own->agent->x_m;
+            if (!touches(world, own->agent, *own->count, own->boxes)) return;
         }
-        set_place(world, agent, agent->x_m + PAST_BLOCKED_M, agent->cell_y, agent->y_m);
+        x_m += PAST_BLOCKED_M;
     }
 }
 
@@ -270,9 +310,12 @@ static double free_share(const World *world, const Agent *agent, int64_t count,
     const float rx = (float)(0.5 * fabs(way_x) + TOUCHING_M);
     const float ry = (float)(0.5 * fabs(way_y) + TOUCHING_M);
     int touched = 0;
-    for (int64_t k = 0; k < count; k++)
-        touched += (fabsf(boxes[X * columns + k] - x) <= boxes[HALF_LENGTH * columns + k] + rx) &
-                   (fabsf(boxes[Y * columns + k] - y) <= boxes[HALF_WIDTH * columns + k] + ry);
+    uint8_t judged[MOST_NEAR];
+    for (int64_t k = 0; k < count; k++) {
+        judged[k] = (fabsf(boxes[X * columns + k] - x) <= boxes[HALF_LENGTH * columns + k] + rx) &
+                    (fabsf(boxes[Y * columns + k] - y) <= boxes[HALF_WIDTH * columns + k] + ry);
+        touched |= judged[k];
+    }
     if (!touched) return 1e300;
     const double length = sqrt(way_x * way_x + way_y * way_y);
     const double ahead = way_x / length, left = way_y / length;
@@ -280,6 +323,7 @@ static double free_share(const World *world, const Agent *agent, int64_t count,
     const double per_left = 1.0 / copysign(larger(fabs(left), STEEPEST), left);
     double first = 1e300;
     for (int64_t k = 0; k < count; k++) {
+        if (!judged[k]) continue;
         const double met = meets_box(boxes[X * columns + k] - agent->x_m,
                                      boxes[Y * columns + k] - agent->y_m,
                                      boxes[HALF_LENGTH * columns + k],
@@ -289,28 +333,21 @@ static double free_share(const World *world, const Agent *agent, int64_t count,
     return first > length ? 1e300 : first / length;
 }
 
-static bool step(const World *world, const Agents *agents, int64_t i, const double *motion) {
-    Agent *agent = &agents->state[i];
-    int64_t *count = &agents->counts[i];
-    float *boxes = &agents->boxes[i * ROWS * world->columns];
+static bool step(const World *world, const Own *own, const double *motion) {
+    Agent *agent = own->agent;
     double ahead_m = motion[0] * world->dt_s, left_m = motion[1] * world->dt_s;
     agent->linear_mps = motion[0];
     agent->lateral_mps = motion[1];
-    const double share = free_share(world, agent, *count, boxes, ahead_m, left_m);
+    const double share = free_share(world, agent, *own->count, own->boxes, ahead_m, left_m);
     const bool met = share <= 1.0;
-    if (met) {
-        ahead_m *= share;
-        left_m = 0.0;
-    }
+    if (met) ahead_m *= share;
     agent->steps++;
     agent->distance_m += ahead_m;
     agent->contacts += met;
-    const bool moved =
-        set_place(world, agent, agent->x_m + ahead_m, agent->cell_y, agent->y_m + left_m);
     if (met)
-        go_to_free_place(world, agent, count, boxes, moved);
-    else if (moved)
-        gather(world, agent, count, boxes);
+        go_to_free_place(world, own, agent->x_m + ahead_m);
+    else
+        set_place(world, own, agent->x_m + ahead_m, agent->cell_y, agent->y_m + left_m, false);
     return met;
 }
 
@@ -342,7 +379,7 @@ static int64_t pick(const World *world, int64_t count, const float *restrict box
         n += judged[k];
     }
     const int64_t filled = (n + 3) & ~3;
-    for (int64_t k = n; k < filled; k++) picked[k] = (int32_t)columns - 1;
+    for (int64_t k = n; k < filled; k++) picked[k] = picked[0];
     return filled;
 }
 
@@ -371,13 +408,8 @@ static inline void meet(const Box *box, float per_ahead, float per_left, float *
 
 static inline void cast(const float *restrict boxes, int64_t columns,
                         const int32_t *restrict picked, int64_t end, float x, float y,
-                        const float *restrict ahead, const float *restrict left,
+                        const float *restrict per_ahead, const float *restrict per_left,
                         float *restrict best, float *restrict tint) {
-    float per_ahead[TILE], per_left[TILE];
-    for (int r = 0; r < TILE; r++) {
-        per_ahead[r] = 1.0f / copysignf(fmaxf(fabsf(ahead[r]), 1e-9f), ahead[r]);
-        per_left[r] = 1.0f / copysignf(fmaxf(fabsf(left[r]), 1e-9f), left[r]);
-    }
     for (int64_t n = 0; n < end; n += 4) {
         Box four[4];
         for (int f = 0; f < 4; f++) four[f] = seen(boxes, columns, picked[n + f], x, y);
@@ -398,11 +430,9 @@ static inline void shade(double range_m, const float *best, const float *tint,
     }
 }
 
-static void sense(const World *world, const Agents *agents, int64_t i) {
-    Agent *agent = &agents->state[i];
-    const int64_t columns = world->columns;
-    const float *restrict boxes = &agents->boxes[i * ROWS * columns];
-    const float x = (float)agent->x_m, y = (float)agent->y_m;
+static void sense(const World *world, const Own *own, uint8_t *restrict stack) {
+    const float x = (float)own->agent->x_m, y = (float)own->agent->y_m;
+    const float *restrict boxes = own->boxes;
     int32_t picked[MOST_NEAR];
     for (int64_t first = 0; first < world->rays; first += TILE) {
         const float *ahead = world->ahead + first, *left = world->left + first;
@@ -411,19 +441,26 @@ static void sense(const World *world, const Agents *agents, int64_t i) {
             best[r] = (float)world->range_m;
             tint[r] = -1.0f;
         }
-        const int64_t end = pick(world, agents->counts[i], boxes, x, y, ahead[TILE - 1],
-                                 left[TILE - 1], ahead[0], left[0], picked);
-        cast(boxes, columns, picked, end, x, y, ahead, left, best, tint);
-        shade(world->range_m, best, tint, &agents->stack[i * world->rays + first]);
+        const int64_t end = pick(world, *own->count, boxes, x, y, ahead[TILE - 1], left[TILE - 1],
+                                 ahead[0], left[0], picked);
+        cast(boxes, world->columns, picked, end, x, y, world->per_ahead + first,
+             world->per_left + first, best, tint);
+        shade(world->range_m, best, tint, stack + first);
     }
-    agent->looks++;
+    own->agent->looks++;
 }
 
 /* Let all agents move, or look, or both. */
 void advance(const World *world, const Agents *agents, const double *motions,
              const int64_t *actions, bool *met, int64_t n, bool moves, bool looks) {
     for (int64_t i = 0; i < n; i++) {
-        if (moves) met[i] = step(world, agents, i, &motions[3 * actions[i]]);
-        if (looks) sense(world, agents, i);
+        const Own own = {agents->state + i,
+                         agents->counts + i,
+                         agents->boxes + i * ROWS * world->columns,
+                         agents->places + i * 2 * world->belt_boxes,
+                         agents->sizes + i * BELT_ROWS * world->belt_boxes,
+                         agents->belts + i * world->belt_columns};
+        if (moves) met[i] = step(world, &own, &motions[3 * actions[i]]);
+        if (looks) sense(world, &own, agents->stack + i * world->rays);
     }
 }

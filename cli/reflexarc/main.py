@@ -29,6 +29,7 @@ from reflexarc.commands.replay import Replay
 from reflexarc.commands.ros2 import Ros2
 from reflexarc.commands.run import Run
 from reflexarc.commands.sim import Sim
+from reflexarc.commands.study import Study
 from reflexarc.commands.train import Train
 from reflexarc.commands.worlds import Worlds
 from reflexarc_runtime.errors import ReflexarcError
@@ -38,6 +39,7 @@ COMMANDS = (
     Train,
     Export,
     Evaluate,
+    Study,
     Worlds,
     Sim,
     Ros2,
@@ -61,7 +63,7 @@ _EXTRAS = {
 }
 """Which extra brings a module."""
 
-_NEEDS = {"demo": "train", "train": "train", "export": "train", "render": "train"}
+_NEEDS = dict.fromkeys(("demo", "train", "study", "export", "render"), "train")
 """Which extra a command needs, where the missing module does not tell; `sim` for the others."""
 
 _STYLE = (tyro.conf.FlagCreatePairsOff, tyro.conf.OmitArgPrefixes, tyro.conf.DisallowNone)

@@ -16,19 +16,16 @@ from reflexarc_sim_bridge.params import (
     CURVE,
     DISC,
     DISC_ROWS,
-    NOWHERE_M,
     OPEN,
     POLYGON,
     SIDE_ROWS,
     TURNED_BOX,
+    TURNED_ROWS,
     Agents,
     WorldTables,
 )
 from reflexarc_sim_bridge.world_tables import world_tables
 from reflexarc_sim_bridge.worlds import World
-
-_SPARE_COLUMNS = 4
-"""Rays take obstacles four at a time: the last four may be filled up with nothing."""
 
 
 def agents_at_zero(
@@ -46,34 +43,54 @@ def agents_at_zero(
     state = np.zeros(n, AGENT_DTYPE)
     state["seed"], state["lane"] = seeds, _lanes(seeds)
     state["world"] = np.arange(n) if len(tables.planes) > 1 else 0
-    boxes, discs, sides = _near_capacities(world_tables([world], contract, world))
-    agents = Agents(
+    room = world_tables([world], contract, world)
+    boxes, turned, discs, sides = _near_capacities(room)
+    columns, belt = _belt_capacity(room)
+    return Agents(
         state,
         np.zeros((n, layers, 2), np.int64),
-        np.zeros((n, layers, 3), np.int64),
+        np.zeros((n, layers, 4), np.int64),
         np.zeros((n, layers, BOX_ROWS, boxes), np.float32),
+        np.zeros((n, layers, TURNED_ROWS, turned), np.float32),
         np.zeros((n, layers, DISC_ROWS, discs), np.float32),
         np.zeros((n, layers, SIDE_ROWS, sides), np.float32),
+        np.zeros((n, layers, 2, belt), np.int32),
+        np.zeros((n, layers, 4, belt), np.float32),
+        np.zeros((n, layers, columns), np.int64),
         np.zeros((n, world.senses.latency_steps + 1, spec.size), np.uint8),
         np.zeros((n, spec.frames * spec.size), np.uint8),
     )
-    for near in (agents.boxes, agents.discs, agents.sides):
-        near[:, :, 0, -1], near[:, :, 1, -1] = NOWHERE_M
-    return agents
 
 
-def _near_capacities(tables: WorldTables) -> tuple[int, int, int]:
-    """Columns of the three near lists: enough for any layer of any world."""
-    needs = np.zeros(3, np.int64)
+def _near_capacities(tables: WorldTables) -> list[int]:
+    """Columns of the four near lists: enough for any layer of any world."""
+    needs = np.zeros(4, np.int64)
     for w, plane in enumerate(tables.planes):
         for number in range(int(plane["layers"])):
             needs = np.maximum(needs, _needs(tables, w, number))
-    boxes, discs, sides = (int(need) + _SPARE_COLUMNS for need in needs)
-    return boxes, discs, sides
+    return [int(need) + 1 for need in needs]
+
+
+def _belt_capacity(tables: WorldTables) -> tuple[int, int]:
+    """Columns of chunks of a belt, and boxes that it has room for."""
+    plane, layers = tables.planes[0], tables.layers[0]
+    reach_m = 2 * float(layers["reach_m"].max())
+    length_m = CHUNK_M + float(plane["ahead_m"] + plane["behind_m"]) + reach_m
+    columns = math.ceil(length_m / CHUNK_M) + 1
+    means = [
+        columns * int(plane["across"]) * float((1.0 - tables.counts[0, number, 0]).sum())
+        for number in np.flatnonzero(layers["has_belt"])
+    ]
+    return columns, max((_room_for(mean) for mean in means), default=0)
+
+
+def _room_for(mean: float) -> int:
+    """The mean of a Poisson count and ten standard deviations."""
+    return math.ceil(mean + 10 * math.sqrt(mean) + 20)
 
 
 def _needs(tables: WorldTables, w: int, number: int) -> npt.NDArray[np.int64]:
-    """Most boxes, discs and sides near an agent: mean and ten standard deviations."""
+    """Most boxes, turned boxes, discs and sides near an agent: mean and ten standard deviations."""
     plane, layer = tables.planes[w], tables.layers[w, number]
     reach_m = 2 * layer["reach_m"]
     length_m = CHUNK_M + plane["ahead_m"] + plane["behind_m"] + reach_m
@@ -81,18 +98,19 @@ def _needs(tables: WorldTables, w: int, number: int) -> npt.NDArray[np.int64]:
     chunks = math.ceil(length_m / CHUNK_M + 1) * math.ceil(width_m / plane["chunk_width_m"] + 1)
     match int(layer["kind"]):
         case 1:  # gates: pieces of walls
-            return np.array([4 * chunks, 0, 0])
+            return np.array([4 * chunks, 0, 0, 0])
         case 2:  # corridor: two walls of four sides
-            return np.array([0, 0, 8 * math.ceil(length_m / CHUNK_M + 1)])
+            return np.array([0, 0, 0, 8 * math.ceil(length_m / CHUNK_M + 1)])
         case 3:  # automaton: every other cell at most begins a run
-            return np.array([chunks * layer["cells"] * (layer["cells"] + 1) // 2, 0, 0])
+            return np.array([chunks * layer["cells"] * (layer["cells"] + 1) // 2, 0, 0, 0])
     counts = tables.counts[w, number]
     densest = float((1.0 - counts).sum(axis=1).max()) / (CHUNK_M * plane["chunk_width_m"])
     mean = densest * _crowding(plane, layer) * length_m * width_m
-    most = math.ceil(mean + 10 * math.sqrt(mean) + 20)
+    most = _room_for(mean)
     corners = [_corners_of(shape) for shape in tables.shapes[w, number, : int(layer["shapes"])]]
     kinds = {int(shape["kind"]) for shape in tables.shapes[w, number, : int(layer["shapes"])]}
-    return np.array([most * (BOX in kinds), most * (DISC in kinds), most * max(corners)])
+    listed = [most * (kind in kinds) for kind in (BOX, TURNED_BOX, DISC)]
+    return np.array([*listed, most * max(corners)])
 
 
 def _crowding(plane: Any, layer: Any) -> float:
@@ -107,7 +125,7 @@ def _crowding(plane: Any, layer: Any) -> float:
 
 
 def _corners_of(shape: Any) -> int:
-    by_kind = {TURNED_BOX: 4, POLYGON: int(shape["corners_high"]), CURVE: CURVE_CORNERS}
+    by_kind = {POLYGON: int(shape["corners_high"]), CURVE: CURVE_CORNERS}
     return by_kind.get(int(shape["kind"]), 0)
 
 

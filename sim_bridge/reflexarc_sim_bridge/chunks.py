@@ -100,6 +100,12 @@ def agent_number(stream: int, seed: np.uint64, lane: np.uint64, counter: np.uint
 
 
 @compiled_inline
+def chunks_between(low_m: float, high_m: float, side_m: float) -> tuple[int, int]:
+    """First and last chunk of a stretch."""
+    return math.floor(low_m / side_m), math.floor(high_m / side_m)
+
+
+@compiled_inline
 def column_key(key: np.uint64, i: int) -> np.uint64:
     """Key of all chunks with the same i."""
     return joined(key, np.uint64(i))

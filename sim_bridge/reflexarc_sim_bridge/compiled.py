@@ -14,12 +14,18 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 import numba
+from numba.core.cpu import CPUTargetOptions
+from numba.core.options import TargetOptions
 
 from reflexarc_sim_bridge.compile_cache import keyed_by_sources
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
 prange = numba.prange
+
+# numba knows this flag, which its own parallel loops use, but has no option for it.
+_mapping: Any = TargetOptions.Mapping
+CPUTargetOptions.noalias = _mapping("noalias")
 
 
 def compiled(function: _Function) -> _Function:
@@ -42,6 +48,14 @@ def compiled_inner(function: _Function) -> _Function:
 def compiled_inline(function: _Function) -> _Function:
     """The same for a small function of a hot loop: it becomes part of whoever calls it."""
     return _compiled(function, _nrt=False, no_cpython_wrapper=True, forceinline=True)
+
+
+def compiled_disjoint(function: _Function) -> _Function:
+    """The same for a loop over arrays that share no memory: what it writes, it does not read back.
+
+    The compiler need not test for that, nor load again what it has in its registers.
+    """
+    return _compiled(function, _nrt=False, no_cpython_wrapper=True, forceinline=True, noalias=True)
 
 
 def compiled_part(function: _Function) -> _Function:

@@ -10,6 +10,8 @@ from reflexarc_runtime.retina import nearest_beam, ray_bearing_rad
 from reflexarc_sim_bridge.params import TILE_RAYS, EyeParams
 from reflexarc_sim_bridge.worlds import Scanner, World
 
+_WIDE_RAD = 0.99 * math.pi
+
 
 def eye_params(contract: PolicyContract, world: World) -> EyeParams:
     """The eyes of a contract, in a world.
@@ -39,7 +41,8 @@ def eye_params(contract: PolicyContract, world: World) -> EyeParams:
         half_baseline_m=spec.baseline_m / 2 if spec.eyes == 2 else 0.0,
         range_m=spec.range_m,
         nearness=spec.shading is Shading.NEARNESS,
-        tile_is_wide=tile_rad > 0.99 * math.pi,
+        is_wide=bearings[0] - bearings[-1] > _WIDE_RAD,
+        tile_is_wide=tile_rad > _WIDE_RAD,
         is_plain=(spec.size, spec.frames, spec.samples) == (spec.rays, 1, 1)
         and spec.rays % TILE_RAYS == 0,
         turns=turns(contract),

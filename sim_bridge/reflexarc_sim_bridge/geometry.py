@@ -24,6 +24,7 @@ Real: TypeAlias = Any
 """float or np.float32."""
 
 # float32, so that arithmetic on float32 stays in float32 and on float64 in float64.
+_STEEPEST = np.float32(1e-9)
 _ZERO = np.float32(0.0)
 _NEVER = np.float32(np.inf)
 _LITTLE = np.float32(1e-6)
@@ -45,6 +46,30 @@ def meets_box_m(
     enters = enters_x if enters_x > enters_y else enters_y
     leaves = leaves_x if leaves_x < leaves_y else leaves_y
     return _first(enters, leaves)
+
+
+@compiled_inline
+def meets_turned_box_m(
+    x: Real,
+    y: Real,
+    half_length: Real,
+    half_width: Real,
+    cos: Real,
+    sin: Real,
+    ahead: Real,
+    left: Real,
+) -> Real:
+    """The same up to a rectangle that is turned: all is turned back, and it is upright."""
+    along, across = turned_back(x, y, cos, sin)
+    ahead, left = turned_back(ahead, left, cos, sin)
+    per_ahead, per_left = reciprocal(ahead, _STEEPEST), reciprocal(left, _STEEPEST)
+    return meets_box_m(along, across, half_length, half_width, per_ahead, per_left)
+
+
+@compiled_inline
+def turned_back(x: Real, y: Real, cos: Real, sin: Real) -> tuple[Real, Real]:
+    """A vector in the frame of what is turned by an angle with this cosine and sine."""
+    return x * cos + y * sin, y * cos - x * sin
 
 
 @compiled_inline

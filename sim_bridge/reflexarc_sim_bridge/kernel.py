@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_sim_bridge.compiled import compiled_allocating, compiled_inner
-from reflexarc_sim_bridge.contact import touches
 from reflexarc_sim_bridge.motion import step_agent
 from reflexarc_sim_bridge.near import keep_near
+from reflexarc_sim_bridge.overlap import touches
 from reflexarc_sim_bridge.params import Params
 from reflexarc_sim_bridge.places import go_to_free_place, set_place
 from reflexarc_sim_bridge.senses import sense_agent

@@ -13,8 +13,9 @@ import math
 
 from reflexarc_sim_bridge.chunks import Row
 from reflexarc_sim_bridge.compiled import compiled_inline, compiled_part
-from reflexarc_sim_bridge.contact import free_share, touches
+from reflexarc_sim_bridge.contact import free_share
 from reflexarc_sim_bridge.near import keep_near
+from reflexarc_sim_bridge.overlap import touches
 from reflexarc_sim_bridge.params import GHOST, OPEN, Params
 from reflexarc_sim_bridge.places import draw, go_to_free_place, set_place
 from reflexarc_sim_bridge.random_numbers import normal
@@ -42,7 +43,7 @@ def step_agent(
     if plane.edges == OPEN:
         y_m = state.cell_y * plane.chunk_width_m + state.y_m
         left_m = min(max(y_m + left_m, 0.0), plane.width_m) - y_m
-    share = math.inf if state.is_inside else free_share(params, i, ahead_m, left_m)
+    share = math.inf if state.is_inside else free_share(params, work, i, ahead_m, left_m)
     met, goes_on = share <= 1.0, plane.after_contact == GHOST
     if met and not goes_on:
         ahead_m, left_m = ahead_m * share, 0.0

@@ -5,10 +5,12 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from reflexarc_sim_bridge.belt import move_belt, pick_near
 from reflexarc_sim_bridge.chunks import (
     Obstacle,
     Row,
     chunk_key,
+    chunks_between,
     column_key,
     corner_count,
     corner_m,
@@ -22,9 +24,11 @@ from reflexarc_sim_bridge.layers import CHUNK_M
 from reflexarc_sim_bridge.params import (
     AT_REST,
     BOX,
+    BOX_COS,
     BOX_HALF_LENGTH,
     BOX_HALF_WIDTH,
     BOX_PAINT,
+    BOX_SIN,
     BOX_X,
     BOX_Y,
     BOXES,
@@ -44,24 +48,20 @@ from reflexarc_sim_bridge.params import (
     SIDE_X,
     SIDE_Y,
     SIDES,
+    TURNED,
+    TURNED_BOX,
+    Agents,
+    Belt,
     Floats32,
+    Near,
     Params,
     Table,
 )
 from reflexarc_sim_bridge.structures import structure_at, structure_count
-from reflexarc_sim_bridge.upright_boxes import (
-    chunks_between,
-    farthest_in_reach_m,
-    gather_upright_boxes,
-    is_beyond,
-)
 from reflexarc_sim_bridge.workspace import Workspace
 
-NOWHERE = 1
-"""The last column of a near list, counted from its end, is an obstacle that no ray meets."""
-
-_SPARE = 4
-"""Columns at the end that are never in use: lists are read in fours."""
+_DIAGONAL = math.sqrt(2.0)
+"""What reaches so far along x and y reaches this much farther at most."""
 
 
 @compiled_inline
@@ -101,34 +101,61 @@ def keep_near(params: Params, work: Workspace, i: int, anew: bool) -> None:
             x += math.floor((state.x_m - moved_x_m) / CHUNK_M)
             y += math.floor((state.y_m - moved_y_m) / plane.chunk_width_m)
         if anew or x != cell[0] or y != cell[1]:
+            columns = 0 if anew or x == cell[0] else x - cell[0]
+            stays = x == cell[0] and not anew
             cell[0], cell[1] = x, y
-            key, near_counts = (
-                layer_key(plane.stream, state.seed, number),
-                agents.near_counts[i, number],
-            )
-            boxes, discs, sides = (
-                agents.boxes[i, number],
-                agents.discs[i, number],
-                agents.sides[i, number],
-            )
-            if layer.is_upright_white:
-                shape, counts = (
-                    world.shapes[state.world, number, 0],
-                    world.counts[state.world, number],
-                )
-                near_counts[BOXES] = gather_upright_boxes(
-                    plane, layer, shape, counts[0], key, cell, work.entries, boxes
-                )
+            key, near = layer_key(plane.stream, state.seed, number), near_of(agents, i, number)
+            shapes, counts = world.shapes[state.world, number], world.counts[state.world, number]
+            if layer.has_belt:
+                belt, shape = belt_of(agents, i, number), shapes[0]
+                if not stays:
+                    draws, picks = work.draws, work.picks
+                    move_belt(plane, layer, shape, counts[0], key, x, columns, draws, picks, belt)
+                if shape.kind == BOX:
+                    near.counts[BOXES] = pick_near(plane, cell, work.picks, belt, near.boxes)
+                else:
+                    near.counts[TURNED] = pick_near(plane, cell, work.picks, belt, near.turned)
             elif layer.kind == SCATTER:
-                shapes, counts = (
-                    world.shapes[state.world, number],
-                    world.counts[state.world, number],
-                )
-                _gather_scatter(
-                    plane, layer, shapes, counts, key, cell, near_counts, boxes, discs, sides
-                )
+                _gather_scatter(plane, layer, shapes, counts, key, cell, near)
             else:
-                _gather_structure(plane, layer, key, cell, near_counts, boxes, sides, work.cells)
+                _gather_structure(plane, layer, key, cell, near, work.cells)
+
+
+@compiled_inline
+def near_of(agents: Agents, i: int, number: int) -> Near:
+    """What is near agent i in a layer."""
+    return Near(
+        agents.near_counts[i, number],
+        agents.boxes[i, number],
+        agents.turned[i, number],
+        agents.discs[i, number],
+        agents.sides[i, number],
+    )
+
+
+@compiled_inline
+def belt_of(agents: Agents, i: int, number: int) -> Belt:
+    """Its belt there."""
+    return Belt(
+        agents.belt_places[i, number], agents.belt_sizes[i, number], agents.belt_counts[i, number]
+    )
+
+
+@compiled_inline
+def _is_beyond(x_m: float, length_m: float, y_m: float, width_m: float, farthest_m: float) -> bool:
+    """Whether a chunk with its corner at (x, y) is farther from the agent's cell than so much.
+
+    Both are `length` by `width`.
+    """
+    away_x, away_y = max(abs(x_m) - length_m, 0.0), max(abs(y_m) - width_m, 0.0)
+    return away_x * away_x + away_y * away_y > farthest_m * farthest_m
+
+
+@compiled_inline
+def _farthest_in_reach_m(plane: Row, layer: Row) -> float:
+    """Farther from an agent's cell no chunk holds anything that matters."""
+    reach_m: float = _DIAGONAL * layer.reach_m
+    return float(max(plane.ahead_m, plane.behind_m)) + reach_m
 
 
 @compiled_inner
@@ -139,10 +166,7 @@ def _gather_scatter(
     counts: npt.NDArray[np.float64],
     key: np.uint64,
     cell: npt.NDArray[np.int64],
-    near_counts: npt.NDArray[np.int64],
-    boxes: Floats32,
-    discs: Floats32,
-    sides: Floats32,
+    near: Near,
 ) -> None:
     """List all obstacles of a scatter layer that reach into the box around an agent's cell."""
     side_m, reach_m = plane.chunk_width_m, layer.reach_m
@@ -150,8 +174,8 @@ def _gather_scatter(
     right_m, left_m = -plane.aside_m, side_m + plane.aside_m
     first_i, last_i = chunks_between(back_m - reach_m, front_m + reach_m, CHUNK_M)
     first_j, last_j = chunks_between(right_m - reach_m, left_m + reach_m, side_m)
-    farthest_m = farthest_in_reach_m(plane, layer)
-    is_open, box, disc, side = plane.edges == OPEN, 0, 0, 0
+    farthest_m = _farthest_in_reach_m(plane, layer)
+    is_open, box, turned, disc, side = plane.edges == OPEN, 0, 0, 0, 0
     for di in range(first_i, last_i + 1):
         i = cell[0] + di
         column = column_key(key, i)
@@ -159,7 +183,7 @@ def _gather_scatter(
             j = cell[1] + dj
             if is_open and not 0 <= j < plane.across:
                 continue
-            if is_beyond(di * CHUNK_M, CHUNK_M, dj * side_m, side_m, farthest_m):
+            if _is_beyond(di * CHUNK_M, CHUNK_M, dj * side_m, side_m, farthest_m):
                 continue
             chunk = chunk_key(column, j, plane.across)
             for k in range(scatter_count(layer, counts, chunk, i)):
@@ -173,12 +197,15 @@ def _gather_scatter(
                 if layer.gap_m > 0.0 and is_thinned(plane, layer, counts, key, i, j, k):
                     continue
                 if obstacle.kind == BOX:
-                    box = _list_box(boxes, box, obstacle, x_m, y_m)
+                    box = _list_box(near.boxes, box, obstacle, x_m, y_m)
+                elif obstacle.kind == TURNED_BOX:
+                    turned = _list_turned(near.turned, turned, obstacle, x_m, y_m)
                 elif obstacle.kind == DISC:
-                    disc = _list_disc(discs, disc, obstacle, x_m, y_m)
+                    disc = _list_disc(near.discs, disc, obstacle, x_m, y_m)
                 else:
-                    side = _list_sides(sides, side, chunk, obstacle, x_m, y_m)
-    near_counts[BOXES], near_counts[DISCS], near_counts[SIDES] = box, disc, side
+                    side = _list_sides(near.sides, side, chunk, obstacle, x_m, y_m)
+    near.counts[BOXES], near.counts[TURNED] = box, turned
+    near.counts[DISCS], near.counts[SIDES] = disc, side
 
 
 @compiled_inner
@@ -187,9 +214,7 @@ def _gather_structure(
     layer: Row,
     key: np.uint64,
     cell: npt.NDArray[np.int64],
-    near_counts: npt.NDArray[np.int64],
-    boxes: Floats32,
-    sides: Floats32,
+    near: Near,
     cells: npt.NDArray[np.uint64],
 ) -> None:
     """The same for gates, corridors and automata: boxes, or polygons."""
@@ -208,10 +233,10 @@ def _gather_structure(
                 obstacle = structure_at(plane, layer, key, i, j, k, cells)
                 x_m, y_m = obstacle.x_m + di * CHUNK_M, obstacle.y_m + dj * side_m
                 if obstacle.kind == BOX:
-                    box = _list_box(boxes, box, obstacle, x_m, y_m)
+                    box = _list_box(near.boxes, box, obstacle, x_m, y_m)
                 elif obstacle.kind != NOTHING:
-                    side = _list_sides(sides, side, key, obstacle, x_m, y_m)
-    near_counts[BOXES], near_counts[DISCS], near_counts[SIDES] = box, 0, side
+                    side = _list_sides(near.sides, side, key, obstacle, x_m, y_m)
+    near.counts[BOXES], near.counts[SIDES] = box, side
 
 
 @compiled_inline
@@ -221,14 +246,23 @@ def _list_box(rows: Floats32, k: int, obstacle: Obstacle, x_m: float, y_m: float
     rows[BOX_HALF_LENGTH, k] = obstacle.half_length_m
     rows[BOX_HALF_WIDTH, k] = obstacle.half_width_m
     rows[BOX_PAINT, k] = obstacle.paint
-    return min(k + 1, int(rows.shape[1]) - _SPARE)
+    return min(k + 1, int(rows.shape[1]) - 1)
+
+
+@compiled_inline
+def _list_turned(rows: Floats32, k: int, obstacle: Obstacle, x_m: float, y_m: float) -> int:
+    rows[BOX_COS, k], rows[BOX_SIN, k] = (
+        math.cos(obstacle.turned_rad),
+        math.sin(obstacle.turned_rad),
+    )
+    return int(_list_box(rows, k, obstacle, x_m, y_m))
 
 
 @compiled_inline
 def _list_disc(rows: Floats32, k: int, obstacle: Obstacle, x_m: float, y_m: float) -> int:
     rows[DISC_X, k], rows[DISC_Y, k] = x_m, y_m
     rows[DISC_RADIUS, k], rows[DISC_PAINT, k] = obstacle.half_length_m, obstacle.paint
-    return min(k + 1, int(rows.shape[1]) - _SPARE)
+    return min(k + 1, int(rows.shape[1]) - 1)
 
 
 @compiled_inner
@@ -237,7 +271,7 @@ def _list_sides(
 ) -> int:
     """All sides of a polygon, counter-clockwise; whole or not at all."""
     corners = corner_count(obstacle)
-    if k + corners > rows.shape[1] - _SPARE:
+    if k + corners > rows.shape[1]:
         return k
     cos, sin = math.cos(obstacle.turned_rad), math.sin(obstacle.turned_rad)
     dx_m, dy_m = corner_m(chunk, obstacle, corners - 1, cos, sin)

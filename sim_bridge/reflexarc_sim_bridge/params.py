@@ -18,6 +18,7 @@ import numpy.typing as npt
 
 Table = npt.NDArray[np.void]
 Floats32 = npt.NDArray[np.float32]
+Integers32 = npt.NDArray[np.int32]
 
 PERIODIC, UNBOUNDED, OPEN = range(3)
 SCATTER, GATES, CORRIDOR, AUTOMATON = range(4)
@@ -27,17 +28,18 @@ NOTHING, BOX, DISC, TURNED_BOX, POLYGON, CURVE, WALL = range(7)
 
 # Rows of the near lists: one obstacle, or one side of one, a column.
 BOX_X, BOX_Y, BOX_HALF_LENGTH, BOX_HALF_WIDTH, BOX_PAINT = range(5)
+BOX_COS, BOX_SIN = 5, 6
 DISC_X, DISC_Y, DISC_RADIUS, DISC_PAINT = range(4)
 SIDE_X, SIDE_Y, SIDE_AHEAD, SIDE_LEFT, SIDE_PAINT = range(5)
-BOX_ROWS, DISC_ROWS, SIDE_ROWS = 5, 4, 5
-BOXES, DISCS, SIDES = range(3)
+BOX_ROWS, TURNED_ROWS, DISC_ROWS, SIDE_ROWS = 5, 7, 4, 5
+BOXES, TURNED, DISCS, SIDES = range(4)
+
+# Rows of a belt: all boxes of a periodic world within reach along x; COS and SIN of turned ones.
+BELT_X, BELT_Y = range(2)
+HALF_LENGTH, HALF_WIDTH, COS, SIN = range(4)
 
 TILE_RAYS = 16
 """Rays that are treated together."""
-
-NOWHERE_M = (1e9, -2e9)
-"""Where the last column of every near list is, whose obstacle has no size: beyond any range."""
-
 
 PLANE_DTYPE = np.dtype(
     [
@@ -62,8 +64,9 @@ LAYER_DTYPE = np.dtype(
         # Drift: metres a second; swing: metres, and the period.
         *((name, np.float64) for name in ("moves_ahead", "moves_left", "period_s")),
         # `is_plain`: one kind of shape, none of them turned at random.
-        # `is_upright_white`: nothing but upright white boxes, even and unthinned (the common case).
-        ("is_upright_white", np.int64),
+        # `has_belt`: nothing but white boxes of one kind, even and unthinned, around a period that
+        # is wider than what is near (the common case).
+        ("has_belt", np.int64),
         *((name, np.int64) for name in ("is_plain", "is_white", "channels", "spacing_chunks")),
         *((f"{c}_{end}", np.float64) for c in ("red", "green", "blue") for end in ("low", "high")),
         *((name, np.float64) for name in ("pitch_m", "opening_low_m", "opening_high_m")),
@@ -118,8 +121,6 @@ class WorldTables(NamedTuple):
     counts: npt.NDArray[np.float64]
     """Probability that a chunk of a section has at most so many obstacles:
     (worlds, layers, sections, counts)."""
-    most_chunks: int
-    """Chunks within reach of an agent, at most."""
 
 
 class EyeParams(NamedTuple):
@@ -137,8 +138,10 @@ class EyeParams(NamedTuple):
     half_baseline_m: float
     range_m: float
     nearness: bool
+    is_wide: bool
+    """The rays span half a circle or more: every direction may matter."""
     tile_is_wide: bool
-    """The rays of a tile span half a circle or more: every direction may matter."""
+    """So do the rays of a tile."""
     is_plain: bool
     """One grey eye, one frame, one sample, rays in whole tiles: the common case."""
     turns: bool
@@ -159,17 +162,43 @@ class Agents(NamedTuple):
     layer_cells: npt.NDArray[np.int64]
     """Cell of the agent in each layer's own frame: (n, layers, 2)."""
     near_counts: npt.NDArray[np.int64]
-    """Columns in use of the three lists below: (n, layers, 3)."""
+    """Columns in use of the four lists below: (n, layers, 4)."""
     boxes: Floats32
-    """Upright rectangles, rows BOX_*: (n, layers, 5, capacity)."""
+    """Upright rectangles, rows BOX_X to BOX_PAINT: (n, layers, 5, capacity)."""
+    turned: Floats32
+    """Turned rectangles, all rows BOX_*: (n, layers, 7, capacity)."""
     discs: Floats32
     """Discs, rows DISC_*: (n, layers, 4, capacity)."""
     sides: Floats32
     """Sides of polygons, rows SIDE_*: (n, layers, 5, capacity)."""
+    belt_places: Integers32
+    """Belts, rows BELT_*: (n, layers, 2, capacity)."""
+    belt_sizes: Floats32
+    """The same, rows HALF_LENGTH to SIN: (n, layers, 4, capacity)."""
+    belt_counts: npt.NDArray[np.int64]
+    """Boxes in each column of a belt, the hindmost first: (n, layers, columns)."""
     delayed: npt.NDArray[np.uint8]
     """The last retinas, where seeing takes time: (n, latency + 1, values)."""
     stack: npt.NDArray[np.uint8]
     """What the policy sees, oldest frame first: (n, frames · values)."""
+
+
+class Near(NamedTuple):
+    """What is near one agent in one layer: views of rows of `Agents`."""
+
+    counts: npt.NDArray[np.int64]
+    boxes: Floats32
+    turned: Floats32
+    discs: Floats32
+    sides: Floats32
+
+
+class Belt(NamedTuple):
+    """The belt of one agent in one layer: views of rows of `Agents`."""
+
+    places: Integers32
+    sizes: Floats32
+    counts: npt.NDArray[np.int64]
 
 
 class Params(NamedTuple):

@@ -1,17 +1,23 @@
-"""Which near obstacles a tile of rays can meet: those within range that reach into its wedge.
+"""Which near obstacles an eye can see: those within range that reach into its wedge.
 
-The wedge lies between the directions of the tile's rightmost and leftmost ray. First every obstacle
-is judged, many at once; then those that pass are listed, written first and counted after, as no
-branch foresees them.
+The wedge lies between the directions of the rightmost and the leftmost ray. First every obstacle
+is judged, many at once; then those that pass are listed in fours, written first and counted after,
+as no branch foresees them. An eye of several tiles of rays picks once for all of them, copies what
+it picked, and picks from that for each tile.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_sim_bridge.compiled import compiled_inline
+from reflexarc_sim_bridge.compiled import compiled_disjoint, compiled_inner
+from reflexarc_sim_bridge.geometry import turned_back
 from reflexarc_sim_bridge.params import (
+    BOX_COS,
     BOX_HALF_LENGTH,
     BOX_HALF_WIDTH,
+    BOX_SIN,
     BOX_X,
     BOX_Y,
     DISC_RADIUS,
@@ -24,41 +30,102 @@ from reflexarc_sim_bridge.params import (
     Floats32,
 )
 
-Picked = npt.NDArray[np.int64]
+Picked = npt.NDArray[np.uintp]
 Judged = npt.NDArray[np.bool_]
+
+FOUR = 4
+"""Rays meet so many at a time."""
 
 _ZERO, _HALF = np.float32(0.0), np.float32(0.5)
 _SLIGHT_M = np.float32(1e-5)
 """A ray along a wedge's edge, to where two sides meet, must not be beside both by rounding."""
 
 
-@compiled_inline
-def judge_boxes(
+class View(NamedTuple):
+    """Where an eye or a tile of its rays is, and which way it looks."""
+
+    x: np.float32
+    y: np.float32
+    range_m: np.float32
+    right_x: np.float32
+    """Direction of the rightmost ray. Where both parts are 0, any direction will do."""
+    right_y: np.float32
+    left_x: np.float32
+    """Direction of the leftmost ray."""
+    left_y: np.float32
+
+
+@compiled_inner
+def pick_boxes(
     near: Floats32,
     count: int,
-    x: np.float32,
-    y: np.float32,
-    range_m: np.float32,
-    right_x: np.float32,
-    right_y: np.float32,
-    left_x: np.float32,
-    left_y: np.float32,
+    view: View,
     judged: Judged,
-) -> None:
-    """Boxes.
+    picked: Picked,
+) -> int:
+    """Pick boxes.
 
     Args:
         near: rows BOX_*: (5, capacity).
         count: columns of it in use.
-        x: the eye, in the frame of `near`.
-        y: the same.
-        range_m: of the eye.
-        right_x: direction of the rightmost ray. Where both are 0, any direction will do.
-        right_y: the same.
-        left_x: direction of the leftmost ray.
-        left_y: the same.
-        judged: filled: (capacity,).
+        view: from where, in the frame of `near`.
+        judged: scratch: (capacity,).
+        picked: filled with the columns that passed: (capacity,).
+
+    Returns:
+        How many are listed: whole fours, the last filled up with one of them.
     """
+    _judge_boxes(near, count, view, judged)
+    return _listed(judged, count, picked)
+
+
+@compiled_inner
+def pick_turned(
+    near: Floats32,
+    count: int,
+    view: View,
+    judged: Judged,
+    picked: Picked,
+) -> int:
+    """Pick turned boxes, all rows BOX_*; arguments as for boxes."""
+    _judge_turned(near, count, view, judged)
+    return _listed(judged, count, picked)
+
+
+@compiled_inner
+def pick_discs(
+    near: Floats32,
+    count: int,
+    view: View,
+    judged: Judged,
+    picked: Picked,
+) -> int:
+    """Pick discs, rows DISC_*; arguments as for boxes."""
+    _judge_discs(near, count, view, judged)
+    return _listed(judged, count, picked)
+
+
+@compiled_inner
+def pick_sides(
+    near: Floats32,
+    count: int,
+    view: View,
+    judged: Judged,
+    picked: Picked,
+) -> int:
+    """Pick sides that face the eye, rows SIDE_*; arguments as for boxes."""
+    _judge_sides(near, count, view, judged)
+    return _listed(judged, count, picked)
+
+
+@compiled_disjoint
+def _judge_boxes(
+    near: Floats32,
+    count: int,
+    view: View,
+    judged: Judged,
+) -> None:
+    x, y, range_m, right_x, right_y, left_x, left_y = view
     for k in range(count):
         dx, dy = near[BOX_X, k] - x, near[BOX_Y, k] - y
         half_length, half_width = near[BOX_HALF_LENGTH, k], near[BOX_HALF_WIDTH, k]
@@ -76,20 +143,43 @@ def judge_boxes(
         )
 
 
-@compiled_inline
-def judge_discs(
+@compiled_disjoint
+def _judge_turned(
     near: Floats32,
     count: int,
-    x: np.float32,
-    y: np.float32,
-    range_m: np.float32,
-    right_x: np.float32,
-    right_y: np.float32,
-    left_x: np.float32,
-    left_y: np.float32,
+    view: View,
     judged: Judged,
 ) -> None:
-    """Discs, rows DISC_*; arguments as for boxes."""
+    """As upright ones, in their own frames."""
+    x, y, range_m, right_x, right_y, left_x, left_y = view
+    for k in range(count):
+        cos, sin = near[BOX_COS, k], near[BOX_SIN, k]
+        dx, dy = turned_back(near[BOX_X, k] - x, near[BOX_Y, k] - y, cos, sin)
+        rightmost_x, rightmost_y = turned_back(right_x, right_y, cos, sin)
+        leftmost_x, leftmost_y = turned_back(left_x, left_y, cos, sin)
+        half_length, half_width = near[BOX_HALF_LENGTH, k], near[BOX_HALF_WIDTH, k]
+        away_x, away_y = abs(dx) - half_length, abs(dy) - half_width
+        away_x = away_x if away_x > _ZERO else _ZERO
+        away_y = away_y if away_y > _ZERO else _ZERO
+        from_right = rightmost_x * dy - rightmost_y * dx
+        from_right += half_length * abs(rightmost_y) + half_width * abs(rightmost_x)
+        from_left = dx * leftmost_y - dy * leftmost_x
+        from_left += half_length * abs(leftmost_y) + half_width * abs(leftmost_x)
+        judged[k] = (
+            (away_x * away_x + away_y * away_y < range_m * range_m)
+            & (from_right >= -_SLIGHT_M)
+            & (from_left >= -_SLIGHT_M)
+        )
+
+
+@compiled_disjoint
+def _judge_discs(
+    near: Floats32,
+    count: int,
+    view: View,
+    judged: Judged,
+) -> None:
+    x, y, range_m, right_x, right_y, left_x, left_y = view
     for k in range(count):
         dx, dy, radius = near[DISC_X, k] - x, near[DISC_Y, k] - y, near[DISC_RADIUS, k]
         farthest = range_m + radius
@@ -100,20 +190,15 @@ def judge_discs(
         )
 
 
-@compiled_inline
-def judge_sides(
+@compiled_disjoint
+def _judge_sides(
     near: Floats32,
     count: int,
-    x: np.float32,
-    y: np.float32,
-    range_m: np.float32,
-    right_x: np.float32,
-    right_y: np.float32,
-    left_x: np.float32,
-    left_y: np.float32,
+    view: View,
     judged: Judged,
 ) -> None:
-    """Sides that face the eye, rows SIDE_*; the end that lies farther into the wedge counts."""
+    """Of the two ends the one that lies farther into the wedge counts."""
+    x, y, range_m, right_x, right_y, left_x, left_y = view
     for k in range(count):
         dx, dy = near[SIDE_X, k] - x, near[SIDE_Y, k] - y
         ahead, left = near[SIDE_AHEAD, k], near[SIDE_LEFT, k]
@@ -133,14 +218,45 @@ def judge_sides(
         )
 
 
-@compiled_inline
-def listed(judged: Judged, count: int, nothing: int, picked: Picked) -> int:
-    """List those that passed in fours, filled up with column `nothing`; returns how many."""
+@compiled_disjoint
+def copied(
+    near: Floats32, x: np.float32, y: np.float32, judged: Judged, count: int, seen: Floats32
+) -> int:
+    """Copy those that passed, relative to the eye: written first, counted after.
+
+    Args:
+        near: as for picking.
+        x: the eye, in the frame of `near`.
+        y: the same.
+        judged: whether they passed: (capacity,).
+        count: columns of `near` in use.
+        seen: filled, rows as of `near`.
+
+    Returns:
+        How many.
+    """
+    n = 0
+    for k in range(count):
+        at = np.uintp(n)
+        seen[0, at], seen[1, at] = near[0, k] - x, near[1, k] - y
+        seen[2, at], seen[3, at] = near[2, k], near[3, k]
+        n += judged[k]
+    for row in range(4, near.shape[0]):
+        n = 0
+        for k in range(count):
+            seen[row, np.uintp(n)] = near[row, k]
+            n += judged[k]
+    return n
+
+
+@compiled_disjoint
+def _listed(judged: Judged, count: int, picked: Picked) -> int:
+    """List those that passed; returns how many."""
     n = 0
     for k in range(count):
         picked[np.uintp(n)] = k
         n += judged[k]
-    filled = (n + 3) & ~3
+    filled = (n + FOUR - 1) // FOUR * FOUR
     for k in range(n, filled):
-        picked[k] = nothing
+        picked[k] = picked[0]
     return filled

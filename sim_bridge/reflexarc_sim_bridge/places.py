@@ -10,9 +10,9 @@ import numpy as np
 
 from reflexarc_sim_bridge.chunks import Row, agent_number, layer_key
 from reflexarc_sim_bridge.compiled import compiled_inline, compiled_inner
-from reflexarc_sim_bridge.contact import touches
 from reflexarc_sim_bridge.layers import CHUNK_M
 from reflexarc_sim_bridge.near import keep_near
+from reflexarc_sim_bridge.overlap import touches
 from reflexarc_sim_bridge.params import OPEN, PERIODIC, UNBOUNDED, Params, WorldTables
 from reflexarc_sim_bridge.random_numbers import uniform
 from reflexarc_sim_bridge.structures import corridor_line_m

@@ -21,7 +21,7 @@ from reflexarc_runtime.contract import PolicyContract, RetinaSpec, Shading, side
 from reflexarc_sim_bridge.seeds import test_seeds
 from reflexarc_sim_bridge.simulation import Simulation
 from reflexarc_sim_bridge.world_files import world_named
-from reflexarc_sim_bridge.worlds import World
+from reflexarc_sim_bridge.worlds import WorldSource
 
 if TYPE_CHECKING:
     from reflexarc_runtime.policy import Policy
@@ -69,7 +69,7 @@ def measure(
     steps: int = STEPS,
     discard: int = DISCARDED_STEPS,
     seeds: npt.NDArray[np.uint64] | None = None,
-    world: World | None = None,
+    world: WorldSource | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> FieldScore:
     """Measure a policy: contacts per 100 m, with its interval.
@@ -93,8 +93,8 @@ def measure(
     for step in range(discard + steps):
         if step == discard:
             before = (simulation.distance_m.copy(), simulation.contacts.copy())
-        _, actions = policy.decide(simulation.sense()[:, np.newaxis])
-        simulation.step(actions)
+        simulation.sense()
+        simulation.step(policy.decide(simulation.stacks)[1])
         if progress is not None:
             progress(step + 1, discard + steps)
     return _score(simulation.distance_m - before[0], simulation.contacts - before[1])

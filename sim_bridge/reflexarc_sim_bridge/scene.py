@@ -20,12 +20,16 @@ from reflexarc_sim_bridge.params import (
     NOTHING,
     SCATTER,
     SIDES,
+    TURNED,
     Params,
     WorldTables,
 )
 from reflexarc_sim_bridge.structures import structure_at, structure_count
 from reflexarc_sim_bridge.world_tables import world_tables
 from reflexarc_sim_bridge.worlds import World
+
+_SIGNS = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)], np.float64)
+"""Corners of a box of half sides 1, counter-clockwise."""
 
 _MAX_CORNERS = 32
 _ROW = 8 + 2 * _MAX_CORNERS
@@ -92,9 +96,13 @@ def _near_in_layer(
     for x, y, length, width, paint in agents.boxes[agent, layer, :, : counts[BOXES]].T.astype(
         float
     ):
-        signs = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)], np.float64)
-        corners = np.array([x, y]) + signs * (length, width) + corner_m
+        corners = np.array([x, y]) + _SIGNS * (length, width) + corner_m
         found.append(_polygon(corners, True, paint, layer))
+    turned = agents.turned[agent, layer, :, : counts[TURNED]].T.astype(float)
+    for x, y, length, width, paint, cos, sin in turned:
+        turn = np.array([(cos, sin), (-sin, cos)])
+        corners = np.array([x, y]) + _SIGNS * (length, width) @ turn + corner_m
+        found.append(_polygon(corners, False, paint, layer))
     for x, y, radius, paint in agents.discs[agent, layer, :, : counts[DISCS]].T.astype(float):
         x_m, y_m = float(x + corner_m[0]), float(y + corner_m[1])
         none = np.empty((0, 2))

@@ -6,6 +6,7 @@ shape.
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -69,7 +70,6 @@ def world_tables(worlds: Sequence[World], contract: PolicyContract, densest: Wor
         np.zeros((len(worlds), layers), LAYER_DTYPE),
         np.zeros((len(worlds), layers, shapes), SHAPE_DTYPE),
         np.ones((len(worlds), layers, MAX_SECTIONS, _most_counts((*worlds, densest)))),
-        _most_chunks(densest, contract),
     )
     for w, world in enumerate(worlds):
         write_world(tables, w, world, contract)
@@ -90,7 +90,7 @@ def write_world(tables: WorldTables, w: int, world: World, contract: PolicyContr
                 _write_scatter(row, layer)
                 _write_shapes(tables.shapes[w, number], layer.shapes)
                 chunk_m2 = CHUNK_M * chunk_width_m(world)
-                row["is_upright_white"] = _is_upright_white(row, layer, world)
+                row["has_belt"] = _has_belt(row, layer, tables.planes[w])
                 tables.counts[w, number] = _cumulative_counts(layer, chunk_m2, tables.counts)
             case Gates():
                 _write_gates(row, layer, world)
@@ -163,20 +163,12 @@ def _write_scatter(row: Table, layer: Scatter) -> None:
     row["section_chunks"] = max(1, round(layer.section_m / CHUNK_M))
 
 
-def _is_upright_white(row: Table, layer: Scatter, world: World) -> bool:
-    boxes = bool(row["is_plain"][0]) and isinstance(layer.shapes[0], Rectangles)
-    even = layer.gap_m == 0.0 and not layer.sections and world.edges is not Edges.OPEN
-    return boxes and even and bool(row["is_white"][0])
-
-
-def _most_chunks(world: World, contract: PolicyContract) -> int:
-    plane = np.zeros(1, PLANE_DTYPE)
-    _write_plane(plane, world, contract)
-    reach_m = 2 * world.reach_m
-    length_m = float(CHUNK_M + plane["ahead_m"][0] + plane["behind_m"][0]) + reach_m
-    width_m = float(plane["chunk_width_m"][0] + 2 * plane["aside_m"][0]) + reach_m
-    across = float(plane["chunk_width_m"][0])
-    return math.ceil(length_m / CHUNK_M + 1) * math.ceil(width_m / across + 1)
+def _has_belt(row: Table, layer: Scatter, plane: Any) -> bool:
+    boxes = len(layer.shapes) == 1 and isinstance(layer.shapes[0], Rectangles)
+    even = layer.gap_m == 0.0 and not layer.sections
+    near_m = plane["chunk_width_m"] + 2 * (plane["aside_m"] + row["reach_m"][0])
+    fits = plane["edges"] == PERIODIC and near_m <= plane["width_m"]
+    return boxes and even and bool(row["is_white"][0]) and bool(fits)
 
 
 def _write_gates(row: Table, layer: Gates, world: World) -> None:

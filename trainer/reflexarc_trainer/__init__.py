@@ -9,6 +9,7 @@ Start reading at `reference.py` (the algorithm) and `train.py` (a run); a file a
     choice units fused                        what both of them use
     learner forms online_learner batched_learner weights   their faces in Python
     validation train checkpoint curve          a run and what it leaves
+    study/ statistics edge_index              many runs: a grid × seeds, what they say together
     export translate parity delivery provenance   the policy file
 
 Importing the package loads neither torch nor numba; the modules do.

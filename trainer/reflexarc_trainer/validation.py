@@ -7,7 +7,8 @@ The same figure as `reference_field.measure` gives for the network (but for bodi
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_runtime.arrays import Actions, RetinaBatch
+from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
+from reflexarc_runtime.policy import Policy
 from reflexarc_sim_bridge.seeds import validation_seeds
 from reflexarc_sim_bridge.simulation import Simulation
 from reflexarc_trainer.block import forward, input_curve, layers_for
@@ -21,28 +22,41 @@ RECORDED_EVERY = 10
 RECORDED_STEPS = 80
 
 
+class GreedyPolicy(Policy):
+    """A network as a `Policy` that decides for many agents at once, by the compiled forward pass.
+
+    Args:
+        network: what was learned.
+        config: by which run.
+    """
+
+    def __init__(self, network: QNetwork, config: TrainConfig) -> None:
+        self._layers = layers_for(config.network, config.contract())
+        self._weights = pack(network)
+        self._curve = input_curve(config.network, np.float64)
+
+    def decide(self, retinas: RetinaBatch) -> tuple[QValues, Actions]:
+        """Q-values (n, actions) and winners (n,) of retinas (n, frames, eyes, rays, channels)."""
+        values = np.empty((self._layers.computed, len(retinas)))
+        inputs = self._curve[retinas.reshape(len(retinas), -1).T]
+        forward(self._layers, self._weights, inputs, values)
+        q_values: npt.NDArray[np.float64] = values[-int(self._layers.sizes[-1]) :]
+        winners: Actions = np.argmax(q_values, axis=0)
+        return q_values.T.astype(np.float32), winners
+
+
 class GreedyDriver:
     """A network that drives all agents of a simulation greedily."""
 
     def __init__(self, network: QNetwork, config: TrainConfig, simulation: Simulation) -> None:
         self._simulation = simulation
-        self._layers = layers_for(config.network, config.contract())
-        self._weights = pack(network)
-        self._curve = input_curve(config.network, np.float64)
-        self._values = np.zeros((self._layers.computed, len(simulation)))
+        self._policy = GreedyPolicy(network, config)
 
     def drive(self, steps: int) -> None:
         """Look, decide, act."""
         for _ in range(steps):
             self._simulation.sense()
-            self._simulation.step(self._decide(self._simulation.stacks))
-
-    def _decide(self, stacks: RetinaBatch) -> Actions:
-        inputs = self._curve[stacks.reshape(len(stacks), -1).T]
-        forward(self._layers, self._weights, inputs, self._values)
-        q_values: npt.NDArray[np.float64] = self._values[-int(self._layers.sizes[-1]) :]
-        winners: Actions = np.argmax(q_values, axis=0)
-        return winners
+            self._simulation.step(self._policy.decide(self._simulation.stacks)[1])
 
 
 def validate(network: QNetwork, config: TrainConfig) -> float:

@@ -1,0 +1,104 @@
+"""Who learns to avoid obstacles sooner, and better: ours against Stable-Baselines3.
+
+    python benchmarks/learning.py --out runs/learning          everything: runs, table, figure
+    ... --contenders reflex-short,ppo-tuned --seeds 3          some of it
+    ... --quick                                                a minute's check that it works
+    ... --plan                                                 what would run, and for how long
+    ... --report                                               table and figure of what there is
+
+The reference field with its eye, the same compiled world for everybody. A run is a process of its
+own, pinned to the same cores, and seed by seed all contenders take turns. The clock runs from the
+first weights on, caches filled and everything loaded (warm), or from the start of the process with
+no cache at all (cold); it stands while the frozen greedy policy is looked at on validation worlds.
+A level counts from the first of two looks in a row that pass it. The policy that a run ends with is
+measured on test worlds as `reflexarc evaluate` does. Runs that are there already are not repeated.
+Needs `pip install stable-baselines3 sb3-contrib`. `learning_race/contenders.py` says who races,
+`learning_race/tuning.md` what was tried to tune them.
+"""
+
+import argparse
+import os
+import sys
+from pathlib import Path
+
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+from learning_race.contenders import CONTENDERS, Contender, named  # threads first
+from learning_race.schedule import Entry, Scale, cold_entries, run_all, warm_entries
+
+LEAST_COLD_SEEDS = 3
+
+
+def main() -> None:
+    options = _options()
+    if options.child:
+        _be_a_child(options)
+        return
+    entries, out = _entries(options), Path(options.out) / ("quick" * options.quick)
+    if options.plan:
+        _say_plan(entries)
+        return
+    if not options.report:
+        run_all(entries, out, _scale(options))
+    from learning_race.report import write_report
+
+    print(write_report(out))
+
+
+def _be_a_child(options: argparse.Namespace) -> None:
+    """One run; its record goes to standard output as one line."""
+    from learning_race.one_run import cold_record, warm_record
+
+    contender, scale = named(options.child), _scale(options)
+    if options.started_s is not None:
+        line = cold_record(contender, options.seed, scale, options.started_s)
+    else:
+        line = warm_record(contender, options.seed, scale)
+    print(line)
+
+
+def _entries(options: argparse.Namespace) -> list[Entry]:
+    contenders = _chosen(options.contenders)
+    seeds = 1 if options.quick else options.seeds
+    cold = 0 if options.quick else options.cold
+    return [*warm_entries(contenders, seeds), *cold_entries(contenders, cold)]
+
+
+def _chosen(names: str | None) -> list[Contender]:
+    return [named(name) for name in names.split(",")] if names else list(CONTENDERS)
+
+
+def _scale(options: argparse.Namespace) -> Scale:
+    if options.quick:
+        return Scale(budget_s=2.0, test_agents=256, test_steps=300)
+    return Scale(options.budget_s, options.test_agents, options.test_steps)
+
+
+def _say_plan(entries: list[Entry]) -> None:
+    for entry in entries:
+        print(f"{entry.name:<28}{entry.most_s:>8.0f} s")
+    print(f"{len(entries)} runs, at most {sum(e.most_s for e in entries) / 60:.0f} minutes")
+
+
+def _options() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("--out", default="runs/learning", help="folder of the runs")
+    parser.add_argument("--seeds", type=int, default=10)
+    parser.add_argument("--budget-s", type=float, default=60.0, help="most seconds of a run")
+    parser.add_argument("--contenders", help="names, separated by commas")
+    parser.add_argument("--cold", type=int, default=LEAST_COLD_SEEDS, help="cold runs of each")
+    parser.add_argument("--test-agents", type=int, default=4096)
+    parser.add_argument("--test-steps", type=int, default=2000)
+    for flag in ("--quick", "--plan", "--report"):
+        parser.add_argument(flag, action="store_true")
+    parser.add_argument("--child", metavar="NAME", help=argparse.SUPPRESS)
+    parser.add_argument("--seed", type=int, default=0, help=argparse.SUPPRESS)
+    parser.add_argument("--started-s", type=float, help=argparse.SUPPRESS)
+    return parser.parse_args()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

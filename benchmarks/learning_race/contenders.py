@@ -1,0 +1,190 @@
+"""Who races, with which settings; `tuning.md` says what was tried to find them.
+
+Everybody has the reference field's eye and worlds. The tuned rivals have our input curve (the
+square), our held actions (while learning, three steps of the world an action), our discount, a
+falling learning rate and one thread of torch: two were no faster in the one trial. The matched ones
+are the tuned ones with our 16–10–3. The default ones have their library's settings; how many worlds
+at once is not among these, and four served PPO best.
+"""
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, get_args
+
+from reflexarc_trainer.config import TrainConfig
+from reflexarc_trainer.learner_config import Target
+from reflexarc_trainer.presets import PRESETS
+
+WORLDS_OF_DEFAULTS = 4
+
+
+@dataclass(frozen=True)
+class Ours:
+    """A learner of ours."""
+
+    config: TrainConfig
+
+
+@dataclass(frozen=True)
+class Theirs:
+    """An algorithm of Stable-Baselines3 or sb3-contrib."""
+
+    algorithm: str
+    """Name of its class."""
+    agents: int = WORLDS_OF_DEFAULTS
+    """Worlds at once."""
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    """What differs from the library's defaults."""
+    falling_rate: float | None = None
+    """A learning rate that falls to 0 over the run; the library's constant one if None."""
+    input_power: int = 1
+    held_steps: int = 1
+    """Steps of the world for each action."""
+    torch_threads: int = 1
+
+
+Learner = Ours | Theirs
+
+
+@dataclass(frozen=True)
+class Contender:
+    """A learner and its time."""
+
+    name: str
+    group: str
+    """ours, ablation, tuned, default or matched."""
+    learner: Learner
+    budget_s: float
+    is_paced: bool = True
+    """Whether steps of ours are set so as to fill the time; else their configuration says them."""
+    cores: int = 2
+    stops_at: float | None = None
+    """A level where the run may end."""
+
+    @property
+    def settings_hash(self) -> str:
+        """Changes with any setting."""
+        return hashlib.sha256(repr(self).encode()).hexdigest()[:16]
+
+
+def named(name: str) -> Contender:
+    """The contender of that name.
+
+    Raises:
+        SystemExit: there is none.
+    """
+    for contender in CONTENDERS:
+        if contender.name == name:
+            return contender
+    known = ", ".join(contender.name for contender in CONTENDERS)
+    raise SystemExit(f"learning: --contenders: nobody is named {name!r}; known: {known}")
+
+
+def _reflex(
+    steps: int | None = None,
+    *,
+    hidden: int = 64,
+    averaged_weights: float = 0.95,
+    epsilon_start: float = 1.0,
+    target: str = "sampled",
+    **batched: Any,
+) -> Ours:
+    """Preset `reflex` with other numbers."""
+    preset = PRESETS["reflex"]
+    exploration = replace(preset.learner.exploration, epsilon_start=epsilon_start)
+    learner = replace(
+        preset.learner,
+        averaged_weights=averaged_weights,
+        target=target,
+        exploration=exploration,
+        batched=replace(preset.learner.batched, **batched),
+    )
+    network = replace(preset.network, hidden=(hidden,))
+    return Ours(replace(preset, steps=steps or preset.steps, network=network, learner=learner))
+
+
+def _online() -> Ours:
+    """Preset `online` with the inputs squared and actions held, as everybody has them."""
+    preset = PRESETS["online"]
+    exploration = replace(preset.learner.exploration, held_actions=3, epsilon_span=0.3)
+    learner = replace(
+        preset.learner,
+        trace_decay=0.7,
+        exploration=exploration,
+        online=replace(preset.learner.online, step="intentional", alpha=0.1, alpha_end=0.02),
+    )
+    network = replace(preset.network, output="linear", input_power=2)
+    return Ours(replace(preset, network=network, learner=learner))
+
+
+def _tuned(algorithm: str, agents: int, rate: float, **settings: Any) -> Theirs:
+    shared = {"falling_rate": rate, "input_power": 2, "held_steps": 3}
+    return Theirs(algorithm, agents, {"gamma": 0.9, **settings}, **shared)
+
+
+def _with_hidden(learner: Theirs, hidden: int) -> Theirs:
+    """The same with one hidden layer."""
+    policy = {**learner.settings.get("policy_kwargs", {}), "net_arch": [hidden]}
+    return replace(learner, settings={**learner.settings, "policy_kwargs": policy})
+
+
+_PPO = _tuned("PPO", 512, 3e-3, n_steps=32, batch_size=4096, n_epochs=4, gae_lambda=0.8)
+_PPO_SHORT = _tuned("PPO", 256, 5e-3, n_steps=16, batch_size=512, n_epochs=4, gae_lambda=0.8)
+_REPLAY = {
+    "batch_size": 512,
+    "buffer_size": 200_000,
+    "train_freq": 1,
+    "learning_starts": 2048,
+    "target_update_interval": 2000,
+    "exploration_final_eps": 0.02,
+}
+_OFTEN = {"batch_size": 256, "learning_starts": 512, "target_update_interval": 500}
+_REPLAY_SHORT = {**_REPLAY, **_OFTEN}
+_DQN = _tuned("DQN", 64, 2e-3, exploration_fraction=0.1, **_REPLAY)
+_DQN_SHORT = _tuned("DQN", 32, 3e-3, exploration_fraction=0.1, **_REPLAY_SHORT)
+_QRDQN = _tuned(
+    "QRDQN",
+    32,
+    3e-3,
+    exploration_fraction=0.1,
+    max_grad_norm=10,
+    policy_kwargs={"n_quantiles": 8},
+    **_REPLAY_SHORT,
+)
+_QUICK = _reflex(1 << 16, averaged_weights=0.8, epsilon_start=0.3, minibatches=16)
+_PATIENT = {"minibatches": 16, "averaged_weights": 0.99}
+_SHORT_S, _LONG_S, _REST_S = 3.0, 60.0, 30.0
+_LAST_LEVEL = 3.5
+
+
+def _ablations() -> tuple[Contender, ...]:
+    """Batched Q(λ): the value of the best action in place of the chosen one's."""
+    if "greedy" not in get_args(Target):
+        return ()
+    greedy = _reflex(agents=256, target="greedy", **_PATIENT)
+    return (Contender("q-lambda-3s", "ablation", greedy, _SHORT_S),)
+
+
+CONTENDERS = (
+    Contender("reflex", "ours", Ours(PRESETS["reflex"]), _SHORT_S, is_paced=False),
+    Contender("reflex-short", "ours", _QUICK, _SHORT_S, is_paced=False),
+    Contender("reflex-3s", "ours", _reflex(agents=256, **_PATIENT), _SHORT_S),
+    Contender("reflex-60s", "ours", _reflex(agents=512, **_PATIENT), _LONG_S),
+    Contender("online-3s", "ours", _online(), _SHORT_S, cores=1),
+    *_ablations(),
+    Contender("ppo-tuned-short", "tuned", _PPO_SHORT, _SHORT_S),
+    Contender("dqn-tuned-short", "tuned", _DQN_SHORT, _SHORT_S),
+    Contender("ppo-tuned", "tuned", _PPO, _LONG_S),
+    Contender("dqn-tuned", "tuned", _DQN, _LONG_S),
+    Contender("qrdqn-tuned", "tuned", _QRDQN, _LONG_S),
+    Contender("ppo-default", "default", Theirs("PPO"), _REST_S, stops_at=_LAST_LEVEL),
+    Contender("dqn-default", "default", Theirs("DQN"), _REST_S, stops_at=_LAST_LEVEL),
+    Contender("qrdqn-default", "default", Theirs("QRDQN"), _REST_S, stops_at=_LAST_LEVEL),
+    Contender("ppo-matched", "matched", _with_hidden(_PPO, 10), _REST_S, stops_at=_LAST_LEVEL),
+    Contender("dqn-matched", "matched", _with_hidden(_DQN, 10), _REST_S, stops_at=_LAST_LEVEL),
+    Contender("qrdqn-matched", "matched", _with_hidden(_QRDQN, 10), _REST_S, stops_at=_LAST_LEVEL),
+)
+
+COLD = ("reflex-short", "online-3s", "ppo-tuned-short", "ppo-default")
+"""Who starts cold as well."""

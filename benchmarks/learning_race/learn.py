@@ -1,0 +1,114 @@
+"""One run of a contender, from its first weights to the end of its time.
+
+Schedules know how long a run is: ours count steps, whose number comes from the measured speed;
+theirs follow the clock itself, in place of the steps that Stable-Baselines3 would have to be told.
+"""
+
+from dataclasses import replace
+from typing import Any
+
+from learning_race.contenders import Contender, Learner, Ours, Theirs
+from learning_race.frozen import of_ours, of_theirs
+from learning_race.judge import Clock, Judge
+
+WARM_UP_S = 1.5
+_FOREVER = 1 << 60
+_MARGIN = 0.9
+"""Share of the time to the next look that a chunk of steps is sized for."""
+
+
+def warm_up(contender: Contender) -> float:
+    """Learn for a moment, so that everything is compiled and loaded: world steps a second."""
+    rate = 0.0
+    for seconds in (WARM_UP_S / 3, WARM_UP_S):
+        judge = Judge(Clock(), seconds, rate=lambda policy: 0.0)
+        learn(_paced(contender.learner, rate * seconds), seed=0, judge=judge)
+        rate = judge.looks[-1].world_steps / judge.looks[-1].seconds
+    return rate
+
+
+def in_time(contender: Contender, rate: float) -> Learner:
+    """The contender's learner with schedules for its time.
+
+    Args:
+        contender: who.
+        rate: its world steps a second.
+    """
+    return _paced(contender.learner, rate * contender.budget_s if contender.is_paced else 0.0)
+
+
+def learn(learner: Learner, seed: int, judge: Judge) -> None:
+    """Learn until the judge stops it or its steps are done, with a look at the end."""
+    if isinstance(learner, Ours):
+        _learn_ours(learner, seed, judge)
+    else:
+        _learn_theirs(learner, seed, judge)
+
+
+def _paced(learner: Learner, steps: float) -> Learner:
+    if isinstance(learner, Theirs) or not steps:
+        return learner
+    return Ours(replace(learner.config, steps=max(1, round(steps))))
+
+
+def _learn_ours(ours: Ours, seed: int, judge: Judge) -> None:
+    from reflexarc_trainer.forms import new_learner
+
+    config = replace(ours.config, seed=seed)
+    learner = new_learner(config)
+    began_s = judge.clock.seconds
+    while learner.step < config.steps and not judge.is_over:
+        rate = learner.step / max(1e-9, judge.clock.seconds - began_s)
+        left_s = min(judge.due_s, judge.limit_s) - judge.clock.seconds
+        learner.run(max(1, min(config.steps - learner.step, int(_MARGIN * rate * left_s))))
+        if judge.is_due:
+            judge.look(lambda: of_ours(learner), learner.step)
+    judge.look(lambda: of_ours(learner), learner.step)
+
+
+def _learn_theirs(theirs: Theirs, seed: int, judge: Judge) -> None:
+    from learning_race.callback import Looks
+    from learning_race.field import FieldVecEnv
+
+    world = {"input_power": theirs.input_power, "held_steps": theirs.held_steps}
+    env = FieldVecEnv(theirs.agents, seed, **world)
+    model = algorithm(theirs.algorithm)(
+        "MlpPolicy", env, seed=seed, device="cpu", **_settings(theirs)
+    )
+    _follow(model, judge)
+    model.learn(_FOREVER, callback=Looks(judge, theirs))
+    frozen = of_theirs(model, theirs.input_power)
+    judge.look(lambda: frozen, model.num_timesteps * theirs.held_steps)
+
+
+def algorithm(name: str) -> Any:
+    """The class of that name.
+
+    Raises:
+        SystemExit: sb3-contrib is needed and is not there.
+    """
+    import stable_baselines3
+
+    if hasattr(stable_baselines3, name):
+        return getattr(stable_baselines3, name)
+    try:
+        import sb3_contrib
+    except ImportError:
+        raise SystemExit(f"learning: {name} is in sb3-contrib: pip install sb3-contrib") from None
+    return getattr(sb3_contrib, name)
+
+
+def _settings(theirs: Theirs) -> dict[str, Any]:
+    peak = theirs.falling_rate
+    if peak is None:
+        return dict(theirs.settings)
+    return {**theirs.settings, "learning_rate": lambda left: max(0.0, left) * peak}
+
+
+def _follow(model: Any, judge: Judge) -> None:
+    """Let the model's schedules end when its time does."""
+
+    def update(steps: int, all_steps: int) -> None:
+        model._current_progress_remaining = max(0.0, 1.0 - judge.clock.seconds / judge.limit_s)
+
+    model._update_current_progress_remaining = update

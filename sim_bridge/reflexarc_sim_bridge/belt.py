@@ -1,0 +1,323 @@
+"""A field of white boxes across a periodic world: the common case, in vectors.
+
+An agent's belt holds all boxes of the columns of chunks within its reach, over the whole period.
+What is near it is picked from there: aside, or after a contact, it finds nothing that would have
+to be drawn. Only where it enters another column of chunks a belt loses one and gains one.
+
+Places on a belt are 32-bit integers that wrap: along x 1/2²⁴ of a chunk, across 1/2³² of the
+period. The difference of two is right whichever way round it is, and the same after a metre or a
+thousand kilometres. The boxes are those that `near.py` would list, but for rounding (0.2 µm).
+
+All work is in phases over flat arrays, each of which the compiler turns into vector instructions.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from reflexarc_sim_bridge.chunks import (
+    BLOCK,
+    PLACE,
+    Row,
+    chunk_key,
+    chunks_between,
+    column_key,
+)
+from reflexarc_sim_bridge.compiled import compiled_disjoint, compiled_inline, compiled_inner
+from reflexarc_sim_bridge.layers import CHUNK_M
+from reflexarc_sim_bridge.params import (
+    BELT_X,
+    BELT_Y,
+    BOX,
+    BOX_COS,
+    BOX_HALF_LENGTH,
+    BOX_HALF_WIDTH,
+    BOX_PAINT,
+    BOX_ROWS,
+    BOX_SIN,
+    BOX_X,
+    BOX_Y,
+    COS,
+    HALF_LENGTH,
+    HALF_WIDTH,
+    SIN,
+    TURNED_BOX,
+    Belt,
+    Floats32,
+    Integers32,
+)
+from reflexarc_sim_bridge.random_numbers import (
+    advanced,
+    between,
+    first_half,
+    mixed,
+    number,
+    second_half,
+    uniform,
+)
+
+EIGHT = 8
+"""Entries are written so many at a time: how many a chunk has, no branch foresees."""
+WHITE = np.float32(0xFFFFFF)
+
+_CHUNK_BITS = 24
+_TURN = 2.0**32
+
+
+class Draws(NamedTuple):
+    """Scratch: the chunks of a column, and one entry for each of their boxes."""
+
+    keys: npt.NDArray[np.uint64]
+    """Key of each chunk: (chunks,)."""
+    draws: npt.NDArray[np.float64]
+    counts: npt.NDArray[np.int64]
+    """Boxes of each chunk: (chunks,)."""
+    numbers: npt.NDArray[np.uint64]
+    """Where each box's random numbers begin: (entries,)."""
+    chunks: npt.NDArray[np.float64]
+    """Which chunk of the column each box is in: (entries,)."""
+
+
+class Picks(NamedTuple):
+    """Scratch: the boxes of a belt as an agent's cell has them."""
+
+    x_m: Floats32
+    """From the corner of the cell: (capacity,)."""
+    y_m: Floats32
+    is_near: npt.NDArray[np.bool_]
+    integers: Integers32
+
+
+@compiled_inner
+def move_belt(
+    plane: Row,
+    layer: Row,
+    shape: Row,
+    counts: npt.NDArray[np.float64],
+    key: np.uint64,
+    column: int,
+    steps: int,
+    draws: Draws,
+    picks: Picks,
+    belt: Belt,
+) -> None:
+    """Let a belt hold what is in reach from a column of chunks.
+
+    Args:
+        plane: row of `PLANE_DTYPE`.
+        layer: row of `LAYER_DTYPE`.
+        shape: row of `SHAPE_DTYPE`.
+        counts: probability of at most so many in a chunk: (counts,).
+        key: key of the layer.
+        column: the agent's.
+        steps: how many columns it has gone since it was here last; 0 for all anew.
+        draws: scratch.
+        picks: scratch.
+        belt: moved.
+    """
+    reach_m = layer.reach_m
+    first, last = chunks_between(
+        -plane.behind_m - reach_m, CHUNK_M + plane.ahead_m + reach_m, CHUNK_M
+    )
+    columns, kept, end = last + 1 - first, 0, 0
+    if steps == 1:
+        rows = 2 if shape.kind == BOX else 4
+        kept, end = columns - 1, _drop_first(columns, rows, belt, picks)
+    for k in range(kept, columns):
+        i, begun = column + first + k, end
+        boxes = _place_boxes(plane.across, counts, column_key(key, i), draws)
+        end = min(begun + boxes, int(belt.places.shape[1]))
+        _draw_boxes(plane, shape, i, draws, belt, begun, end)
+        if shape.kind == TURNED_BOX:
+            _turn_boxes(shape, draws, belt, begun, end)
+        belt.counts[k] = end - begun
+
+
+@compiled_inner
+def pick_near(
+    plane: Row, cell: npt.NDArray[np.int64], picks: Picks, belt: Belt, boxes: Floats32
+) -> int:
+    """List the boxes of a belt that reach into the box around an agent's cell.
+
+    Args:
+        plane: row of `PLANE_DTYPE`.
+        cell: the agent's: (2,).
+        picks: scratch.
+        belt: its belt.
+        boxes: filled, rows BOX_*, those for turned boxes if there are any: (5 or 7, capacity).
+
+    Returns:
+        How many.
+    """
+    end, is_upright = 0, boxes.shape[0] == BOX_ROWS
+    for count in belt.counts:
+        end += count
+    x_m, y_m, is_near = picks.x_m, picks.y_m, picks.is_near
+    n = _judge(plane, cell, x_m, y_m, is_near, belt.places, belt.sizes, end, is_upright)
+    while n >= boxes.shape[1]:  # never: there is room for the mean and ten standard deviations
+        end -= 1
+        n -= is_near[end]
+    _list(is_near, x_m, y_m, end, boxes[BOX_X], boxes[BOX_Y])
+    length, width = belt.sizes[HALF_LENGTH], belt.sizes[HALF_WIDTH]
+    _list(is_near, length, width, end, boxes[BOX_HALF_LENGTH], boxes[BOX_HALF_WIDTH])
+    if not is_upright:
+        _list(is_near, belt.sizes[COS], belt.sizes[SIN], end, boxes[BOX_COS], boxes[BOX_SIN])
+    for k in range(n):
+        boxes[BOX_PAINT, k] = WHITE
+    return n
+
+
+@compiled_inline
+def _drop_first(columns: int, rows: int, belt: Belt, picks: Picks) -> int:
+    """Drop the hindmost column; returns how many boxes are left."""
+    gone, left = belt.counts[0], 0
+    for k in range(1, columns):
+        left += belt.counts[k]
+        belt.counts[k - 1] = belt.counts[k]
+    for row in range(2):
+        _move_down(belt.places[row], belt.places[row, gone:], left, picks.integers)
+    for row in range(rows):
+        _move_down(belt.sizes[row], belt.sizes[row, gone:], left, picks.x_m)
+    return left
+
+
+@compiled_inline
+def _move_down(
+    row: npt.NDArray[Any], kept: npt.NDArray[Any], left: int, scratch: npt.NDArray[Any]
+) -> None:
+    """By way of scratch: a row that is moved within itself is no work for vectors."""
+    _copy(kept, left, scratch)
+    _copy(scratch, left, row)
+
+
+@compiled_disjoint
+def _copy(values: npt.NDArray[Any], count: int, copies: npt.NDArray[Any]) -> None:
+    for k in range(count):
+        copies[k] = values[k]
+
+
+@compiled_inline
+def _place_boxes(
+    across: int, counts: npt.NDArray[np.float64], column: np.uint64, draws: Draws
+) -> int:
+    """Begin an entry for every box of a column of chunks; returns how many."""
+    for j in range(across):
+        draws.keys[j] = chunk_key(column, j, across)
+    _count(counts, across, draws.keys, draws.draws, draws.counts)
+    end = 0
+    for j in range(across):
+        key, chunk = draws.keys[j], np.float64(j)
+        for first in range(0, draws.counts[j], EIGHT):
+            for k in range(first, first + EIGHT):
+                at = np.uintp(end + k)
+                draws.numbers[at] = advanced(key, np.uint64(k) * BLOCK + PLACE)
+                draws.chunks[at] = chunk
+        end += draws.counts[j]
+    return end
+
+
+@compiled_disjoint
+def _count(
+    counts: npt.NDArray[np.float64],
+    chunks: int,
+    keys: npt.NDArray[np.uint64],
+    draws: npt.NDArray[np.float64],
+    found: npt.NDArray[np.int64],
+) -> None:
+    """Poisson: as many boxes as there are counts whose probability the draw has passed.
+
+    All chunks are compared at once, until none has so many.
+    """
+    for c in range(chunks):
+        draws[c] = uniform(number(keys[c], np.uint64(0)))
+        found[c] = 0
+    for k in range(counts.size):
+        probability, passed = counts[k], 0
+        for c in range(chunks):
+            found[c] += draws[c] >= probability
+            passed += draws[c] >= probability
+        if passed == 0:
+            return
+
+
+@compiled_inline
+def _draw_boxes(
+    plane: Row, shape: Row, i: int, draws: Draws, belt: Belt, begun: int, end: int
+) -> None:
+    """Draw places and sizes of the boxes of column i: entries `begun` to `end` of a belt."""
+    x, y = belt.places[BELT_X, begun:end], belt.places[BELT_Y, begun:end]
+    half_length, half_width = belt.sizes[HALF_LENGTH, begun:end], belt.sizes[HALF_WIDTH, begun:end]
+    numbers, chunks = draws.numbers, draws.chunks
+    corner, per_chunk = i << _CHUNK_BITS, _TURN / plane.across
+    width_low, width_high = shape.size_low, shape.size_high
+    length_low, length_high = shape.length_low, shape.length_high
+    for k in range(end - begun):
+        place, size = mixed(numbers[k]), mixed(advanced(numbers[k], np.uint64(0)))
+        x[k] = np.int32(corner + np.int64(first_half(place) * (1 << _CHUNK_BITS)))
+        y[k] = np.int32(np.int64((chunks[k] + second_half(place)) * per_chunk))
+        half_width[k] = 0.5 * between(width_low, width_high, first_half(size))
+        half_length[k] = 0.5 * between(length_low, length_high, second_half(size))
+
+
+@compiled_inline
+def _turn_boxes(shape: Row, draws: Draws, belt: Belt, begun: int, end: int) -> None:
+    """Draw how far they are turned."""
+    for k in range(end - begun):
+        turn = second_half(mixed(advanced(draws.numbers[k], np.uint64(1))))
+        turned_rad = between(shape.turned_low, shape.turned_high, turn)
+        belt.sizes[COS, begun + k] = math.cos(turned_rad)
+        belt.sizes[SIN, begun + k] = math.sin(turned_rad)
+
+
+@compiled_disjoint
+def _judge(
+    plane: Row,
+    cell: npt.NDArray[np.int64],
+    x_m: Floats32,
+    y_m: Floats32,
+    is_near: npt.NDArray[np.bool_],
+    places: Integers32,
+    sizes: Floats32,
+    end: int,
+    is_upright: bool,
+) -> int:
+    """Where the boxes of a belt are from a cell, and how many reach into the box around it."""
+    n = 0
+    length_m, width_m = CHUNK_M + plane.ahead_m + plane.behind_m, plane.chunk_width_m
+    middle_x, half_x = np.float32(0.5 * length_m - plane.behind_m), np.float32(0.5 * length_m)
+    middle_y, half_y = np.float32(0.5 * width_m), np.float32(0.5 * width_m + plane.aside_m)
+    unit_x = np.float32(CHUNK_M / (1 << _CHUNK_BITS))
+    unit_y = np.float32(plane.chunk_width_m * plane.across / _TURN)
+    corner_x = np.int32(cell[0] << _CHUNK_BITS)
+    corner_y = np.int32(np.int64((cell[1] % plane.across) * (_TURN / plane.across)))
+    for k in range(end):
+        x = np.float32(np.int32(places[BELT_X, k] - corner_x)) * unit_x
+        y = np.float32(np.int32(places[BELT_Y, k] - corner_y)) * unit_y
+        x_m[k], y_m[k] = x, y
+        half_length, half_width = sizes[HALF_LENGTH, k], sizes[HALF_WIDTH, k]
+        longest = half_length if is_upright else half_length + half_width
+        widest = half_width if is_upright else half_length + half_width
+        is_near[k] = (abs(x - middle_x) <= half_x + longest) & (
+            abs(y - middle_y) <= half_y + widest
+        )
+    for k in range(end):
+        n += is_near[k]
+    return n
+
+
+@compiled_disjoint
+def _list(
+    is_near: npt.NDArray[np.bool_],
+    values: Floats32,
+    others: Floats32,
+    end: int,
+    listed: Floats32,
+    others_listed: Floats32,
+) -> None:
+    """List two values of the near ones, written first and counted after."""
+    n = 0
+    for k in range(end):
+        listed[np.uintp(n)], others_listed[np.uintp(n)] = values[k], others[k]
+        n += is_near[k]

@@ -1,0 +1,122 @@
+"""From a unit to its result: learn by its configuration, then measure what was learned.
+
+`measure` is a pure function of the unit: the same unit gives the same figures in any process, and
+on any machine whose arithmetic is the same; only the times differ.
+"""
+
+import hashlib
+import time
+from functools import lru_cache
+
+import numpy as np
+
+from reflexarc_runtime.contract import Action, PolicyContract
+from reflexarc_runtime.errors import UsageError
+from reflexarc_runtime.policy import Policy
+from reflexarc_sim_bridge.reference_field import measure as measure_contacts
+from reflexarc_sim_bridge.seeds import test_seeds
+from reflexarc_sim_bridge.simple_policies import BlindPolicy
+from reflexarc_sim_bridge.simulation import Simulation
+from reflexarc_sim_bridge.worlds import WorldSource
+from reflexarc_trainer.edge_index import edge_index, obstacle_radius_m, require_edge_index
+from reflexarc_trainer.forms import new_learner
+from reflexarc_trainer.learner import Learner
+from reflexarc_trainer.study.unit import Evaluation, Measure, Result, Unit, code_key
+from reflexarc_trainer.train import CHUNK_STEPS
+from reflexarc_trainer.training_world import TrainingWorld
+from reflexarc_trainer.validation import GreedyPolicy
+
+
+def measure(unit: Unit) -> Result:
+    """Learn, then measure. A run whose weights do not stay finite is a result, too.
+
+    Raises:
+        WorldError: a world or an eye that the simulator does not support.
+        UsageError: a world that has no edge index, where that is asked for.
+    """
+    began_s = time.perf_counter()
+    learner = new_learner(unit.config)
+    stayed_finite = _learn(learner)
+    learned_s = time.perf_counter()
+    figures = _figures(unit, learner) if stayed_finite else {}
+    return Result(
+        unit=unit.hash,
+        code=code_key(),
+        diverged=not stayed_finite,
+        steps=learner.step,
+        learning_s=round(learned_s - began_s, 3),
+        evaluation_s=round(time.perf_counter() - learned_s, 3),
+        weights_hash=hashlib.sha256(learner.weights.tobytes()).hexdigest(),
+        **figures,
+    )
+
+
+def measure_edge_index(
+    policy: Policy, contract: PolicyContract, world: WorldSource, scale: Evaluation
+) -> float:
+    """E of a policy, each agent in the world of a test seed; one looks after each step.
+
+    Raises:
+        UsageError: the world has no edges.
+    """
+    sides = require_edge_index(world)
+    simulation = Simulation(sides, contract, test_seeds(scale.agents))
+    lateral_m = np.empty((scale.steps, scale.agents))
+    for step in range(-scale.discard, scale.steps):
+        simulation.sense()
+        simulation.step(policy.decide(simulation.stacks)[1])
+        if step >= 0:
+            lateral_m[step] = simulation.y_m
+    return edge_index(lateral_m, sides.width_m, obstacle_radius_m(sides))
+
+
+def _learn(learner: Learner) -> bool:
+    """Learn to the end; False if the weights do not stay finite."""
+    while learner.step < learner.config.steps:
+        try:
+            learner.run(min(CHUNK_STEPS, learner.config.steps - learner.step))
+        except UsageError:  # by its contract: the weights are no longer finite
+            return False
+    return True
+
+
+def _figures(unit: Unit, learner: Learner) -> dict[str, float | None]:
+    """What the greedy policy scores, by the names of a result's fields."""
+    policy, contract = GreedyPolicy(learner.network(), unit.config), unit.config.contract()
+    assert unit.world is not None  # filled in
+    contacts = _contacts(policy, contract, unit.world, unit.evaluation)
+    blind = _blind_contacts(contract.actions, unit.world, unit.evaluation)
+    figures = {
+        "contacts_per_100m": contacts,
+        "share_of_blind": contacts / blind if blind else None,
+    }
+    if unit.measure is Measure.EDGE_INDEX:
+        world = unit.world.source()
+        figures["edge_index"] = measure_edge_index(policy, contract, world, unit.evaluation)
+    return figures
+
+
+@lru_cache(maxsize=64)
+def _blind_contacts(actions: tuple[Action, ...], world: TrainingWorld, scale: Evaluation) -> float:
+    """What an agent that never steers scores in the same worlds, whatever its eye.
+
+    Measured once a process.
+    """
+    return _contacts(BlindPolicy(len(actions)), PolicyContract(actions=actions), world, scale)
+
+
+def _contacts(
+    policy: GreedyPolicy | BlindPolicy,
+    contract: PolicyContract,
+    world: TrainingWorld,
+    scale: Evaluation,
+) -> float:
+    score = measure_contacts(
+        policy,
+        contract,
+        agents=scale.agents,
+        steps=scale.steps,
+        discard=scale.discard,
+        world=world.source(),
+    )
+    return score.contacts_per_100m

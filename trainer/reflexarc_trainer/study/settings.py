@@ -1,0 +1,158 @@
+"""Fields of a training configuration, set by their dotted names: `learner.gamma = 0.8`.
+
+The dataclasses say which fields there are and of which type, and check the values themselves.
+"""
+
+import dataclasses
+import types
+from collections.abc import Mapping
+from enum import StrEnum
+from functools import cache
+from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
+
+from reflexarc_runtime.errors import ReflexarcError, UsageError
+from reflexarc_trainer.config import TrainConfig
+from reflexarc_trainer.presets import preset_named
+from reflexarc_trainer.training_world import parse_training_world
+
+PRESET, WORLDS = "preset", "worlds"
+
+_NOT_HERE = {
+    "seed": "`seeds` of the study",
+    "validation": "nothing: a study measures at the end, on test worlds",
+    "init_from": "nothing: a study's runs begin with new weights",
+}
+"""What a cell cannot set, and what says it in its place."""
+
+_WORDS = {float: "a number", int: "a whole number", str: "a text", bool: "true or false"}
+
+
+def configured(preset: str, settings: Mapping[str, object]) -> TrainConfig:
+    """A preset with some of its fields set; a preset among the settings takes its place.
+
+    All fields are set at once: their order does not matter, and what they refuse is about the
+    whole.
+
+    Args:
+        preset: name of the preset.
+        settings: values as a TOML file has them, by dotted name.
+
+    Raises:
+        ReflexarcError: no such field, or a value that it refuses; begins with the field's name.
+    """
+    changes: dict[str, Any] = {}
+    for name, value in settings.items():
+        if name == PRESET:
+            preset = _text(name, value)
+        else:
+            _put(changes, name.split("."), _converted(name, value))
+    changed: TrainConfig = _changed(preset_named(preset), changes)
+    return changed
+
+
+def check_setting(name: str, value: object) -> None:
+    """Refuse a field that there is not, or a value of another type.
+
+    Raises:
+        ReflexarcError: it is one; begins with the field's name.
+    """
+    if name == PRESET:
+        preset_named(_text(name, value))
+    else:
+        _converted(name, value)
+
+
+def _put(changes: dict[str, Any], parts: list[str], value: object) -> None:
+    """Set a value in a tree of dictionaries."""
+    for part in parts[:-1]:
+        changes = changes.setdefault(part, {})
+    changes[parts[-1]] = value
+
+
+def _changed(node: Any, changes: Mapping[str, Any]) -> Any:
+    """A dataclass with some fields changed, those of the dataclasses within it first."""
+    values = {
+        name: _changed(getattr(node, name), change) if isinstance(change, dict) else change
+        for name, change in changes.items()
+    }
+    return dataclasses.replace(node, **values)
+
+
+def _converted(name: str, value: object) -> object:
+    """A value of a TOML file as the field takes it."""
+    if name == WORLDS:
+        return _worlds(value)
+    hint = _hint(name)
+    if get_origin(hint) is Literal:
+        return _chosen(name, value, get_args(hint))
+    if isinstance(hint, type) and issubclass(hint, StrEnum):
+        return hint(_chosen(name, value, tuple(hint)))
+    if get_origin(hint) is tuple:
+        return _whole_numbers(name, value)
+    return _plain(name, value, hint)
+
+
+def _hint(name: str) -> Any:
+    """Annotation of a field that can be set."""
+    parts = name.split(".")
+    if parts[0] in _NOT_HERE:
+        raise UsageError(f"{name}: cannot be set in a cell; use {_NOT_HERE[parts[0]]}")
+    hint: Any = TrainConfig
+    for depth, part in enumerate(parts):
+        fields = _fields(hint)
+        if part not in fields:
+            known = f"; known: {', '.join(fields)}" if fields else ""
+            raise UsageError(f"{'.'.join(parts[: depth + 1])}: no such field{known}")
+        hint = fields[part]
+    if fields := _fields(hint):
+        raise UsageError(f"{name}: expected one of its fields: {', '.join(fields)}")
+    return hint
+
+
+@cache
+def _fields(kind: Any) -> Mapping[str, Any]:
+    """Annotations of a dataclass's fields; none of anything else."""
+    return get_type_hints(kind) if dataclasses.is_dataclass(kind) else {}
+
+
+def _chosen(name: str, value: object, choices: tuple[Any, ...]) -> Any:
+    if value not in choices:
+        raise UsageError(f"{name}: expected {' or '.join(choices)}, got {value!r}")
+    return value
+
+
+def _whole_numbers(name: str, value: object) -> tuple[int, ...]:
+    """A list of them; one stands for a list of one."""
+    values = value if isinstance(value, list) else [value]
+    if not values or any(type(one) is not int for one in values):
+        raise UsageError(f"{name}: expected whole numbers, got {value!r}")
+    return tuple(values)
+
+
+def _plain(name: str, value: object, hint: Any) -> object:
+    if hint is float and type(value) is int:
+        return float(value)
+    kinds = get_args(hint) if get_origin(hint) in (Union, types.UnionType) else (hint,)
+    if type(value) not in kinds:
+        raise UsageError(f"{name}: expected {_WORDS[kinds[0]]}, got {value!r}")
+    return value
+
+
+def _worlds(value: object) -> tuple[object, ...]:
+    """One NAME or NAME:SHARE, or a list of them, as `reflexarc train --worlds` takes them."""
+    names = value if isinstance(value, list) else [value]
+    return tuple(_world(_text(WORLDS, name)) for name in names)
+
+
+def _world(words: str) -> object:
+    try:
+        return parse_training_world(words)
+    except ReflexarcError as error:
+        said = str(error)
+        raise UsageError(said if said.startswith(WORLDS) else f"{WORLDS}: {said}") from None
+
+
+def _text(name: str, value: object) -> str:
+    if not isinstance(value, str):
+        raise UsageError(f"{name}: expected a text, got {value!r}")
+    return value

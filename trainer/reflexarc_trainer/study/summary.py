@@ -1,0 +1,76 @@
+"""What a study says: for each cell the interquartile mean over its seeds, with its interval."""
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from reflexarc_trainer.statistics import Estimate, estimate, interquartile_mean
+from reflexarc_trainer.study.study_file import Cell, Study
+from reflexarc_trainer.study.unit import Measure, Result
+
+
+@dataclass(frozen=True)
+class CellSummary:
+    """A cell and what its seeds gave."""
+
+    cell: Cell
+    figures: tuple[float, ...]
+    """Of the seeds that have one, in the order of the seeds."""
+    estimate: Estimate | None
+    """Over those; None without any."""
+    share_of_blind: float | None
+    """Interquartile mean of the contacts as a share of a blind agent's."""
+    contacts: float | None
+    """Interquartile mean of the contacts per 100 m."""
+    diverged: int
+    """Seeds whose weights did not stay finite. They have no figure."""
+    missing: int
+    """Seeds without a result."""
+    unit_s: float
+    """Mean wall-clock time of a unit."""
+
+
+def summarise(study: Study, results: Mapping[str, Result]) -> list[CellSummary]:
+    """One summary a cell.
+
+    Args:
+        study: the study.
+        results: what there is, by unit hash.
+    """
+    return [_summary(study, cell, results) for cell in study.cells]
+
+
+def missed_targets(study: Study, summaries: list[CellSummary]) -> list[str]:
+    """In words, which targets are missed and how."""
+    by_name = {summary.cell.name: summary for summary in summaries}
+    return [
+        f"{target.cell}: {words}"
+        for target in study.targets
+        for words in target.missed(by_name[target.cell].figures, len(study.seeds))
+    ]
+
+
+def _summary(study: Study, cell: Cell, results: Mapping[str, Result]) -> CellSummary:
+    hashes = [study.unit(cell, seed).hash for seed in study.seeds]
+    found = [results[name] for name in hashes if name in results]
+    figures = _known(result.figure(study.measure) for result in found)
+    times_s = [result.learning_s + result.evaluation_s for result in found]
+    return CellSummary(
+        cell=cell,
+        figures=figures,
+        estimate=estimate(figures) if figures else None,
+        share_of_blind=_mean(result.share_of_blind for result in found),
+        contacts=_mean(result.figure(Measure.CONTACTS) for result in found),
+        diverged=sum(result.diverged for result in found),
+        missing=len(hashes) - len(found),
+        unit_s=math.fsum(times_s) / max(1, len(times_s)),
+    )
+
+
+def _known(figures: Iterable[float | None]) -> tuple[float, ...]:
+    return tuple(figure for figure in figures if figure is not None)
+
+
+def _mean(figures: Iterable[float | None]) -> float | None:
+    known = _known(figures)
+    return interquartile_mean(known) if known else None
