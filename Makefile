@@ -9,7 +9,7 @@ PYTEST_WORKERS ?= 2
 export OPENBLAS_NUM_THREADS ?= 1
 export OMP_WAIT_POLICY ?= passive
 
-.PHONY: help demo test check fmt wheel golden proto clean real-input worlds
+.PHONY: help demo test check fmt wheel golden proto clean real-input worlds studies
 
 help:            ## say what there is
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/'
@@ -42,6 +42,11 @@ real-input: $(STAMP) ## a reflex on real lidar logs: DATA="intel.log.gz …" (CA
 
 worlds: $(STAMP) ## check and draw every shipped world → docs/worlds.md and its pictures
 	$(BIN)/python docs/worlds_page.py
+
+studies: $(STAMP) ## run every shipped study (half an hour) → docs/studies/
+	for file in trainer/reflexarc_trainer/study/shipped/*.toml; do \
+		$(BIN)/reflexarc study $$(basename $$file .toml) || [ $$? = 1 ] || exit 2; done
+	$(BIN)/python docs/studies_page.py
 
 proto:           ## generate messages_pb2 (protoc of grpcio-tools 1.71, the oldest supported protobuf)
 	$(PYTHON) -m venv $(VENV)-proto

@@ -1,6 +1,7 @@
 """How fast the learners learn, and what the presets reach.
 
     python benchmarks/learner.py               updates a second, with and without the world
+    python benchmarks/learner.py --compile     compilation: at the first time, and later
     python benchmarks/learner.py --presets     presets × seeds: contacts per 100 m on test worlds
     ... --json                                 the same for a program
 
@@ -11,15 +12,26 @@ form runs on one thread, the batched one on as many as there are processors.
 import argparse
 import dataclasses
 import json
+import os
+import subprocess
+import sys
+import tempfile
 import time
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from reflexarc_sim_bridge.reference_field import measure
 from reflexarc_sim_bridge.simulation import Simulation
+from reflexarc_sim_bridge.threads import thread_count
 from reflexarc_sim_bridge.world_files import world_named
+from reflexarc_trainer.config import NetworkConfig
 from reflexarc_trainer.forms import new_learner
+from reflexarc_trainer.fused import fused
+from reflexarc_trainer.online import learn_step
+from reflexarc_trainer.online_learner import new_learning, rules_for
+from reflexarc_trainer.online_state import LearnerState, Rules, Scratch
 from reflexarc_trainer.presets import PRESETS
 from reflexarc_trainer.weights import NetworkPolicy
 
@@ -27,19 +39,93 @@ STEPS = 262_144
 REPETITIONS = 5
 WORLD_AGENTS = 4096
 WORLD_STEPS = 64
+UPDATES = 50_000
+RETINAS = 64
+HIDDEN = (10, 32, 64)
+BOUNDS = {"online 16-10-3": 1.2, "reflex": 2.0}
+"""Millions of steps a second that we want, world included."""
+
+FIRST_UPDATE = """
+import time
+from reflexarc_trainer.forms import new_learner
+from reflexarc_trainer.presets import PRESETS
+start_s, start_cpu_s = time.perf_counter(), time.process_time()
+learner = new_learner(PRESETS["{preset}"])
+learner.run(1)
+print(time.perf_counter() - start_s, time.process_time() - start_cpu_s)
+"""
 
 
 def speeds() -> list[dict[str, Any]]:
     """Millions of steps a second of the presets' learners, and of the world without one."""
-    rates = {"world alone, 4,096 agents": world_rate()}
-    rates |= {f"preset {name}, world included": rate(name) for name in ("online", "reflex")}
-    return [{"what": what, "million_per_s": rate} for what, rate in rates.items()]
+    units = {f"online 16-{h}-3, world left out": update_rate(h) for h in HIDDEN}
+    online = {"online 16-10-3, world included": rate("online")}
+    batched = {f"reflex, world included, {thread_count()} threads": rate("reflex")}
+    rates = online | units | batched | {"world alone, 4,096 agents": world_rate()}
+    return [
+        {
+            "what": what,
+            "million_per_s": rate,
+            "ns_each": round(1e3 / rate),
+            "at least": BOUNDS.get(what.split(",")[0], "") if "included" in what else "",
+        }
+        for what, rate in rates.items()
+    ]
 
 
 def rate(preset: str) -> float:
     learner = new_learner(PRESETS[preset])
     learner.run(STEPS // 8)  # compiles
     return max(million_per_s(learner, STEPS // REPETITIONS) for _ in range(REPETITIONS))
+
+
+def update_rate(hidden: int) -> float:
+    """Of the online learner on recorded retinas: how the cost grows with the network."""
+    config = dataclasses.replace(PRESETS["online"], network=NetworkConfig(hidden=(hidden,)))
+    rules, (state, scratch) = rules_for(config), new_learning(config)
+    retinas = np.random.default_rng(0).integers(0, 256, (RETINAS, 16), np.uint8)
+    learn_from(rules, state, scratch, retinas, 1)  # compiles
+    best_s = float("inf")
+    for _ in range(REPETITIONS):
+        start_s = time.perf_counter()
+        learn_from(rules, state, scratch, retinas, UPDATES)
+        best_s = min(best_s, time.perf_counter() - start_s)
+    return UPDATES / best_s / 1e6
+
+
+@fused
+def learn_from(
+    rules: Rules,
+    state: LearnerState,
+    scratch: Scratch,
+    retinas: npt.NDArray[np.uint8],
+    updates: int,
+) -> None:
+    """Learn from retinas (n, inputs) one after another; every 32nd step ends in a contact."""
+    for k in range(updates):
+        learn_step(rules, state, scratch, retinas[k % len(retinas)], k % 32 == 0)
+
+
+def compilation() -> list[dict[str, Any]]:
+    """Seconds of wall clock and of processor until each form has learned for the first time.
+
+    Imports are left out. In a process of its own each: with an empty cache, and once more.
+    """
+    rows = []
+    for preset in ("reflex", "online"):
+        with tempfile.TemporaryDirectory() as cache:
+            for when, bound in (("first time", 20.0), ("later", 1.0)):
+                done = subprocess.run(
+                    [sys.executable, "-c", FIRST_UPDATE.format(preset=preset)],
+                    env=os.environ | {"NUMBA_CACHE_DIR": cache},
+                    capture_output=True,
+                    text=True,
+                    check=True,
+                )
+                wall_s, cpu_s = map(float, done.stdout.split())
+                row = {"what": f"{preset}, {when}", "seconds": wall_s, "cpu_seconds": cpu_s}
+                rows.append(row | {"at most": bound})
+    return rows
 
 
 def million_per_s(learner: Any, steps: int) -> float:
@@ -102,12 +188,16 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
     parser.add_argument("--presets", action="store_true")
+    parser.add_argument("--compile", action="store_true")
     parser.add_argument("--steps", type=int, help="of training, in place of the preset's own")
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--agents", type=int, default=4096, help="of the measurement")
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
-    rows = scores(options.steps, options.seeds, options.agents) if options.presets else speeds()
+    if options.presets:
+        rows = scores(options.steps, options.seeds, options.agents)
+    else:
+        rows = compilation() if options.compile else speeds()
     print(json.dumps(rows, indent=2)) if options.json else show(rows)
 
 

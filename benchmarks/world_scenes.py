@@ -14,7 +14,7 @@ from reflexarc_sim_bridge.layers import CHUNK_M, Scatter
 from reflexarc_sim_bridge.reference_field import WORLD_NAME, reference_contract, reference_retina
 from reflexarc_sim_bridge.seeds import training_seeds
 from reflexarc_sim_bridge.shapes import Curves, Rectangles, Shape
-from reflexarc_sim_bridge.simulation import Simulation, motions_of
+from reflexarc_sim_bridge.simulation import Simulation
 from reflexarc_sim_bridge.threads import shared
 from reflexarc_sim_bridge.world_files import world_named
 from reflexarc_sim_bridge.worlds import World
@@ -82,9 +82,8 @@ def actions_of(policy: str, steps: int, agents: int) -> npt.NDArray[np.int64]:
 
 def advancing(simulation: Simulation, tasks: int = MODES["both"]) -> Advance:
     """Let all agents move, or look, or both in one pass, on `threads.thread_count()` threads."""
-    motions, met = motions_of(simulation.contract), np.zeros(len(simulation), np.bool_)
-    params, n = simulation.params, len(simulation)
-    return lambda actions: shared(partial(kernel.advance, params, motions, actions, met, tasks), n)
+    met, n = np.zeros(len(simulation), np.bool_), len(simulation)
+    return lambda actions: shared(partial(simulation.advance, actions, met, tasks), n)
 
 
 def elapsed_s(advance: Advance, actions: npt.NDArray[np.int64]) -> float:

@@ -21,8 +21,6 @@ from reflexarc_sim_bridge.compile_cache import keyed_by_sources
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
-prange = numba.prange
-
 # numba knows this flag, which its own parallel loops use, but has no option for it.
 _mapping: Any = TargetOptions.Mapping
 CPUTargetOptions.noalias = _mapping("noalias")
@@ -73,18 +71,23 @@ def compiled_allocating(function: _Function) -> _Function:
     return _compiled(function, _nrt=True, nogil=True)
 
 
-def compiled_parallel(function: _Function) -> _Function:
-    """The same, with its `prange` loops shared among threads.
+def compiled_free(function: _Function) -> _Function:
+    """As `compiled`, called from Python: other threads can run meanwhile."""
+    return _compiled(function, _nrt=False, nogil=True)
 
-    A loop's body is one call that is given the whole tuple of arrays. Where the body also names an
-    array of that tuple, the two are compiled as if they shared no memory, and what the call wrote
-    is not seen.
+
+def compiled_called(function: _Function) -> _Function:
+    """For a large function that other compiled ones call by its address (`world_step.py`).
+
+    A compiled function that is called by name becomes part of every caller, and is optimised anew
+    with each. It allocates nothing.
     """
-    return _compiled(function, parallel=True)
+    return _compiled(function, _nrt=False, no_cpython_wrapper=True, no_cfunc_wrapper=False)
 
 
 def _compiled(function: _Function, **options: Any) -> _Function:
     njit: Any = numba.njit  # its stub does not know all of its options
     with keyed_by_sources():
-        compile_later = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, **options)
+        usual = {"cache": True, "error_model": "numpy", "no_cfunc_wrapper": True}
+        compile_later = njit(**{**usual, **options})
         return compile_later(function)  # type: ignore[no-any-return]  # called as the function is

@@ -5,10 +5,17 @@ loops; `advance` treats a range of them. Whatever an agent does touches its own 
 bits are the same on any number of threads.
 """
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_sim_bridge.compiled import compiled_allocating, compiled_inner
+from reflexarc_sim_bridge.compiled import (
+    compiled_allocating,
+    compiled_called,
+    compiled_free,
+    compiled_inner,
+)
 from reflexarc_sim_bridge.motion import step_agent
 from reflexarc_sim_bridge.near import keep_near
 from reflexarc_sim_bridge.overlap import touches
@@ -17,6 +24,7 @@ from reflexarc_sim_bridge.places import go_to_free_place, set_place
 from reflexarc_sim_bridge.senses import sense_agent
 from reflexarc_sim_bridge.vision import look
 from reflexarc_sim_bridge.workspace import Workspace, new_workspace
+from reflexarc_sim_bridge.world_step import call, compiled_step, held_at
 
 __all__ = [
     "LOOK",
@@ -25,21 +33,22 @@ __all__ = [
     "Params",
     "Workspace",
     "advance",
+    "call_step",
     "cast",
     "cover",
     "new_workspace",
     "sense_agent",
     "step_agent",
+    "step_of",
 ]
 
 PLACE, MOVE, LOOK = 1, 2, 4
 """What `advance` does, in this order; their sum for several."""
 
 
-@compiled_allocating
+@compiled_called
 def advance(
-    params: Params,
-    motions: npt.NDArray[np.float64],
+    held: Any,
     actions: npt.NDArray[np.int64],
     met_out: npt.NDArray[np.bool_],
     tasks: int,
@@ -48,18 +57,18 @@ def advance(
 ) -> None:
     """Let the agents from `first` to `end` take their places, move and look.
 
-    One function for all of it, as each that holds a whole step takes its time to compile.
+    One function for all of it, as each that holds a whole step takes its time to compile; called
+    by its address (`step_of`).
 
     Args:
-        params: the simulation.
-        motions: linear, lateral and angular speed of each action: (actions, 3).
+        held: address of the simulation's parameters, workspace and motions: a `Held`.
         actions: one an agent: (n,).
         met_out: filled where they move: which met an obstacle: (n,).
         tasks: sum of PLACE, MOVE and LOOK.
         first: first agent.
         end: agent behind the last.
     """
-    work = new_workspace(params)
+    params, work, motions = held_at(held)
     for i in range(first, end):
         if tasks & PLACE:
             go_to_free_place(params, work, i, True)
@@ -68,6 +77,25 @@ def advance(
             met_out[i] = step_agent(params, work, i, motion[0], motion[1], motion[2])
         if tasks & LOOK:
             sense_agent(params, work, i)
+
+
+def step_of(params: Params, motions: npt.NDArray[np.float64]) -> int:
+    """Address of `advance`, compiled for such parameters and motions."""
+    return compiled_step(advance, params, motions)
+
+
+@compiled_free
+def call_step(
+    step: int,
+    held: int,
+    actions: npt.NDArray[np.int64],
+    met_out: npt.NDArray[np.bool_],
+    tasks: int,
+    first: int,
+    end: int,
+) -> None:
+    """Call `advance` from Python; `step` is its address, `held` that of a `Held`."""
+    call(step, held, actions, met_out, tasks, first, end)
 
 
 @compiled_allocating

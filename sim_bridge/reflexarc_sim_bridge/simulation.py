@@ -1,6 +1,7 @@
 """Agents in their worlds, from Python: one sense and one step for all of them at once."""
 
 from functools import partial
+from threading import get_ident
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +16,7 @@ from reflexarc_sim_bridge.layers import CHUNK_M
 from reflexarc_sim_bridge.params import Params
 from reflexarc_sim_bridge.scene import Outline, outlines_near
 from reflexarc_sim_bridge.threads import shared
+from reflexarc_sim_bridge.world_step import Held
 from reflexarc_sim_bridge.world_tables import world_tables, write_world
 from reflexarc_sim_bridge.worlds import World, WorldSource
 
@@ -82,6 +84,8 @@ class Simulation:
             agents.state["lane"] = lanes
         self.params = Params(tables, eye_params(contract, worlds[0]), agents)
         self._motions = motions_of(contract)
+        self._step = kernel.step_of(self.params, self._motions)
+        self._held: dict[int, Held] = {}  # one a thread
         self._no_actions, self._met = np.zeros(len(seeds), np.int64), np.zeros(len(seeds), np.bool_)
         shared(self._put, len(seeds))
 
@@ -126,10 +130,36 @@ class Simulation:
         """
         return self.params.agents.stack.reshape(len(self), *self.contract.retina.stack_shape)
 
+    def advance(
+        self, actions: Actions, met: npt.NDArray[np.bool_], tasks: int, first: int, end: int
+    ) -> None:
+        """What `kernel.advance` does, for some of the agents, by the thread that calls.
+
+        Args:
+            actions: one an agent: (n,).
+            met: filled where they move: which met an obstacle: (n,).
+            tasks: sum of `kernel.PLACE`, `MOVE` and `LOOK`.
+            first: first agent.
+            end: agent behind the last.
+        """
+        thread = get_ident()
+        if thread not in self._held:
+            self._held[thread] = Held(self.params, self._motions)
+        step, held = self._step, self._held[thread].address
+        kernel.call_step(step, held, actions, met, tasks, first, end)
+
+    def held_step(self) -> tuple[int, Held]:
+        """For other compiled functions: address of `kernel.advance`, and what one thread holds."""
+        return self._step, Held(self.params, self._motions)
+
     def sense(self) -> npt.NDArray[np.uint8]:
         """Let every agent look, once a step: (n, eyes, rays, channels), a new array."""
         self._advance(self._no_actions, self._met, kernel.LOOK)
         return self.stacks[:, -1].copy()
+
+    def look(self, first: int, end: int) -> None:
+        """Let only the agents from `first` to `end` look; what they see is in `stacks`."""
+        self.advance(self._no_actions, self._met, kernel.LOOK, first, end)
 
     def step(self, actions: Actions) -> npt.NDArray[np.bool_]:
         """Move every agent for `world.dt_s`.
@@ -161,17 +191,17 @@ class Simulation:
 
     def _put(self, first: int, end: int) -> None:
         """Let some of the agents take places."""
-        arrays = (self._motions, self._no_actions, self._met)
-        kernel.advance(self.params, *arrays, kernel.PLACE, first, end)
+        self.advance(self._no_actions, self._met, kernel.PLACE, first, end)
 
     def _advance(self, actions: Actions, met: npt.NDArray[np.bool_], tasks: int) -> None:
-        shared(partial(kernel.advance, self.params, self._motions, actions, met, tasks), len(self))
+        shared(partial(self.advance, actions, met, tasks), len(self))
 
     def drive(self, linear_mps: float, lateral_mps: float, angular_radps: float) -> bool:
         """Move the first agent at any speeds; whether it met an obstacle."""
         motions = np.array([[linear_mps, lateral_mps, angular_radps]])
         action, met = np.zeros(1, np.int64), np.empty(1, np.bool_)
-        kernel.advance(self.params, motions, action, met, kernel.MOVE, 0, 1)
+        held = Held(self.params, motions)
+        kernel.call_step(self._step, held.address, action, met, kernel.MOVE, 0, 1)
         return bool(met[0])
 
     def place(self, agents: npt.NDArray[np.int64], seeds: npt.NDArray[np.uint64]) -> None:

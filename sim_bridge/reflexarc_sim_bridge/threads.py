@@ -32,18 +32,44 @@ def shared(work: Callable[[int, int], object], agents: int) -> None:
     Raises:
         Exception: whatever one of the calls raised.
     """
-    threads = min(thread_count(), max(1, agents // FEWEST_AGENTS))
-    bounds = [agents * k // threads for k in range(threads + 1)]
-    if threads == 1:
-        work(0, agents)
+    _call_all(work, _bounds(agents, min(thread_count(), max(1, agents // FEWEST_AGENTS))))
+
+
+def together(work: Callable[[int, int], object], parts: int) -> None:
+    """The same for parts that may wait for each other: all calls are sure to run at once.
+
+    Ctrl-C waits until they are done.
+    """
+    bounds = _bounds(parts, min(thread_count(), parts))
+    if len(bounds) == 2:
+        work(0, parts)
         return
-    calls = [_pool(threads).submit(work, *pair) for pair in pairwise(bounds[1:])]
+    # An interrupt reaches the main thread only: it must not keep one of the calls from being made.
+    call = _conductor().submit(_call_all, work, bounds)
+    try:
+        call.result()
+    finally:
+        wait([call])
+
+
+def _bounds(parts: int, threads: int) -> list[int]:
+    return [parts * k // threads for k in range(threads + 1)]
+
+
+def _call_all(work: Callable[[int, int], object], bounds: list[int]) -> None:
+    calls = [_pool(len(bounds) - 1).submit(work, *pair) for pair in pairwise(bounds[1:])]
     work(bounds[0], bounds[1])
     wait(calls)
     for call in calls:
         call.result()
 
 
+@lru_cache(maxsize=1)
+def _conductor() -> ThreadPoolExecutor:
+    """One thread: two groups of calls that wait for each other would each take half a pool."""
+    return ThreadPoolExecutor(1, thread_name_prefix="reflexarc-together")
+
+
 @lru_cache(maxsize=4)
 def _pool(threads: int) -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(threads - 1, thread_name_prefix="reflexarc-world")
+    return ThreadPoolExecutor(max(1, threads - 1), thread_name_prefix="reflexarc-world")

@@ -18,7 +18,6 @@ from gymnasium.vector.utils import batch_space
 from reflexarc_runtime.arrays import Actions, Mask
 from reflexarc_runtime.contract import PolicyContract
 from reflexarc_runtime.errors import WorldError
-from reflexarc_sim_bridge import kernel
 from reflexarc_sim_bridge.episodes import (
     CONTACT_REWARD,
     INFO,
@@ -34,7 +33,7 @@ from reflexarc_sim_bridge.episodes import (
 )
 from reflexarc_sim_bridge.reference_field import WORLD_NAME, reference_contract
 from reflexarc_sim_bridge.registration import EPISODE_STEPS
-from reflexarc_sim_bridge.simulation import Simulation, motions_of
+from reflexarc_sim_bridge.simulation import Simulation
 from reflexarc_sim_bridge.worlds import WorldSource
 
 Observations = npt.NDArray[np.uint8]
@@ -154,10 +153,8 @@ class ReferenceVectorEnv(VectorEnv[Observations, Actions, npt.NDArray[Any]]):
         if len(which) == self.num_envs:
             self._simulation.sense()
             return
-        motions = motions_of(self._simulation.contract)
-        actions, met = np.zeros(self.num_envs, np.int64), np.zeros(self.num_envs, np.bool_)
         for i in which.tolist():
-            kernel.advance(self._simulation.params, motions, actions, met, kernel.LOOK, i, i + 1)
+            self._simulation.look(i, i + 1)
 
     def _seed(self, which: Indices, seed: int | Sequence[int | None] | None) -> None:
         if seed is None:

@@ -3,13 +3,17 @@
 import json
 import os
 import signal
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from support.processes import Process, finished, reflexarc, started, wait_until
+from reflexarc_trainer.config import TrainConfig
+from reflexarc_trainer.study.unit import Unit
+from support.processes import PATIENCE_S, Process, finished, reflexarc, started, wait_until
 
 CELLS, SEEDS = 2, 5
 UNITS = CELLS * SEEDS
@@ -134,3 +138,24 @@ def test_study_goes_on_where_it_was_killed_or_interrupted(
     assert (out / "results.jsonl").read_bytes().startswith(kept)
     assert len(lines(out)) == UNITS  # nothing was done twice
     assert figures(out) == alone
+
+
+def test_worker_ends_with_its_input_amid_its_work() -> None:
+    long = Unit(TrainConfig(steps=10**12))
+    worker = subprocess.Popen(
+        [sys.executable, "-m", "reflexarc_trainer.study.worker"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    assert worker.stdin is not None
+    assert worker.stdout is not None
+    try:
+        assert "ready" in json.loads(worker.stdout.readline())
+        worker.stdin.write(json.dumps(long.to_plain()) + "\n")
+        worker.stdin.close()
+        assert worker.wait(PATIENCE_S) == 0
+    finally:
+        worker.kill()
+        worker.wait()
+        worker.stdout.close()

@@ -2,11 +2,11 @@
 
 from collections.abc import Callable, Iterator
 
-import numba
 import numpy as np
 import numpy.typing as npt
 import pytest
 
+from reflexarc_sim_bridge.threads import set_thread_count
 from reflexarc_trainer.config import (
     BatchedConfig,
     LearnerConfig,
@@ -41,10 +41,9 @@ class RecordedBody:
 @pytest.fixture(autouse=True)
 def one_thread() -> Iterator[None]:
     """Worlds of a few agents: waking a second thread costs more than it brings."""
-    threads = numba.get_num_threads()
-    numba.set_num_threads(1)
+    set_thread_count(1)
     yield
-    numba.set_num_threads(threads)
+    set_thread_count(0)
 
 
 @pytest.fixture

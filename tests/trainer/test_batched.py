@@ -2,11 +2,11 @@
 
 import dataclasses
 
-import numba
 import numpy as np
 import numpy.typing as npt
 import pytest
 
+from reflexarc_sim_bridge.threads import set_thread_count
 from reflexarc_trainer.batched import Sums, shard_gradient
 from reflexarc_trainer.batched_learner import BatchedLearner, pace_of
 from reflexarc_trainer.block import Layers, layers_for
@@ -27,8 +27,8 @@ def with_batched(config: TrainConfig, **changes: object) -> TrainConfig:
 
 def test_same_bits_on_one_thread_and_on_two(small_batched_config: TrainConfig) -> None:
     learned = []
-    for threads in (1, min(2, numba.config.NUMBA_NUM_THREADS)):  # type: ignore[attr-defined]  # untyped
-        numba.set_num_threads(threads)
+    for threads in (1, 2):
+        set_thread_count(threads)
         learner = BatchedLearner(small_batched_config)
         learner.run(1600)
         learned.append({name: a.tobytes() for name, a in learner.arrays().items()})
@@ -125,8 +125,8 @@ def online_sum(
         forward(rules, scratch.weights, see, scratch.next_hidden, scratch.next_q_values)
         see = np.ascontiguousarray(inputs[t])
         forward(rules, scratch.weights, see, scratch.hidden, scratch.q_values)
-        target = reward + rules.gamma * scratch.next_q_values[actions[t + 1], 0]
-        td_error = target - scratch.q_values[actions[t], 0]
+        target = reward + rules.gamma * scratch.next_q_values[actions[t + 1]]
+        td_error = target - scratch.q_values[actions[t]]
         fill_gradient(rules, scratch, see, actions[t])
         accumulate(state.trace, scratch.gradient, rules.gamma * rules.trace_decay)
         total += td_error * state.trace

@@ -16,13 +16,13 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_sim_bridge.compiled import compiled, compiled_parallel, prange
-from reflexarc_sim_bridge.params import Agents, EyeParams, Params, WorldTables
+from reflexarc_sim_bridge.compiled import compiled
 from reflexarc_trainer import schedules
 from reflexarc_trainer.block import Layers, backward, forward
-from reflexarc_trainer.fused import fused
+from reflexarc_trainer.fused import fused, fused_free
+from reflexarc_trainer.gate import Gate, meet
 from reflexarc_trainer.optimiser import Moments, clip_norm, descend
-from reflexarc_trainer.rollout import Manner, Pending, Rollout, roll_out
+from reflexarc_trainer.rollout import Manner, Pending, Place, Rollout, roll_out
 
 linear = compiled(schedules.linear)
 
@@ -65,58 +65,58 @@ class Sums(NamedTuple):
 
 
 class Learning(NamedTuple):
-    """Everything that an update reads and writes."""
+    """Everything that an update reads and writes, but for the world."""
 
     layers: Layers
     manner: Manner
     pace: Pace
-    params: Params
-    """Of the simulation."""
     pending: Pending
     rollout: Rollout
     sums: Sums
     moments: Moments
 
 
-@compiled_parallel
+@fused_free
 def learn(
-    layers: Layers,
-    manner: Manner,
-    pace: Pace,
-    world: WorldTables,
-    eye: EyeParams,
-    agents: Agents,
-    pending: Pending,
-    rollout: Rollout,
-    sums: Sums,
-    moments: Moments,
+    learning: Learning,
+    place: Place,
+    gate: Gate,
+    threads: int,
+    first: int,
+    end: int,
     updates: int,
 ) -> None:
-    """Roll out and learn, `updates` times.
+    """One thread's part of `updates` updates: all for the shards from `first` to `end`.
 
-    The tuples come one by one: a parallel loop takes none within another.
+    The thread that has the first shard moves the weights, while the others wait.
+
+    Args:
+        learning: shared by all threads.
+        place: this thread's.
+        gate: where the threads meet.
+        threads: how many there are.
+        first: first shard.
+        end: shard behind the last.
+        updates: how often.
     """
+    layers, manner, pace, pending, rollout, sums, moments = learning
+    parts = pace.epochs * pace.minibatches
     for _ in range(updates):
         epsilon, average_reward = epsilon_now(pace, sums.progress), sums.progress[1]
-        for shard in prange(len(sums.gradients)):
+        for shard in range(first, end):
+            weights = sums.weights
             roll_out(
-                layers,
-                sums.weights,
-                manner,
-                world,
-                eye,
-                agents,
-                pending,
-                rollout,
-                shard,
-                epsilon,
-                average_reward,
+                layers, weights, manner, place, pending, rollout, shard, epsilon, average_reward
             )
-        for part in range(pace.epochs * pace.minibatches):
-            for shard in prange(len(sums.gradients)):
+        for part in range(parts):
+            for shard in range(first, end):
                 shard_gradient(layers, pace, rollout, sums, shard, part)
-            update_weights(pace, sums, moments, rollout.rewards.size)
-        finish_update(manner, pace, sums, rollout.contacts)
+            meet(gate, threads)
+            if first == 0:
+                update_weights(pace, sums, moments, rollout.rewards.size)
+                if part == parts - 1:
+                    finish_update(manner, pace, sums, rollout.contacts)
+            meet(gate, threads)
 
 
 @compiled

@@ -8,11 +8,13 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_sim_bridge.seeds import TRAINING_SEEDS
-from reflexarc_sim_bridge.simulation import Simulation, motions_of
+from reflexarc_sim_bridge.simulation import Simulation
+from reflexarc_sim_bridge.threads import thread_count, together
 from reflexarc_trainer.batched import Learning, Pace, Sums, learn
 from reflexarc_trainer.block import input_curve, layers_for
-from reflexarc_trainer.choice import new_streams
+from reflexarc_trainer.choice import choose, new_streams
 from reflexarc_trainer.config import TrainConfig
+from reflexarc_trainer.gate import new_gate
 from reflexarc_trainer.learner import (
     WORLD,
     Arrays,
@@ -24,10 +26,10 @@ from reflexarc_trainer.learner import (
 )
 from reflexarc_trainer.optimiser import new_moments
 from reflexarc_trainer.q_network import QNetwork
-from reflexarc_trainer.rollout import Manner, Pending, choose_all, new_rollout, take_up
+from reflexarc_trainer.rollout import Manner, Pending, Place, new_rollout
 from reflexarc_trainer.schedules import linear
 from reflexarc_trainer.training_world import stage_at, stage_ends
-from reflexarc_trainer.weights import initial_weights, unpack
+from reflexarc_trainer.weights import NetworkPolicy, initial_weights, unpack
 
 
 class BatchedLearner:
@@ -46,7 +48,7 @@ class BatchedLearner:
         self.contract = config.contract()
         self._ends = stage_ends(config.worlds, pace_of(config).updates)
         self._stage, self._simulation = 0, self._world_of_stage(0)
-        self._learning = new_learning(config, self._simulation.params, weights)
+        self._learning = new_learning(config, weights)
         self._reported = np.zeros(3)  # steps, contacts and distance_m at the last report
         self._begin()
 
@@ -114,10 +116,18 @@ class BatchedLearner:
 
     def _update(self, updates: int) -> None:
         """Learn, and go on to the next world where this one's part is over."""
-        layers, manner, pace, params, pending, rollout, sums, moments = self._learning
-        learn(layers, manner, pace, *params, pending, rollout, sums, moments, updates)
-        check_finite(sums.weights, self.step, self.config)
-        stage = stage_at(self._ends, sums.progress[0])
+        learning, gate = self._learning, new_gate()
+        shards = len(learning.sums.gradients)
+        threads = min(thread_count(), shards)
+
+        def learn_part(first: int, end: int) -> None:
+            step, held = self._simulation.held_step()
+            place = Place(step, held.address, self._simulation.params.agents.stack)
+            learn(learning, place, gate, threads, first, end, updates)
+
+        together(learn_part, shards)
+        check_finite(learning.sums.weights, self.step, self.config)
+        stage = stage_at(self._ends, learning.sums.progress[0])
         if stage != self._stage:
             self._reported[1:] -= self._counts()[1:]  # the new world counts from zero
             self._enter(stage)
@@ -130,7 +140,6 @@ class BatchedLearner:
         """Put the agents into the world of a stage, unless they are there."""
         if stage != self._stage:
             self._stage, self._simulation = stage, self._world_of_stage(stage)
-            self._learning = self._learning._replace(params=self._simulation.params)
 
     def _counts(self) -> npt.NDArray[np.float64]:
         """Steps, and contacts and distance_m in this world: (3,)."""
@@ -151,24 +160,21 @@ class BatchedLearner:
 
     def _begin(self) -> None:
         """Look for the first time in a world, and choose the first actions."""
-        layers, manner, _, _, pending, rollout, sums, _ = self._learning
+        pending, held = self._learning.pending, self._learning.manner.held_actions - 1
         self._simulation.sense()
         pending.seen[:] = self._simulation.stacks.reshape(pending.seen.shape)
-        met = np.ones(rollout.actions.shape[-1], np.bool_)  # as after a contact: nothing is held
-        for shard in range(len(rollout.actions)):
-            take_up(manner, pending, rollout, shard)
-            epsilon = self.epsilon
-            choose_all(layers, sums.weights, manner, pending, rollout, shard, 0, met, epsilon)
+        network = unpack(self._learning.sums.weights, self.contract, self.config.network)
+        q_values = NetworkPolicy(network).decide(self._simulation.stacks)[0].T
+        for i in range(len(pending.action)):
+            pending.action[i] = choose(q_values, i, self.epsilon, pending.streams, i)
+            pending.held[i] = held
 
 
-def new_learning(
-    config: TrainConfig, params: Any, weights: npt.NDArray[np.float64] | None = None
-) -> Learning:
+def new_learning(config: TrainConfig, weights: npt.NDArray[np.float64] | None = None) -> Learning:
     """Everything that an update needs, before the first one.
 
     Args:
         config: the run.
-        params: the simulation's.
         weights: to begin with; by default those that the seed gives: (parameters,).
     """
     batched, contract = config.learner.batched, config.contract()
@@ -180,11 +186,11 @@ def new_learning(
         layers=layers,
         manner=_manner(config),
         pace=pace_of(config),
-        params=params,
         pending=Pending(
             seen=np.zeros((batched.agents, int(layers.sizes[0])), np.uint8),
             action=np.zeros(batched.agents, np.int64),
             held=np.zeros(batched.agents, np.int64),
+            met=np.zeros(batched.agents, np.bool_),
             streams=new_streams(config.seed, batched.agents),
         ),
         rollout=new_rollout(shards, batched.rollout_steps, columns, layers, dtype),
@@ -223,11 +229,11 @@ def pace_of(config: TrainConfig) -> Pace:
 def _manner(config: TrainConfig) -> Manner:
     learner = config.learner
     return Manner(
-        motions=motions_of(config.contract()),
         curve=input_curve(config.network, learner.batched.precision),
         gamma=learner.gamma,
         trace_decay=learner.trace_decay,
         expected=learner.target == "expected",
+        greedy=learner.target == "greedy",
         terminal=learner.after_contact == "terminal",
         reward_step=learner.reward_step,
         reward_contact=learner.reward_contact,

@@ -24,8 +24,40 @@ def fused(function: _Function) -> _Function:
 
     It allocates nothing.
     """
+    return _fused(function)
+
+
+def fused_free(function: _Function) -> _Function:
+    """The same for one that Python calls: other threads can run meanwhile."""
+    return _fused(function, nogil=True)
+
+
+def fused_inner(function: _Function) -> _Function:
+    """The same for one that only compiled functions call, which saves what Python's calls need."""
+    return _fused(function, no_cpython_wrapper=True)
+
+
+def fused_inline(function: _Function) -> _Function:
+    """The same for a part of a hot loop: it becomes part of whoever calls it.
+
+    A call hands over tuples of arrays word by word, which takes longer than a loop over ten units.
+    """
+    return _fused(function, forceinline=True)
+
+
+def fused_disjoint(function: _Function) -> _Function:
+    """The same for a loop over arrays that share no memory; it becomes part of whoever calls it."""
+    return _fused(function, forceinline=True, noalias=True)
+
+
+def _fused(function: _Function, **options: Any) -> _Function:
     with keyed_by_sources():
         dispatcher: Any = _njit(
-            cache=True, error_model="numpy", fastmath={"contract", "reassoc"}, _nrt=False
+            cache=True,
+            error_model="numpy",
+            fastmath={"contract", "reassoc"},
+            _nrt=False,
+            no_cfunc_wrapper=True,
+            **options,
         )(function)
     return dispatcher  # type: ignore[no-any-return]  # it is called as the function is

@@ -21,7 +21,7 @@ Form = Literal["online", "batched"]
 StepRule = Literal["bounded", "intentional", "literal"]
 Units = Literal["sigmoid", "tanh", "relu"]
 OutputUnits = Literal["linear", "sigmoid"]
-Target = Literal["sampled", "expected"]
+Target = Literal["sampled", "expected", "greedy"]
 Optimiser = Literal["adam", "radam"]
 Precision = Literal["float32", "float64"]
 InitialWeights = Literal["scaled", "normal"]
@@ -168,8 +168,9 @@ class LearnerConfig:
     gamma: float = 0.9
     """Discount γ a step."""
     target: Target = "sampled"
-    """Value of the next place: that of the action chosen there (`sampled`, SARSA), or the mean
-    over what ε-greedy may choose (`expected`)."""
+    """Value of the next place: that of the action chosen there (`sampled`, SARSA), the mean
+    over what ε-greedy may choose (`expected`), or that of the best action (`greedy`, Q(λ) after
+    Peng & Williams, "Incremental multi-step Q-learning", 1996; batched only)."""
     reward_step: float = 0.1
     """Reward of a step without a contact."""
     reward_contact: float = -1.0
@@ -201,4 +202,6 @@ class LearnerConfig:
         require(0.0 <= keep < 1.0, "learner.averaged_weights", "in [0, 1)", keep)
         require_one_of(Form, "learner.form", self.form)
         require_one_of(Target, "learner.target", self.target)
+        fits = self.form == "batched" or self.target != "greedy"
+        require(fits, "learner.target", "sampled or expected with form = 'online'", self.target)
         require_one_of(AfterContact, "learner.after_contact", self.after_contact)

@@ -8,9 +8,10 @@ long loop. Everything that a run needs to go on lies in `LearnerState`, which a 
 from reflexarc_sim_bridge.compiled import compiled
 from reflexarc_trainer import schedules
 from reflexarc_trainer.choice import choose, expected_value
-from reflexarc_trainer.fused import fused
+from reflexarc_trainer.fused import fused_inline
 from reflexarc_trainer.online_state import Bytes, Floats, LearnerState, Rules, Scratch
 from reflexarc_trainer.online_weights import Matrices
+from reflexarc_trainer.rows import dot, scale, weigh
 from reflexarc_trainer.traces import (
     BOUNDED,
     INTENTIONAL,
@@ -26,17 +27,17 @@ from reflexarc_trainer.units import activate, times_slope
 linear = compiled(schedules.linear)
 
 
-@fused
+@fused_inline
 def begin(rules: Rules, state: LearnerState, scratch: Scratch, retina: Bytes) -> None:
     """Choose the first action in a world for a retina (inputs,)."""
     _see(scratch.curve, retina, scratch.inputs)
     _look_ahead(rules, scratch)
     step = state.pending[2]
-    state.pending[0] = _next_action(rules, state, scratch.next_q_values, step, True)
+    state.pending[0] = _next_action(rules, state, scratch.choices, step, True)
     _copy(scratch.inputs, state.inputs)
 
 
-@fused
+@fused_inline
 def learn_step(
     rules: Rules, state: LearnerState, scratch: Scratch, retina: Bytes, contact: bool
 ) -> float:
@@ -49,9 +50,9 @@ def learn_step(
     _see(scratch.curve, retina, scratch.inputs)
     _look_ahead(rules, scratch)
     forward(rules, scratch.weights, state.inputs, scratch.hidden, scratch.q_values)
-    next_action = _next_action(rules, state, scratch.next_q_values, step, contact)
-    target = _target(rules, state, scratch.next_q_values, next_action, step, contact)
-    td_error: float = target - scratch.q_values[action, 0]
+    next_action = _next_action(rules, state, scratch.choices, step, contact)
+    target = _target(rules, state, scratch.choices, next_action, step, contact)
+    td_error: float = target - scratch.q_values[action]
     fill_gradient(rules, scratch, state.inputs, action)
     take_step(rules, state, scratch.gradient, td_error, step)
     if contact:
@@ -63,51 +64,36 @@ def learn_step(
     return td_error
 
 
-@fused
+@fused_inline
 def forward(rules: Rules, weights: Matrices, inputs: Floats, hidden: Floats, q: Floats) -> None:
     """Fill `hidden` and `q` for `inputs`."""
-    width, size = weights.first.shape
-    for h in range(width):
-        total = weights.first_bias[h]
-        for i in range(size):
-            total += weights.first[h, i] * inputs[i]
-        hidden[h] = total
+    weigh(weights.first, weights.first_bias, inputs, hidden)
     activate(rules.units, hidden)
-    hidden[width] = 1.0
-    for a in range(weights.second.shape[0]):
-        total = 0.0
-        for h in range(len(hidden)):
-            total += weights.second[a, h] * hidden[h]
-        q[a, 0] = total
-    activate(rules.output, q.reshape(q.size))
+    hidden[rules.hidden] = 1.0
+    for h in range(rules.hidden + 1, len(hidden)):
+        hidden[h] = 0.0
+    for a in range(len(weights.second)):
+        q[a] = dot(weights.second[a], hidden)
+    activate(rules.output, q)
 
 
-@fused
+@fused_inline
 def fill_gradient(rules: Rules, scratch: Scratch, inputs: Floats, action: int) -> None:
     """∇Q(s, a), where `forward` has just filled the buffers for s = `inputs`."""
-    into, hidden, back = scratch.gradients, scratch.hidden, scratch.back
-    width, size = into.first.shape
-    slope = scratch.slope
+    into, hidden, back, slope = scratch.gradients, scratch.hidden, scratch.back, scratch.slope
     slope[0] = 1.0
-    times_slope(rules.output, scratch.q_values[action], slope)
-    for h in range(len(back)):
-        back[h] = slope[0] * scratch.weights.second[action, h]
+    times_slope(rules.output, scratch.q_values[action : action + 1], slope)
+    scale(slope[0], scratch.weights.second[action], back)
     times_slope(rules.units, hidden, back)
-    for h in range(width):
-        unit = back[h]
-        for i in range(size):
-            into.first[h, i] = unit * inputs[i]
-    for h in range(width):
-        into.first_bias[h] = back[h]
-    for h in range(width + 1, len(hidden)):
-        hidden[h] = 0.0
-    for a in range(into.second.shape[0]):
-        chosen = slope[0] if a == action else 0.0
-        for h in range(len(hidden)):
-            into.second[a, h] = chosen * hidden[h]
+    back[rules.hidden] = 0.0
+    for i in range(len(inputs)):
+        scale(inputs[i], back, into.first[i])
+    scale(1.0, back, into.first_bias)
+    for a in range(len(into.second)):
+        scale(slope[0] if a == action else 0.0, hidden, into.second[a])
 
 
-@fused
+@fused_inline
 def take_step(
     rules: Rules, state: LearnerState, gradient: Floats, td_error: float, step: int
 ) -> None:
@@ -128,7 +114,7 @@ def take_step(
         _average(state.weights, state.averaged, 1.0 - rules.averaging)
 
 
-@fused
+@fused_inline
 def _target(
     rules: Rules, state: LearnerState, q_values: Floats, action: int, step: int, contact: bool
 ) -> float:
@@ -145,7 +131,7 @@ def _target(
     return target
 
 
-@fused
+@fused_inline
 def _next_action(rules: Rules, state: LearnerState, q: Floats, step: int, contact: bool) -> int:
     """ε-greedy, unless the pending action is still held."""
     if state.pending[1] > 0 and not contact:
@@ -155,29 +141,29 @@ def _next_action(rules: Rules, state: LearnerState, q: Floats, step: int, contac
     return choose(q, 0, _epsilon(rules, step), state.streams, 0)
 
 
-@fused
+@fused_inline
 def _epsilon(rules: Rules, step: int) -> float:
     return linear(step, rules.epsilon_start, rules.epsilon_end, rules.epsilon_steps)
 
 
-@fused
+@fused_inline
 def _look_ahead(rules: Rules, scratch: Scratch) -> None:
     forward(rules, scratch.weights, scratch.inputs, scratch.next_hidden, scratch.next_q_values)
 
 
-@fused
+@fused_inline
 def _see(curve: Floats, retina: Bytes, inputs: Floats) -> None:
     for i in range(len(retina)):
         inputs[i] = curve[retina[i]]
 
 
-@fused
+@fused_inline
 def _copy(source: Floats, target: Floats) -> None:
     for i in range(len(source)):
         target[i] = source[i]
 
 
-@fused
+@fused_inline
 def _average(weights: Floats, averaged: Floats, share: float) -> None:
     for k in range(len(weights)):
         averaged[k] += share * (weights[k] - averaged[k])

@@ -12,13 +12,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_sim_bridge.compiled import compiled_allocating
-from reflexarc_sim_bridge.kernel import Params, new_workspace, sense_agent, step_agent
+from reflexarc_runtime.errors import UsageError
+from reflexarc_sim_bridge.kernel import LOOK, MOVE
 from reflexarc_sim_bridge.seeds import TRAINING_SEEDS
-from reflexarc_sim_bridge.simulation import Simulation, motions_of
+from reflexarc_sim_bridge.simulation import Simulation
+from reflexarc_sim_bridge.world_step import call
 from reflexarc_trainer.block import input_curve
 from reflexarc_trainer.choice import new_streams
 from reflexarc_trainer.config import TrainConfig
+from reflexarc_trainer.fused import fused_free
 from reflexarc_trainer.learner import (
     WORLD,
     Arrays,
@@ -30,6 +32,7 @@ from reflexarc_trainer.learner import (
 )
 from reflexarc_trainer.online import begin, learn_step
 from reflexarc_trainer.online_state import (
+    Bytes,
     Floats,
     LearnerState,
     Rules,
@@ -44,6 +47,9 @@ from reflexarc_trainer.traces import STEP_RULES
 from reflexarc_trainer.training_world import stage_at, stage_ends
 from reflexarc_trainer.units import UNITS
 from reflexarc_trainer.weights import initial_weights, unpack
+
+SIZES = "sizes"
+"""Name, in a checkpoint, of the numbers of inputs, hidden units and actions."""
 
 
 class OnlineLearner:
@@ -118,22 +124,26 @@ class OnlineLearner:
     def arrays(self) -> Arrays:
         """Everything that the rest of the run depends on, by name."""
         world = {WORLD + name: array for name, array in self._simulation.state().items()}
-        return {**self._state._asdict(), **world}
+        return {**self._state._asdict(), **world, SIZES: np.array(self._sizes)}
 
     def restore(self, arrays: Mapping[str, npt.NDArray[Any]]) -> None:
         """Go on from what `arrays` gave.
 
         Raises:
-            UsageError: an array is missing or of another shape.
+            UsageError: an array is missing, or of another shape or network.
         """
+        # Networks of other sizes may fill up to vectors of the same length.
+        if not np.array_equal(arrays.get(SIZES, ()), self._sizes):
+            raise UsageError(f"checkpoint: weights: expected shape {self._sizes}; train anew")
         restore_arrays(self._state._asdict(), arrays)
         self._enter(stage_at(self._ends, self.step))
         self._simulation.restore(world_arrays(arrays))
 
     def _drive(self, steps: int) -> None:
         """Learn, and go on to the next world where this one's part is over."""
-        params, motions = self._simulation.params, motions_of(self.contract)
-        drive(self._rules, self._state, self._scratch, params, motions, steps)
+        step, held = self._simulation.held_step()
+        stack = self._simulation.params.agents.stack[0]
+        drive(self._rules, self._state, self._scratch, step, held.address, stack, steps)
         check_finite(self._state.weights, self.step, self.config)
         stage = stage_at(self._ends, self.step)
         if stage != self._stage:
@@ -179,6 +189,7 @@ def rules_for(config: TrainConfig) -> Rules:
     """The constants of a run."""
     learner, explore, online = config.learner, config.learner.exploration, config.learner.online
     return Rules(
+        hidden=config.network.hidden[0],
         units=UNITS[config.network.units],
         output=UNITS[config.network.output],
         step=STEP_RULES[online.step],
@@ -201,19 +212,27 @@ def rules_for(config: TrainConfig) -> Rules:
     )
 
 
-@compiled_allocating
+@fused_free
 def drive(
     rules: Rules,
     state: LearnerState,
     scratch: Scratch,
-    params: Params,
-    motions: Floats,
+    step: int,
+    held: int,
+    stack: Bytes,
     steps: int,
 ) -> None:
-    """Act, look, learn; `params` are the simulation's."""
-    work = new_workspace(params)
+    """Act, look, learn.
+
+    Args:
+        rules: the constants of the run.
+        state: the learner's.
+        scratch: buffers.
+        step: address of `kernel.advance`.
+        held: address of a `Held`.
+        stack: what the agent sees: (inputs,).
+        steps: how often.
+    """
     for _ in range(steps):
-        speeds = motions[state.pending[0]]
-        contact = step_agent(params, work, 0, speeds[0], speeds[1], speeds[2])
-        sense_agent(params, work, 0)
-        learn_step(rules, state, scratch, params.agents.stack[0], contact)
+        call(step, held, state.pending[:1], scratch.met, MOVE + LOOK, 0, 1)
+        learn_step(rules, state, scratch, stack, scratch.met[0])

@@ -1,5 +1,6 @@
 """What the online learner carries from step to step, and the buffers of one step."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -8,6 +9,8 @@ import numpy.typing as npt
 from reflexarc_trainer.choice import Streams
 from reflexarc_trainer.online_weights import Matrices, matrices
 
+_VECTOR = 8
+
 Floats = npt.NDArray[np.float64]
 Bytes = npt.NDArray[np.uint8]
 
@@ -15,6 +18,8 @@ Bytes = npt.NDArray[np.uint8]
 class Rules(NamedTuple):
     """What stays the same over a run: the learner's constants."""
 
+    hidden: int
+    """Number of hidden units."""
     units: int
     """Code of the hidden units."""
     output: int
@@ -87,9 +92,13 @@ class Scratch(NamedTuple):
     slope: Floats
     """∂Q/∂(weighted sum of the chosen action's unit): (1,)."""
     q_values: Floats
-    """Where the agent stood: (actions, 1)."""
+    """Where the agent stood, and what fills up the vector: (padded,)."""
     next_q_values: Floats
-    """In the next place: (actions, 1)."""
+    """The same in the next place."""
+    choices: Floats
+    """The latter as choices: the same memory: (actions, 1)."""
+    met: npt.NDArray[np.bool_]
+    """Whether the step ended in a contact: (1,)."""
 
 
 def new_state(weights: Floats, inputs: int, streams: Streams) -> LearnerState:
@@ -116,18 +125,21 @@ def new_state(weights: Floats, inputs: int, streams: Streams) -> LearnerState:
 def new_scratch(state: LearnerState, hidden: int, actions: int, curve: Floats) -> Scratch:
     """Views and buffers for a state."""
     inputs, gradient = len(state.inputs), np.zeros_like(state.weights)
-    views = matrices(state.weights, inputs, hidden, actions)
+    views = matrices(state.weights, inputs, hidden)
     padded = views.second.shape[1]
+    next_q_values = np.zeros(math.ceil(actions / _VECTOR) * _VECTOR)
     return Scratch(
         weights=views,
         gradient=gradient,
-        gradients=matrices(gradient, inputs, hidden, actions),
+        gradients=matrices(gradient, inputs, hidden),
         curve=curve,
         inputs=np.zeros(inputs),
         hidden=np.zeros(padded),
         next_hidden=np.zeros(padded),
         back=np.zeros(padded),
         slope=np.zeros(1),
-        q_values=np.zeros((actions, 1)),
-        next_q_values=np.zeros((actions, 1)),
+        q_values=np.zeros_like(next_q_values),
+        next_q_values=next_q_values,
+        choices=next_q_values[:actions, np.newaxis],
+        met=np.zeros(1, np.bool_),
     )

@@ -1,9 +1,10 @@
 """How the online learner keeps its weights: one vector, cut so that its loops are whole vectors.
 
-    W₁ (hidden, inputs), b₁ (hidden), W₂ (actions, padded)
+    W₁ᵀ (inputs, padded), b₁ (padded), W₂ (actions, padded)
 
-`padded` is the next multiple of 16 above the hidden units: one column of W₂ more is the biases,
-behind a unit that is always 1, and the rest stays 0. Loops of ten would run one by one.
+`padded` is the next multiple of 16 above the hidden units: a column is a unit. Behind the hidden
+ones is a unit that is always 1, whose column of W₂ is the biases; all else there stays 0. Loops of
+ten would run one by one.
 """
 
 from typing import NamedTuple
@@ -20,42 +21,50 @@ class Matrices(NamedTuple):
     """A vector of weights, or of anything that there is one of for each weight, cut up."""
 
     first: Floats
-    """(hidden, inputs)."""
+    """Weights of the hidden units, zeros: (inputs, padded)."""
     first_bias: Floats
-    """(hidden,)."""
+    """(padded,)."""
     second: Floats
     """Weights, bias, zeros: (actions, padded)."""
 
 
 def padded(hidden: int) -> int:
-    """Length of a row of W₂."""
+    """Length of a row."""
     return (hidden + _VECTOR) // _VECTOR * _VECTOR
 
 
 def length(inputs: int, hidden: int, actions: int) -> int:
     """Length of the vector."""
-    return (inputs + 1) * hidden + actions * padded(hidden)
+    return (inputs + 1 + actions) * padded(hidden)
 
 
-def matrices(vector: Floats, inputs: int, hidden: int, actions: int) -> Matrices:
+def matrices(vector: Floats, inputs: int, hidden: int) -> Matrices:
     """The parts of a vector: views."""
-    first, bias, second = np.split(vector, [hidden * inputs, hidden * (inputs + 1)])
-    return Matrices(first.reshape(hidden, inputs), bias, second.reshape(actions, -1))
+    rows = vector.reshape(-1, padded(hidden))
+    return Matrices(rows[:inputs], rows[inputs], rows[inputs + 1 :])
 
 
 def to_online(plain: Floats, inputs: int, hidden: int, actions: int) -> Floats:
     """From the order of `weights.py`."""
     vector = np.zeros(length(inputs, hidden, actions))
-    here = matrices(vector, inputs, hidden, actions)
-    start = hidden * (inputs + 1)
-    vector[:start] = plain[:start]
-    here.second[:, :hidden] = plain[start:-actions].reshape(actions, hidden)
-    here.second[:, hidden] = plain[-actions:]
+    here, ends = matrices(vector, inputs, hidden), _ends(inputs, hidden, actions)
+    first, first_bias, second, second_bias = np.split(plain, ends)
+    here.first[:, :hidden] = first.reshape(hidden, inputs).T
+    here.first_bias[:hidden] = first_bias
+    here.second[:, :hidden] = second.reshape(actions, hidden)
+    here.second[:, hidden] = second_bias
     return vector
 
 
 def from_online(vector: Floats, inputs: int, hidden: int, actions: int) -> Floats:
     """To the order of `weights.py`."""
-    here = matrices(vector, inputs, hidden, actions)
-    second, bias = here.second[:, :hidden], here.second[:, hidden]
-    return np.concatenate([vector[: hidden * (inputs + 1)], second.ravel(), bias])
+    here = matrices(vector, inputs, hidden)
+    first, second = here.first[:, :hidden].T, here.second[:, :hidden]
+    biases = here.first_bias[:hidden], here.second[:, hidden]
+    return np.concatenate([first.ravel(), biases[0], second.ravel(), biases[1]])
+
+
+def _ends(inputs: int, hidden: int, actions: int) -> list[int]:
+    """Where W₁, b₁ and W₂ end in the order of `weights.py`."""
+    start = hidden * (inputs + 1)
+    return [hidden * inputs, start, start + actions * hidden]

@@ -10,25 +10,34 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_sim_bridge.compiled import compiled_allocating
-from reflexarc_sim_bridge.kernel import Params, new_workspace, sense_agent, step_agent
-from reflexarc_sim_bridge.params import Agents, EyeParams, WorldTables
+from reflexarc_sim_bridge.kernel import LOOK, MOVE
+from reflexarc_sim_bridge.world_step import call
 from reflexarc_trainer.block import Block, Layers, forward
-from reflexarc_trainer.choice import Streams, choose, expected_value
-from reflexarc_trainer.fused import fused
+from reflexarc_trainer.choice import Streams, choose, expected_value, winner
+from reflexarc_trainer.fused import fused_inner
 from reflexarc_trainer.returns import lambda_returns
 
 
-class Manner(NamedTuple):
-    """How agents act and what it is worth: the same over a run."""
+class Place(NamedTuple):
+    """The world as one thread calls it."""
 
-    motions: npt.NDArray[np.float64]
-    """Linear, lateral and angular speed of each action: (actions, 3)."""
+    step: int
+    """Address of `kernel.advance`."""
+    held: int
+    """Address of a `Held`."""
+    stack: npt.NDArray[np.uint8]
+    """What the agents see: (agents, inputs)."""
+
+
+class Manner(NamedTuple):
+    """How agents choose and what it is worth: the same over a run."""
+
     curve: npt.NDArray[Any]
     """What the network sees of each byte: (256,)."""
     gamma: float
     trace_decay: float
     expected: bool
+    greedy: bool
     terminal: bool
     reward_step: float
     reward_contact: float
@@ -44,6 +53,8 @@ class Pending(NamedTuple):
     """The action chosen for it."""
     held: npt.NDArray[np.int64]
     """Steps for which that action is still held after the next."""
+    met: npt.NDArray[np.bool_]
+    """Whether the last step ended in a contact."""
     streams: Streams
     """Their exploration."""
 
@@ -86,14 +97,12 @@ def new_rollout(
     )
 
 
-@compiled_allocating
+@fused_inner
 def roll_out(
     layers: Layers,
     weights: npt.NDArray[Any],
     manner: Manner,
-    world: WorldTables,
-    eye: EyeParams,
-    agents: Agents,
+    place: Place,
     pending: Pending,
     rollout: Rollout,
     shard: int,
@@ -101,21 +110,20 @@ def roll_out(
     average_reward: float,
 ) -> None:
     """Fill the shard's rows of `rollout` from where its agents stand, and leave them behind it."""
-    params = Params(world, eye, agents)
-    work = new_workspace(params)
     steps, columns = rollout.rewards.shape[1], rollout.rewards.shape[2]
-    first = shard * columns
-    take_up(manner, pending, rollout, shard)
+    first, end = shard * columns, (shard + 1) * columns
+    for c in range(columns):
+        _see(manner.curve, pending.seen[first + c], rollout.inputs[shard, 0], c)
+        rollout.actions[shard, 0, c] = pending.action[first + c]
     for t in range(steps):
-        actions, met = rollout.actions[shard, t], rollout.contacts[shard, t]
-        # The world is called here and nowhere deeper: each level more compiles it once more.
+        call(place.step, place.held, pending.action, pending.met, MOVE + LOOK, first, end)
         for c in range(columns):
-            i, speeds = first + c, manner.motions[actions[c]]
-            met[c] = step_agent(params, work, i, speeds[0], speeds[1], speeds[2])
-            sense_agent(params, work, i)
-            _see(manner.curve, agents.stack[i], pending.seen[i], rollout.inputs[shard, t + 1], c)
-        _reward(manner, met, average_reward, rollout.rewards[shard, t])
-        choose_all(layers, weights, manner, pending, rollout, shard, t + 1, met, epsilon)
+            rollout.contacts[shard, t, c] = pending.met[first + c]
+            _see(manner.curve, place.stack[first + c], rollout.inputs[shard, t + 1], c)
+        _reward(manner, pending.met[first:end], average_reward, rollout.rewards[shard, t])
+        choose_all(layers, weights, manner, pending, rollout, shard, t + 1, epsilon)
+    for i in range(first, end):
+        _keep(place.stack[i], pending.seen[i])
     lambda_returns(
         rollout.rewards[shard],
         rollout.contacts[shard],
@@ -128,18 +136,7 @@ def roll_out(
     )
 
 
-@fused
-def take_up(manner: Manner, pending: Pending, rollout: Rollout, shard: int) -> None:
-    """Begin where the agents stand: with what they saw and chose last."""
-    inputs, actions = rollout.inputs[shard, 0], rollout.actions[shard, 0]
-    for c in range(len(actions)):
-        i = shard * len(actions) + c
-        seen = pending.seen[i]
-        _see(manner.curve, seen, seen, inputs, c)
-        actions[c] = pending.action[i]
-
-
-@fused
+@fused_inner
 def choose_all(
     layers: Layers,
     weights: npt.NDArray[Any],
@@ -148,44 +145,46 @@ def choose_all(
     rollout: Rollout,
     shard: int,
     t: int,
-    met: npt.NDArray[np.bool_],
     epsilon: float,
 ) -> None:
     """Choose an action for every agent of a shard at step t, and say what it is worth.
 
-    ε-greedy, but for actions that are still held; a contact (`met`, (columns,)) ends the hold.
+    ε-greedy, but for actions that are still held; a contact ends the hold.
     """
     values, actions = rollout.values[shard], rollout.actions[shard, t]
     forward(layers, weights, rollout.inputs[shard, t], values)
     q_values = values[len(values) - layers.sizes[-1] :]
     for c in range(len(actions)):
         i = shard * len(actions) + c
-        if pending.held[i] > 0 and not met[c]:
+        if pending.held[i] > 0 and not pending.met[i]:
             pending.held[i] -= 1
         else:
             pending.held[i] = manner.held_actions - 1
             pending.action[i] = choose(q_values, c, epsilon, pending.streams, i)
         actions[c] = pending.action[i]
     taken, worth = rollout.taken[shard, t], rollout.bootstraps[shard, t]
-    _value(manner.expected, q_values, actions, epsilon, taken, worth)
+    _value(manner, q_values, actions, epsilon, taken, worth)
 
 
-@fused
+@fused_inner
 def _see(
     curve: npt.NDArray[Any],
     retina: npt.NDArray[np.uint8],
-    seen: npt.NDArray[np.uint8],
     inputs: Block,
     column: int,
 ) -> None:
-    """Keep a retina's bytes, and put them through the input curve into a column."""
+    """Put a retina's bytes through the input curve into a column."""
     for i in range(len(retina)):
-        value = retina[i]
-        seen[i] = value
-        inputs[i, column] = curve[value]
+        inputs[i, column] = curve[retina[i]]
 
 
-@fused
+@fused_inner
+def _keep(retina: npt.NDArray[np.uint8], seen: npt.NDArray[np.uint8]) -> None:
+    for k in range(len(retina)):
+        seen[k] = retina[k]
+
+
+@fused_inner
 def _reward(
     manner: Manner,
     met: npt.NDArray[np.bool_],
@@ -197,17 +196,19 @@ def _reward(
         rewards[c] = reward - average_reward
 
 
-@fused
+@fused_inner
 def _value(
-    expected: bool,
+    manner: Manner,
     q_values: Block,
     actions: npt.NDArray[np.int64],
     epsilon: float,
     taken: npt.NDArray[Any],
     bootstraps: npt.NDArray[Any],
 ) -> None:
-    """What the chosen action is worth, and the place."""
+    """What the chosen action is worth, and the place; both are the best action's where greedy."""
     for c in range(len(actions)):
         q = q_values[actions[c], c]
         taken[c] = q
-        bootstraps[c] = expected_value(q_values, c, epsilon) if expected else q
+        bootstraps[c] = expected_value(q_values, c, epsilon) if manner.expected else q
+        if manner.greedy:
+            taken[c] = bootstraps[c] = q_values[winner(q_values, c), c]

@@ -15,7 +15,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_trainer.fused import fused
+from reflexarc_trainer.fused import fused_disjoint, fused_inline
 
 Floats = npt.NDArray[np.float64]
 
@@ -33,7 +33,7 @@ _FORGOTTEN = 1e-100
 operation takes a hundred times as long."""
 
 
-@fused
+@fused_disjoint
 def accumulate(trace: Floats, gradient: Floats, decay: float) -> float:
     """Do e ← γλ e + ∇Q; returns ‖e‖₁. All arguments but the `decay` γλ are (parameters,)."""
     norm = 0.0
@@ -45,21 +45,21 @@ def accumulate(trace: Floats, gradient: Floats, decay: float) -> float:
     return norm
 
 
-@fused
+@fused_inline
 def bounded_step(alpha: float, kappa: float, td_error: float, norm: float) -> float:
     """The step that is never above α and never removes more than 1/κ of the TD error."""
     bound = kappa * max(1.0, abs(td_error)) * norm
     return min(alpha, 1.0 / bound) if bound > 0.0 else alpha
 
 
-@fused
+@fused_disjoint
 def move(weights: Floats, trace: Floats, change: float) -> None:
     """Do w ← w + change · e."""
     for k in range(len(weights)):
         weights[k] += change * trace[k]
 
 
-@fused
+@fused_inline
 def move_intentionally(
     weights: Floats, trace: Floats, squares: Floats, gradient: Floats, change: float
 ) -> None:
@@ -74,7 +74,7 @@ def move_intentionally(
         weights[k] += share * trace[k] / (np.sqrt(squares[k]) + _LEAST)
 
 
-@fused
+@fused_inline
 def cut_td_error(td_error: float, mean_square: float, step: int) -> float:
     """δ, at most `LARGEST_TD_ERROR` times its RMS; `mean_square` begins at 0 and counts steps."""
     known = 1.0 - SQUARES_KEPT**step

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from numba.core import types
 from numba.extending import intrinsic
 
-from reflexarc_trainer.fused import fused
+from reflexarc_trainer.fused import fused, fused_inline
 
 LINEAR, SIGMOID, TANH, RELU = range(4)
 UNITS = {"linear": LINEAR, "sigmoid": SIGMOID, "tanh": TANH, "relu": RELU}
@@ -42,7 +42,7 @@ def _bitcast(_: Any, bits: Any) -> Any:
 _float_of_bits: Any = intrinsic(_bitcast)  # its stub says that a call returns nothing
 
 
-@fused
+@fused_inline
 def exp_of_negative(x: float) -> float:
     """Exponential function of x ≤ 0."""
     x = max(x, _LEAST)
@@ -58,14 +58,14 @@ def exp_of_negative(x: float) -> float:
     return result
 
 
-@fused
+@fused_inline
 def sigmoid(x: float) -> float:
     """σ(x), without overflow for any x."""
     tail = exp_of_negative(-abs(x))
     return (1.0 if x >= 0.0 else tail) / (1.0 + tail)
 
 
-@fused
+@fused_inline
 def tanh(x: float) -> float:
     """The hyperbolic tangent, without overflow for any x, to 2e-16 absolutely."""
     tail = exp_of_negative(-2.0 * abs(x))

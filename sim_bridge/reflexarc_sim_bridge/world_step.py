@@ -1,0 +1,123 @@
+"""The world's step by its address, for other compiled functions to call.
+
+A compiled function that calls another by name takes it in and compiles it once more: a learner with
+a world inside takes as long to compile as the world and the learner. Called by its address the
+world is compiled once for all, and a learner is the same code for every world. What the step works
+on lies at an address, too: a call with all its arrays by value would copy two hundred words.
+"""
+
+from typing import Any
+
+import numba
+import numpy as np
+import numpy.typing as npt
+from llvmlite import ir  # type: ignore[import-untyped]  # it has no stubs
+from numba.core import types
+from numba.extending import intrinsic
+
+from reflexarc_sim_bridge.compiled import compiled
+from reflexarc_sim_bridge.params import Params
+from reflexarc_sim_bridge.workspace import Workspace, new_workspace
+
+_WORDS = 2048
+"""Room for what one thread holds: the shapes and places of some 30 arrays."""
+
+
+class Held:
+    """Parameters, workspace and motions of a simulation, put down for one thread.
+
+    It shares the simulation's memory; a copy of it is bound to a copy of the simulation.
+    """
+
+    def __init__(self, params: Params, motions: npt.NDArray[np.float64]) -> None:
+        """Put them down.
+
+        Args:
+            params: the simulation's.
+            motions: linear, lateral and angular speed of each action: (actions, 3).
+        """
+        self._kept = params, new_workspace(params), motions
+        self._memory = np.empty(_WORDS, np.int64)
+        if _put(*self._kept, self._memory) > self._memory.nbytes:
+            raise AssertionError(f"world_step: a simulation takes more than {_WORDS} words")
+        self.address = self._memory.ctypes.data
+        """Where they lie."""
+
+    def __reduce__(self) -> tuple[type["Held"], tuple[Params, npt.NDArray[np.float64]]]:
+        return Held, (self._kept[0], self._kept[2])
+
+
+def compiled_step(step: Any, params: Params, motions: npt.NDArray[np.float64]) -> int:
+    """Compile a step, unless that is done; returns its address.
+
+    Args:
+        step: takes the address of what is held, actions (n,), room for contacts (n,), and three
+            numbers: see `kernel.advance`.
+        params: the simulation's.
+        motions: as for `Held`.
+    """
+    typeof: Any = numba.typeof  # untyped
+    world = typeof((params, new_workspace(params), motions))
+    address = types.CPointer(world)  # type: ignore[no-untyped-call]  # numba's
+    signature = types.void(address, *_ARGUMENTS)
+    step.compile(signature.args)
+    compiled_one = step.get_compile_result(signature)
+    wrapper = compiled_one.fndesc.llvm_cfunc_wrapper_name
+    return int(compiled_one.library.get_pointer_to_function(wrapper))
+
+
+_ARGUMENTS = types.int64[::1], types.boolean[::1], types.int64, types.int64, types.int64
+
+
+def _store(_: Any, world: Any, memory: Any) -> Any:
+    """Put a tuple down in an array, if there is room; returns how many bytes it takes."""
+
+    def emit(context: Any, builder: Any, __: Any, args: Any) -> Any:
+        data = context.data_model_manager[world].as_data(builder, args[0])
+        array = context.make_array(memory)(context, builder, args[1])
+        size = ir.Constant(ir.IntType(64), context.get_abi_sizeof(data.type))
+        room = builder.mul(array.nitems, array.itemsize)
+        with builder.if_then(builder.icmp_signed("<=", size, room)):
+            builder.store(data, builder.bitcast(array.data, data.type.as_pointer()))
+        return size
+
+    return types.int64(world, memory), emit
+
+
+def _load(_: Any, address: Any) -> Any:
+    """The tuple at an address."""
+
+    def emit(context: Any, builder: Any, __: Any, args: Any) -> Any:
+        return context.data_model_manager[address.dtype].load_from_data_pointer(builder, args[0])
+
+    return address.dtype(address), emit
+
+
+def _call(
+    _: Any, step: Any, held: Any, actions: Any, met: Any, tasks: Any, first: Any, end: Any
+) -> Any:
+    """Call a step: the addresses of both, then its arguments."""
+
+    def emit(context: Any, builder: Any, __: Any, args: Any) -> Any:
+        forms = [ir.IntType(64), *(context.get_value_type(kind) for kind in _ARGUMENTS)]
+        function = ir.FunctionType(context.get_value_type(types.void), forms)
+        builder.call(builder.inttoptr(args[0], function.as_pointer()), args[1:])
+        return context.get_dummy_value()
+
+    return types.void(types.int64, types.int64, *_ARGUMENTS), emit
+
+
+stored: Any = intrinsic(_store)  # its stub says that a call returns nothing
+held_at: Any = intrinsic(_load)
+call: Any = intrinsic(_call)
+
+
+@compiled
+def _put(
+    params: Params,
+    work: Workspace,
+    motions: npt.NDArray[np.float64],
+    memory: npt.NDArray[np.int64],
+) -> int:
+    size: int = stored((params, work, motions), memory)
+    return size

@@ -1,0 +1,41 @@
+"""What the online learner does to rows of weights; compiled. A row is a whole number of vectors."""
+
+import numpy as np
+import numpy.typing as npt
+
+from reflexarc_trainer.fused import fused_disjoint
+
+Floats = npt.NDArray[np.float64]
+
+
+@fused_disjoint
+def weigh(matrix: Floats, bias: Floats, x: Floats, out: Floats) -> None:
+    """Do out = matrixᵀ x + bias, four rows at a time; (n, m), (m,), (n,), (m,)."""
+    whole = len(x) // 4 * 4
+    for h in range(len(out)):
+        out[h] = bias[h]
+    for i in range(0, whole, 4):
+        w0, w1, w2, w3 = matrix[i], matrix[i + 1], matrix[i + 2], matrix[i + 3]
+        x0, x1, x2, x3 = x[i], x[i + 1], x[i + 2], x[i + 3]
+        for h in range(len(out)):
+            out[h] += (w0[h] * x0 + w1[h] * x1) + (w2[h] * x2 + w3[h] * x3)
+    for i in range(whole, len(x)):
+        w0, x0 = matrix[i], x[i]
+        for h in range(len(out)):
+            out[h] += w0[h] * x0
+
+
+@fused_disjoint
+def dot(row: Floats, x: Floats) -> float:
+    """Σ row · x; (m,) each."""
+    total = 0.0
+    for h in range(len(row)):
+        total += row[h] * x[h]
+    return total
+
+
+@fused_disjoint
+def scale(factor: float, row: Floats, out: Floats) -> None:
+    """Do out = factor · row; (m,) each."""
+    for h in range(len(out)):
+        out[h] = factor * row[h]
