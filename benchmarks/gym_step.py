@@ -20,11 +20,12 @@ import numpy.typing as npt
 
 from reflexarc_sim_bridge.compiled import compiled_allocating
 from reflexarc_sim_bridge.environment import REFERENCE_ID
-from reflexarc_sim_bridge.kernel import new_workspace, sense_agent, step_agent
+from reflexarc_sim_bridge.kernel import LOOK, MOVE
 from reflexarc_sim_bridge.reference_field import WORLD_NAME, reference_contract
-from reflexarc_sim_bridge.simulation import Simulation, motions_of
+from reflexarc_sim_bridge.simulation import Simulation
 from reflexarc_sim_bridge.threads import set_thread_count
 from reflexarc_sim_bridge.world_files import world_named
+from reflexarc_sim_bridge.world_step import call
 
 AGENTS = (1, 64, 1024, 4096)
 ROUNDS = 9
@@ -38,23 +39,22 @@ Way = Callable[[Actions], object]
 
 
 def bare_way(agents: int) -> Way:
-    """All steps in one compiled loop, which is compiled for the purpose."""
-    contract = reference_contract()
-    motions = motions_of(contract)
-    params = Simulation(
-        world_named(WORLD_NAME), contract, np.arange(agents, dtype=np.uint64)
-    ).params
-    return lambda actions: bare(params, motions, actions)
+    """All steps in one compiled loop."""
+    seeds = np.arange(agents, dtype=np.uint64)
+    simulation = Simulation(world_named(WORLD_NAME), reference_contract(), seeds)
+    step, held = simulation.held_step()
+    met = np.zeros(agents, np.bool_)
+
+    def run(actions: Actions) -> None:
+        bare(step, held.address, actions, met)
+
+    return run
 
 
 @compiled_allocating
-def bare(params: Any, motions: npt.NDArray[np.float64], actions: Actions) -> None:
-    work = new_workspace(params)
+def bare(step: int, held: int, actions: Actions, met: npt.NDArray[np.bool_]) -> None:
     for row in actions:
-        for i in range(len(row)):
-            motion = motions[row[i]]
-            step_agent(params, work, i, motion[0], motion[1], motion[2])
-            sense_agent(params, work, i)
+        call(step, held, row, met, MOVE + LOOK, 0, len(row))
 
 
 def one_by_one(environment: gymnasium.Env[Any, Any]) -> Way:

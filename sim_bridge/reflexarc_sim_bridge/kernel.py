@@ -1,8 +1,7 @@
 """The compiled step of agents in their worlds: sense, move, and keep near what can be met.
 
-`sense_agent` and `step_agent` treat one agent and are made to be called from other compiled
-loops; `advance` treats a range of them. Whatever an agent does touches its own rows only, so the
-bits are the same on any number of threads.
+`advance` treats a range of agents. Whatever an agent does touches its own rows only, so the bits
+are the same on any number of threads.
 """
 
 from typing import Any
@@ -30,15 +29,10 @@ __all__ = [
     "LOOK",
     "MOVE",
     "PLACE",
-    "Params",
-    "Workspace",
     "advance",
     "call_step",
     "cast",
     "cover",
-    "new_workspace",
-    "sense_agent",
-    "step_agent",
     "step_of",
 ]
 

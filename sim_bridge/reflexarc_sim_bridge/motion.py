@@ -22,7 +22,7 @@ from reflexarc_sim_bridge.random_numbers import normal
 from reflexarc_sim_bridge.workspace import Workspace
 
 
-@compiled_inline
+@compiled_part
 def step_agent(
     params: Params,
     work: Workspace,

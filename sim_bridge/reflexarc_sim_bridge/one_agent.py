@@ -7,10 +7,11 @@ from typing import Any, TypeAlias
 import numba
 
 from reflexarc_sim_bridge.compiled import compiled_allocating
-from reflexarc_sim_bridge.held import Held, hold
-from reflexarc_sim_bridge.kernel import sense_agent, step_agent
+from reflexarc_sim_bridge.kernel import LOOK, MOVE
 from reflexarc_sim_bridge.layers import CHUNK_M
+from reflexarc_sim_bridge.one_held import OneHeld, hold
 from reflexarc_sim_bridge.simulation import Simulation
+from reflexarc_sim_bridge.world_step import call
 
 REFUSED = -1
 """Outcome of an action that the contract does not have: nothing happened."""
@@ -23,13 +24,17 @@ class OneAgent:
     """The only agent of a simulation, and the shortest way to it from Python."""
 
     def __init__(self, simulation: Simulation) -> None:
-        held = hold(simulation)
+        step, self._world = simulation.held_step()
+        world, _, agents = simulation.params
+        known = len(simulation.contract.actions)
+        held = hold(step, self._world.address, agents.state, world.planes, known)
         self.simulation = simulation
-        self.stack = simulation.params.agents.stack[0]
+        self.stack = agents.stack[0]
         """What it sees: uint8 (frames · eyes · rays · channels,). Changes with every look."""
-        self.step_and_sense: Callable[[int], Outcome] = partial(_compiled_for(held), held, True)
+        advance = _compiled_for(held)
+        self.step_and_sense: Callable[[int], Outcome] = partial(advance, held, MOVE + LOOK)
         """Moves it by an action of the contract, and lets it look."""
-        self._sense = partial(_compiled_for(held), held, False)
+        self._sense = partial(advance, held, LOOK)
 
     def __reduce__(self) -> tuple[type["OneAgent"], tuple[Simulation]]:
         """A copy is bound to its own copy of the simulation."""
@@ -41,25 +46,22 @@ class OneAgent:
 
 
 @compiled_allocating
-def step_and_sense_agent(held: Any, moves: bool, action: int) -> Outcome:
-    """Move agent 0 by an action of the contract, unless it only looks; then look.
-
-    One function for both, as each that holds a whole step takes its time to compile.
-    """
-    if not 0 <= action < len(held.motions):
+def advance_one(held: Any, tasks: int, action: int) -> Outcome:
+    """Let agent 0 do its tasks (sum of `kernel.MOVE` and `LOOK`), moving by an action."""
+    if not 0 <= action < held.known:
         return REFUSED, 0.0, 0.0, 0.0, 0
-    params, work, motion = held.params, held.work, held.motions[action]
-    met = moves and step_agent(params, work, 0, motion[0], motion[1], motion[2])
-    sense_agent(params, work, 0)
-    state = params.agents.state[0]
+    held.actions[0], held.met[0] = action, False
+    call(held.step, held.world, held.actions, held.met, tasks, 0, 1)
+    state = held.states[0]
     x_m = state.cell_x * CHUNK_M + state.x_m
-    y_m = state.cell_y * params.world.planes[state.world].chunk_width_m + state.y_m
-    return int(met), x_m, y_m, state.distance_m, state.contacts
+    y_m = state.cell_y * held.planes[0].chunk_width_m + state.y_m
+    return int(held.met[0]), x_m, y_m, state.distance_m, state.contacts
 
 
-def _compiled_for(held: Held) -> Callable[[Held, bool, int], Outcome]:
+def _compiled_for(held: OneHeld) -> Callable[[OneHeld, int, int], Outcome]:
     """The function for these types: no dispatcher looks at them again, which takes 1 µs a call."""
-    dispatcher: Any = step_and_sense_agent
-    types: Any = (numba.typeof(held), numba.types.boolean, numba.types.int64)  # type: ignore[no-untyped-call]  # numba's
-    call: Callable[[Held, bool, int], Outcome] = dispatcher.compile(types)
-    return call
+    dispatcher: Any = advance_one
+    typeof: Any = numba.typeof  # untyped
+    types = (typeof(held), numba.types.int64, numba.types.int64)
+    compiled_one: Callable[[OneHeld, int, int], Outcome] = dispatcher.compile(types)
+    return compiled_one
