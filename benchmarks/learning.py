@@ -10,7 +10,8 @@ The reference field with its eye, the same compiled world for everybody. A run i
 own, pinned to the same cores, and seed by seed all contenders take turns. The clock runs from the
 first weights on, caches filled and everything loaded (warm), or from the start of the process with
 no cache at all (cold); it stands while the frozen greedy policy is looked at on validation worlds.
-A level counts from the first of two looks in a row that pass it. The policy that a run ends with is
+A level counts from the first of two looks in a row that pass it; the time to the first level is
+measured once more without looks, which disturb short runs. The policy that a run ends with is
 measured on test worlds as `reflexarc evaluate` does. Runs that are there already are not repeated.
 Needs `pip install stable-baselines3 sb3-contrib`. `learning_race/contenders.py` says who races,
 `learning_race/tuning.md` what was tried to tune them.
@@ -41,6 +42,9 @@ def main() -> None:
         return
     if not options.report:
         run_all(entries, out, _scale(options))
+        from learning_race.undisturbed import time_all
+
+        time_all(out, {entry.contender.name: entry.contender for entry in entries})
     from learning_race.report import write_report
 
     print(write_report(out))
@@ -51,6 +55,11 @@ def _be_a_child(options: argparse.Namespace) -> None:
     from learning_race.one_run import cold_record, warm_record
 
     contender, scale = named(options.child), _scale(options)
+    if options.undisturbed:
+        from learning_race.undisturbed import undisturbed_s
+
+        print(undisturbed_s(contender, options.seed, options.undisturbed))
+        return
     if options.started_s is not None:
         line = cold_record(contender, options.seed, scale, options.started_s)
     else:
@@ -96,6 +105,7 @@ def _options() -> argparse.Namespace:
         parser.add_argument(flag, action="store_true")
     parser.add_argument("--child", metavar="NAME", help=argparse.SUPPRESS)
     parser.add_argument("--seed", type=int, default=0, help=argparse.SUPPRESS)
+    parser.add_argument("--undisturbed", type=int, help=argparse.SUPPRESS)
     parser.add_argument("--started-s", type=float, help=argparse.SUPPRESS)
     return parser.parse_args()
 

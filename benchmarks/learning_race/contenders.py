@@ -1,10 +1,11 @@
 """Who races, with which settings; `tuning.md` says what was tried to find them.
 
-Everybody has the reference field's eye and worlds. The tuned rivals have our input curve (the
-square), our held actions (while learning, three steps of the world an action), our discount, a
-falling learning rate and one thread of torch: two were no faster in the one trial. The matched ones
-are the tuned ones with our 16–10–3. The default ones have their library's settings; how many worlds
-at once is not among these, and four served PPO best.
+Everybody has the reference field's eye and worlds. Ours have one hidden layer of 64 units, but for
+`reflex-deep-60s`, which has two as the rivals have by default. The tuned rivals have our input
+curve (the square), our repeated actions (while learning, three steps of the world an action), our
+discount, a falling learning rate and one thread of torch: two were no faster in the one trial. The
+matched ones are the tuned ones with our 16–10–3. The default ones have their library's settings;
+how many worlds at once is not among these, and four served PPO best.
 """
 
 import hashlib
@@ -84,7 +85,7 @@ def named(name: str) -> Contender:
 def _reflex(
     steps: int | None = None,
     *,
-    hidden: int = 64,
+    hidden: tuple[int, ...] = (64,),
     averaged_weights: float = 0.95,
     epsilon_start: float = 1.0,
     target: str = "sampled",
@@ -100,7 +101,7 @@ def _reflex(
         exploration=exploration,
         batched=replace(preset.learner.batched, **batched),
     )
-    network = replace(preset.network, hidden=(hidden,))
+    network = replace(preset.network, hidden=hidden)
     return Ours(replace(preset, steps=steps or preset.steps, network=network, learner=learner))
 
 
@@ -152,8 +153,8 @@ _QRDQN = _tuned(
     policy_kwargs={"n_quantiles": 8},
     **_REPLAY_SHORT,
 )
-_QUICK = _reflex(1 << 16, averaged_weights=0.8, epsilon_start=0.3, minibatches=16)
-_PATIENT = {"minibatches": 16, "averaged_weights": 0.99}
+_QUICK = _reflex(1 << 15, averaged_weights=0.8, epsilon_start=0.3)
+_DEEP = _reflex(agents=256, averaged_weights=0.99, hidden=(64, 64), learning_rate=2e-3)
 _SHORT_S, _LONG_S, _REST_S = 3.0, 60.0, 30.0
 _LAST_LEVEL = 3.5
 
@@ -162,15 +163,16 @@ def _ablations() -> tuple[Contender, ...]:
     """Batched Q(λ): the value of the best action in place of the chosen one's."""
     if "greedy" not in get_args(Target):
         return ()
-    greedy = _reflex(agents=256, target="greedy", **_PATIENT)
+    greedy = _reflex(agents=256, target="greedy", averaged_weights=0.99)
     return (Contender("q-lambda-3s", "ablation", greedy, _SHORT_S),)
 
 
 CONTENDERS = (
     Contender("reflex", "ours", Ours(PRESETS["reflex"]), _SHORT_S, is_paced=False),
     Contender("reflex-short", "ours", _QUICK, _SHORT_S, is_paced=False),
-    Contender("reflex-3s", "ours", _reflex(agents=256, **_PATIENT), _SHORT_S),
-    Contender("reflex-60s", "ours", _reflex(agents=512, **_PATIENT), _LONG_S),
+    Contender("reflex-3s", "ours", _reflex(agents=256, averaged_weights=0.99), _SHORT_S),
+    Contender("reflex-60s", "ours", _reflex(agents=512, averaged_weights=0.99), _LONG_S),
+    Contender("reflex-deep-60s", "ours", _DEEP, _LONG_S),
     Contender("online-3s", "ours", _online(), _SHORT_S, cores=1),
     *_ablations(),
     Contender("ppo-tuned-short", "tuned", _PPO_SHORT, _SHORT_S),

@@ -45,29 +45,45 @@ def learn(learner: Learner, seed: int, judge: Judge) -> None:
         _learn_theirs(learner, seed, judge)
 
 
-def _paced(learner: Learner, steps: float) -> Learner:
-    if isinstance(learner, Theirs) or not steps:
+def steps_a_transition(ours: Ours) -> int:
+    """Steps of the world for each transition of a learner of ours."""
+    learner = ours.config.learner
+    return learner.batched.action_repeat if learner.form == "batched" else 1
+
+
+def _paced(learner: Learner, world_steps: float) -> Learner:
+    if isinstance(learner, Theirs) or not world_steps:
         return learner
-    return Ours(replace(learner.config, steps=max(1, round(steps))))
+    steps = max(1, round(world_steps / steps_a_transition(learner)))
+    return Ours(replace(learner.config, steps=steps))
 
 
 def _learn_ours(ours: Ours, seed: int, judge: Judge) -> None:
     from reflexarc_trainer.forms import new_learner
 
     config = replace(ours.config, seed=seed)
-    learner = new_learner(config)
+    learner, repeat = new_learner(config), steps_a_transition(ours)
     began_s = judge.clock.seconds
     while learner.step < config.steps and not judge.is_over:
-        rate = learner.step / max(1e-9, judge.clock.seconds - began_s)
+        rate = learner.step / max(1e-9, judge.clock.seconds - began_s)  # transitions a second
         left_s = min(judge.due_s, judge.limit_s) - judge.clock.seconds
         learner.run(max(1, min(config.steps - learner.step, int(_MARGIN * rate * left_s))))
         if judge.is_due:
-            judge.look(lambda: of_ours(learner), learner.step)
-    judge.look(lambda: of_ours(learner), learner.step)
+            judge.look(lambda: of_ours(learner), learner.step * repeat)
+    judge.look(lambda: of_ours(learner), learner.step * repeat)
 
 
 def _learn_theirs(theirs: Theirs, seed: int, judge: Judge) -> None:
     from learning_race.callback import Looks
+
+    model = new_model(theirs, seed, judge)
+    model.learn(_FOREVER, callback=Looks(judge, theirs))
+    frozen = of_theirs(model, theirs.input_power)
+    judge.look(lambda: frozen, model.num_timesteps * theirs.held_steps)
+
+
+def new_model(theirs: Theirs, seed: int, judge: Judge) -> Any:
+    """A rival before its first step, whose schedules end when the judge's time does."""
     from learning_race.field import FieldVecEnv
 
     world = {"input_power": theirs.input_power, "held_steps": theirs.held_steps}
@@ -76,9 +92,7 @@ def _learn_theirs(theirs: Theirs, seed: int, judge: Judge) -> None:
         "MlpPolicy", env, seed=seed, device="cpu", **_settings(theirs)
     )
     _follow(model, judge)
-    model.learn(_FOREVER, callback=Looks(judge, theirs))
-    frozen = of_theirs(model, theirs.input_power)
-    judge.look(lambda: frozen, model.num_timesteps * theirs.held_steps)
+    return model
 
 
 def algorithm(name: str) -> Any:

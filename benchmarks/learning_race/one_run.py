@@ -4,10 +4,11 @@ import json
 from dataclasses import asdict
 from typing import Any
 
-from learning_race.contenders import Contender, Theirs
+from learning_race.contenders import Contender
 from learning_race.judge import LEVELS, Clock, Judge
 from learning_race.learn import in_time, learn, warm_up
 from learning_race.schedule import Scale
+from learning_race.threads import set_threads
 from reflexarc_sim_bridge.reference_field import measure, reference_contract
 
 COLD_LIMIT_S = 600.0
@@ -16,7 +17,7 @@ COLD_LIMIT_S = 600.0
 def warm_record(contender: Contender, seed: int, scale: Scale) -> str:
     """Learn with everything loaded and compiled; one line of JSON."""
     contender = scale.limited(contender)
-    _set_threads(contender)
+    set_threads(contender)
     rate = warm_up(contender)
     judge = Judge(Clock(), contender.budget_s, contender.stops_at)
     learn(in_time(contender, rate), seed, judge)
@@ -25,7 +26,7 @@ def warm_record(contender: Contender, seed: int, scale: Scale) -> str:
 
 def cold_record(contender: Contender, seed: int, scale: Scale, started_s: float) -> str:
     """Learn up to the first level in a process that began at `started_s`, without any cache."""
-    _set_threads(contender)
+    set_threads(contender)
     judge = Judge(Clock(started_s), COLD_LIMIT_S, LEVELS[0])
     judge.due_s = judge.clock.seconds
     learn(contender.learner, seed, judge)
@@ -50,10 +51,3 @@ def _tested(judge: Judge, scale: Scale) -> dict[str, Any]:
         judge.last, reference_contract(), agents=scale.test_agents, steps=scale.test_steps
     )
     return {"test": [score.contacts_per_100m, score.low, score.high]}
-
-
-def _set_threads(contender: Contender) -> None:
-    if isinstance(contender.learner, Theirs):
-        import torch
-
-        torch.set_num_threads(contender.learner.torch_threads)

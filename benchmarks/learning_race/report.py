@@ -5,7 +5,15 @@ from pathlib import Path
 
 from learning_race.figure import draw
 from learning_race.judge import LEVELS
-from learning_race.results import Run, group_of, read_runs, test_rates, times_to
+from learning_race.results import (
+    Reached,
+    Run,
+    group_of,
+    read_runs,
+    test_rates,
+    times_to,
+    undisturbed,
+)
 from reflexarc_trainer.statistics import Estimate, estimate, ratio_estimate
 
 Runs = dict[str, list[Run]]
@@ -15,6 +23,7 @@ HEADER = (
     "group",
     "seeds",
     *(f"time to {level:g}, s" for level in LEVELS),
+    f"to {LEVELS[0]:g} without looks, s",
     f"steps to {LEVELS[0]:g}",
     "learned for, s",
     "test worlds, contacts / 100 m",
@@ -51,15 +60,29 @@ def comparisons(runs: Runs) -> list[str]:
 
 def _time_ratio(runs: Runs, ours: list[str], rivals: list[str], group: str) -> list[str]:
     level = LEVELS[0]
-    times = {name: times_to(runs[name], level) for name in [*ours, *rivals]}
+    times = {name: undisturbed(runs[name]) for name in [*ours, *rivals]}
     ours, rivals = ([n for n in names if not times[n].is_censored] for names in (ours, rivals))
     if not ours or not rivals:
-        return [f"time to {level:g} ({group}): nobody to compare"]
+        return [_bound(times, level, group, ours, rivals)]
     mine = min(ours, key=lambda name: times[name].time_s.value)
     best = min(rivals, key=lambda name: times[name].time_s.value)
     ratio = ratio_estimate(times[best].seconds, times[mine].seconds)
     who = f"{best}, the best {group} one, takes {_shown(ratio)} times as long as {mine}"
-    return [f"time to {level:g}: {who}"]
+    return [f"time to {level:g} without looks: {who}"]
+
+
+def _bound(
+    times: dict[str, Reached], level: float, group: str, ours: list[str], rivals: list[str]
+) -> str:
+    """What can be said where all of a group are censored."""
+    slow = [min(t.seconds) for name, t in times.items() if group_of(name) == group]
+    if not ours or rivals or not slow:
+        return f"time to {level:g} ({group}): nobody to compare"
+    mine = min(times[name].time_s.value for name in ours)
+    return (
+        f"time to {level:g}: too few seeds of any {group} one reach it; the shortest of their runs "
+        f"is {min(slow) / mine:.3g} times as long as the best of ours takes"
+    )
 
 
 def _names(runs: Runs, group: str) -> list[str]:
@@ -73,7 +96,17 @@ def _row(name: str, runs: list[Run]) -> list[str]:
     learned = estimate([run.seconds for run in runs]).value
     rate = _shown(estimate(test_rates(runs)))
     shown_steps = "–" if steps.is_censored else thousands
-    return [name, group_of(name), f"{len(runs)}", *times, shown_steps, f"{learned:.3g}", rate]
+    alone = "–" if steps.is_censored else _shown(undisturbed(runs).time_s)
+    return [
+        name,
+        group_of(name),
+        f"{len(runs)}",
+        *times,
+        alone,
+        shown_steps,
+        f"{learned:.3g}",
+        rate,
+    ]
 
 
 def _cold_row(name: str, runs: list[Run]) -> list[str]:

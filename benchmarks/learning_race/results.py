@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from learning_race.contenders import CONTENDERS, Contender
-from learning_race.judge import Look, reached
+from learning_race.judge import LEVELS, Look, reached
 from reflexarc_trainer.statistics import Estimate, estimate
 
 LEAST_SHARE = 0.8
@@ -30,6 +30,8 @@ class Run:
     looks: list[Look]
     test: list[float] | None = None
     """Contacts per 100 m on test worlds, and its interval over agents; none of a cold run."""
+    undisturbed_s: float | None = None
+    """To the first level without a look; none where it was not reached."""
 
 
 @dataclass(frozen=True)
@@ -78,6 +80,14 @@ def times_to(runs: list[Run], level: float) -> Reached:
     count = sum(look is not None for look in looks)
     seconds, steps = [end.seconds for end in ends], [float(end.world_steps) for end in ends]
     return Reached(seconds, steps, count)
+
+
+def undisturbed(runs: list[Run]) -> Reached:
+    """The same for the first level without looks, where every run that reached it was timed so."""
+    looked = times_to(runs, LEVELS[0])
+    pairs = zip(runs, looked.seconds, strict=True)
+    seconds = [s if run.undisturbed_s is None else run.undisturbed_s for run, s in pairs]
+    return Reached(seconds, looked.world_steps, looked.seeds)
 
 
 def test_rates(runs: list[Run]) -> list[float]:

@@ -105,14 +105,14 @@ def _line_of(entry: Entry, scale: Scale) -> str:
         if entry.is_cold:
             environment["NUMBA_CACHE_DIR"] = empty
             command += ["--started-s", str(time.monotonic())]
-        done = _on_cores(entry.contender.cores, command, environment)
+        done = on_cores(entry.contender.cores, command, environment)
     if done.returncode:
         raise SystemExit(f"learning: {entry.name} failed with exit status {done.returncode}")
     return done.stdout
 
 
-def _on_cores(
-    cores: int, command: list[str], environment: dict[str, str]
+def on_cores(
+    cores: int, command: list[str], environment: dict[str, str] | None
 ) -> subprocess.CompletedProcess[str]:
     """Run a command on the first so many cores: a child inherits them."""
     mine = os.sched_getaffinity(0)

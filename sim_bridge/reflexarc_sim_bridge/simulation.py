@@ -2,6 +2,7 @@
 
 from functools import partial
 from threading import get_ident
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -84,10 +85,22 @@ class Simulation:
             agents.state["lane"] = lanes
         self.params = Params(tables, eye_params(contract, worlds[0]), agents)
         self._motions = motions_of(contract)
-        self._step = kernel.step_of(self.params, self._motions)
-        self._held: dict[int, Held] = {}  # one a thread
+        self._find_step()
         self._no_actions, self._met = np.zeros(len(seeds), np.int64), np.zeros(len(seeds), np.bool_)
         shared(self._put, len(seeds))
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but addresses, which mean nothing in another process."""
+        return {name: it for name, it in vars(self).items() if name not in ("_step", "_held")}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Take what `__getstate__` gave, and find the step in this process."""
+        vars(self).update(state)
+        self._find_step()
+
+    def _find_step(self) -> None:
+        self._step = kernel.step_of(self.params, self._motions)
+        self._held: dict[int, Held] = {}  # one a thread
 
     def __len__(self) -> int:
         return len(self.params.agents.state)

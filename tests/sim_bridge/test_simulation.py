@@ -1,6 +1,10 @@
 import dataclasses
 import itertools
+import pickle
 import re
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
@@ -259,3 +263,27 @@ def test_a_named_number_of_threads_is_kept_until_told_otherwise() -> None:
     assert threads.thread_count() == 5
     threads.set_thread_count(before)
     assert re.fullmatch(r"\d+", str(threads.thread_count()))
+
+
+ELSEWHERE = """
+import pickle, sys
+import numpy as np
+with open(sys.argv[1], "rb") as file:
+    simulation = pickle.load(file)
+for _ in range(20):
+    simulation.step_and_sense(np.ones(len(simulation), np.int64))
+print(simulation.stacks.tobytes().hex())
+"""
+
+
+def test_a_copy_in_another_process_goes_on_as_this_one_does(tmp_path: Path) -> None:
+    """Addresses of compiled code and of arrays stay behind."""
+    simulation = Simulation(World("plain"), PolicyContract(actions=TURNING), test_seeds(3))
+    simulation.step_and_sense(np.zeros(3, np.int64))
+    path = tmp_path / "simulation.pickle"
+    path.write_bytes(pickle.dumps(simulation))
+    command = [sys.executable, "-c", ELSEWHERE, str(path)]
+    there = subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
+    for _ in range(20):
+        simulation.step_and_sense(np.ones(3, np.int64))
+    assert there == simulation.stacks.tobytes().hex()

@@ -6,9 +6,11 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+from reflexarc_runtime.errors import UsageError
+from reflexarc_sim_bridge.simulation import Simulation
 from reflexarc_sim_bridge.threads import set_thread_count
 from reflexarc_trainer.batched import Sums, shard_gradient
-from reflexarc_trainer.batched_learner import BatchedLearner, pace_of
+from reflexarc_trainer.batched_learner import BatchedLearner, _seeds, pace_of
 from reflexarc_trainer.block import Layers, layers_for
 from reflexarc_trainer.block import forward as batch_forward
 from reflexarc_trainer.config import BatchedConfig, ExplorationConfig, TrainConfig
@@ -63,6 +65,40 @@ def test_rewards_say_what_met_an_obstacle(small_batched_config: TrainConfig) -> 
     assert rollout.contacts.sum() == learner._simulation.contacts.sum() - before
     expected = np.where(rollout.contacts, -1.0, 0.1) - average_reward
     np.testing.assert_allclose(rollout.rewards, expected, atol=1e-6)
+
+
+def test_a_repeated_action_brings_what_its_steps_bring(small_batched_config: TrainConfig) -> None:
+    """Against the world, step by step, with the actions that were chosen."""
+    config = with_batched(small_batched_config, action_repeat=3)
+    explore = ExplorationConfig(epsilon_start=1.0, epsilon_end=1.0)
+    learner_config = dataclasses.replace(config.learner, exploration=explore, reward_centring=0.0)
+    learner = BatchedLearner(dataclasses.replace(config, learner=learner_config))
+    learner.run(1600)
+    world = Simulation(learner.config.goal_world, learner.contract, _seeds(learner.config))
+    world.restore(learner._simulation.state())
+    learner.run(1)
+    rollout = learner._learning.rollout
+    actions, rewards, contacts = (
+        np.moveaxis(rows, 1, 0).reshape(rows.shape[1], -1)
+        for rows in (rollout.actions, rollout.rewards, rollout.contacts)
+    )
+    for t in range(len(rewards)):
+        met = np.array([world.step(actions[t]) for _ in range(3)])
+        np.testing.assert_array_equal(contacts[t], met.any(axis=0))
+        np.testing.assert_allclose(rewards[t], np.where(met, -1.0, 0.1).sum(axis=0), rtol=1e-6)
+    assert contacts.any()
+    np.testing.assert_array_equal(world.x_m, learner._simulation.x_m)
+    world.sense()
+    np.testing.assert_array_equal(world.stacks, learner._simulation.stacks)
+
+
+def test_a_repeated_action_is_not_held_as_well(small_batched_config: TrainConfig) -> None:
+    learner = dataclasses.replace(
+        with_batched(small_batched_config, action_repeat=2).learner,
+        exploration=ExplorationConfig(held_actions=1),
+    )
+    with pytest.raises(UsageError, match=r"held_actions: expected 1 where .*action_repeat"):
+        dataclasses.replace(learner, exploration=ExplorationConfig(held_actions=2))
 
 
 def recorded_rollout(layers: Layers, steps: int) -> Rollout:

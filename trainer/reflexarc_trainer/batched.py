@@ -115,7 +115,7 @@ def learn(
             if first == 0:
                 update_weights(pace, sums, moments, rollout.rewards.size)
                 if part == parts - 1:
-                    finish_update(manner, pace, sums, rollout.contacts)
+                    finish_update(manner, pace, sums, rollout.rewards)
             meet(gate, threads)
 
 
@@ -181,16 +181,15 @@ def update_weights(pace: Pace, sums: Sums, moments: Moments, steps: int) -> None
 
 
 @fused
-def finish_update(manner: Manner, pace: Pace, sums: Sums, contacts: npt.NDArray[np.bool_]) -> None:
-    """Count the roll-out and move the averages; `contacts` says which of its steps ended in one."""
+def finish_update(manner: Manner, pace: Pace, sums: Sums, rewards: npt.NDArray[Any]) -> None:
+    """Count the roll-out and move the averages; `rewards` have the average one subtracted."""
     weights, averaged = sums.weights, sums.averaged
     keep = weights.dtype.type(pace.averaging)
     take = weights.dtype.type(1.0 - pace.averaging)
     for k in range(len(weights)):
         averaged[k] = keep * averaged[k] + take * weights[k]
-    share = 0.0
-    for met in contacts.flat:
-        share += met / contacts.size
-    reward = manner.reward_step + share * (manner.reward_contact - manner.reward_step)
-    sums.progress[1] += pace.centring * (reward - sums.progress[1])
+    excess = 0.0
+    for reward in rewards.flat:
+        excess += reward / (rewards.size * manner.action_repeat)
+    sums.progress[1] += pace.centring * excess
     sums.progress[0] += 1.0

@@ -112,7 +112,11 @@ class BatchedConfig:
     """Agents whose steps are computed together by one thread. The bits depend on it, and not on
     the number of threads."""
     rollout_steps: int = 16
-    """Steps that every agent does between two updates."""
+    """Transitions that every agent makes between two updates."""
+    action_repeat: int = 1
+    """Steps of the world an action while learning. They are one transition: their rewards are
+    added, γ counts them as one, and nobody looks in between. Where the learned policy is used, it
+    decides at every step."""
     epochs: int = 1
     """How often each roll-out is learned from."""
     minibatches: int = 1
@@ -130,7 +134,8 @@ class BatchedConfig:
 
     def __post_init__(self) -> None:
         limits = {"agents": 1 << 20, "shard_agents": 1 << 12, "rollout_steps": 1 << 12}
-        for name, most in (limits | {"epochs": 100, "minibatches": 1000}).items():
+        limits |= {"action_repeat": 1000, "epochs": 100, "minibatches": 1000}
+        for name, most in limits.items():
             require_count(f"learner.batched.{name}", getattr(self, name), most)
         require(
             self.agents % self.shard_agents == 0,
@@ -202,6 +207,13 @@ class LearnerConfig:
         require(0.0 <= keep < 1.0, "learner.averaged_weights", "in [0, 1)", keep)
         require_one_of(Form, "learner.form", self.form)
         require_one_of(Target, "learner.target", self.target)
+        repeats = self.form == "batched" and self.batched.action_repeat > 1
+        require(
+            not repeats or self.exploration.held_actions == 1,
+            "learner.exploration.held_actions",
+            "1 where learner.batched.action_repeat is more",
+            self.exploration.held_actions,
+        )
         fits = self.form == "batched" or self.target != "greedy"
         require(fits, "learner.target", "sampled or expected with form = 'online'", self.target)
         require_one_of(AfterContact, "learner.after_contact", self.after_contact)

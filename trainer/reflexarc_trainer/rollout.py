@@ -42,6 +42,8 @@ class Manner(NamedTuple):
     reward_step: float
     reward_contact: float
     held_actions: int
+    action_repeat: int
+    """Steps of the world an action."""
 
 
 class Pending(NamedTuple):
@@ -71,9 +73,9 @@ class Rollout(NamedTuple):
     bootstraps: npt.NDArray[Any]
     """Value of the place: Q of the action, or its expectation; likewise."""
     rewards: npt.NDArray[Any]
-    """(shards, T, columns)."""
+    """What each action brought, its repetitions added up: (shards, T, columns)."""
     contacts: npt.NDArray[np.bool_]
-    """(shards, T, columns)."""
+    """Whether it met an obstacle meanwhile: (shards, T, columns)."""
     returns: npt.NDArray[Any]
     """λ-returns: (shards, T, columns)."""
     values: npt.NDArray[Any]
@@ -116,11 +118,14 @@ def roll_out(
         _see(manner.curve, pending.seen[first + c], rollout.inputs[shard, 0], c)
         rollout.actions[shard, 0, c] = pending.action[first + c]
     for t in range(steps):
-        call(place.step, place.held, pending.action, pending.met, MOVE + LOOK, first, end)
+        contacts, rewards = rollout.contacts[shard, t], rollout.rewards[shard, t]
+        contacts[:], rewards[:] = False, 0
+        for repeated in range(1, manner.action_repeat + 1):
+            tasks = MOVE + LOOK if repeated == manner.action_repeat else MOVE
+            call(place.step, place.held, pending.action, pending.met, tasks, first, end)
+            _reap(manner, pending.met[first:end], average_reward, contacts, rewards)
         for c in range(columns):
-            rollout.contacts[shard, t, c] = pending.met[first + c]
             _see(manner.curve, place.stack[first + c], rollout.inputs[shard, t + 1], c)
-        _reward(manner, pending.met[first:end], average_reward, rollout.rewards[shard, t])
         choose_all(layers, weights, manner, pending, rollout, shard, t + 1, epsilon)
     for i in range(first, end):
         _keep(place.stack[i], pending.seen[i])
@@ -185,15 +190,18 @@ def _keep(retina: npt.NDArray[np.uint8], seen: npt.NDArray[np.uint8]) -> None:
 
 
 @fused_inner
-def _reward(
+def _reap(
     manner: Manner,
     met: npt.NDArray[np.bool_],
     average_reward: float,
+    contacts: npt.NDArray[np.bool_],
     rewards: npt.NDArray[Any],
 ) -> None:
+    """Add what a step of the world brought to what the action has brought so far."""
     for c in range(len(rewards)):
         reward = manner.reward_contact if met[c] else manner.reward_step
-        rewards[c] = reward - average_reward
+        rewards[c] += reward - average_reward
+        contacts[c] |= met[c]
 
 
 @fused_inner
