@@ -64,7 +64,7 @@ def _dress(axes: Axes) -> None:
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_xlim(TIMES_S[0], TIMES_S[-1])
-    axes.set_ylim(2.0, 80.0)
+    axes.set_ylim(1.5, 80.0)
     axes.set_yticks([2, 3, *LEVELS, 10, 20, 36, 70], minor=False)
     axes.set_yticks([], minor=True)
     axes.yaxis.set_major_formatter(lambda rate, _: f"{rate:g}")
