@@ -31,13 +31,15 @@ ASIDE = "## Where it comes from"
 def main(runs: Path = RUNS) -> int:
     """Copy what there is, and write the page of all."""
     PAGES.mkdir(parents=True, exist_ok=True)
-    sections, missing = [INTRODUCTION], 0
+    sections, missing = [INTRODUCTION], []
     for name in study_names():
         try:
             sections.append(_section(name, runs / f"study-{name}"))
         except ReflexarcError as error:
             print(f"studies: {error}", file=sys.stderr)
-            missing += 1
+            missing.append(name)
+    if missing:
+        sections.append(f"Not run to their end yet: {', '.join(missing)}.\n")
     (PAGES / "README.md").write_text("\n".join(sections), encoding="utf-8")
     return 1 if missing else 0
 
