@@ -27,7 +27,7 @@ def test_what_is_shown_is_the_file(capsys: pytest.CaptureFixture[str]) -> None:
 def test_dry_run_tells_cells_runs_and_a_time(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["study", "held", "--dry-run", "--jobs", "2"]) == 0
     said = " ".join(capsys.readouterr().out.split())
-    assert "12 cells × 6 seeds = 72 runs" in said
+    assert "14 cells × 5 seeds = 70 runs" in said
     assert "minutes with --jobs 2" in said
 
 
