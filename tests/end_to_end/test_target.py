@@ -19,7 +19,7 @@ import importlib, pkgutil, sys
 for room in ("reflexarc", "reflexarc_runtime", "reflexarc_logs", "reflexarc_sim_bridge"):
     package = importlib.import_module(room)
     for module in pkgutil.walk_packages(package.__path__, room + "."):
-        if "demo" in module.name or "training_progress" in module.name or "__main__" in module.name:
+        if any(part in module.name for part in ("demo", "_progress", "__main__")):
             continue
         importlib.import_module(module.name)
 loaded = {name.partition(".")[0] for name in sys.modules}
