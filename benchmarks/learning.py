@@ -21,6 +21,7 @@ import argparse
 import os
 import sys
 from pathlib import Path
+from typing import NoReturn
 
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -36,10 +37,14 @@ def main() -> None:
     if options.child:
         _be_a_child(options)
         return
+    if options.seeds < 1 or options.budget_s <= 0.0 or options.cold < 0:
+        _refuse("expected --seeds 1 or more, --budget-s above 0, --cold 0 or more")
     entries, out = _entries(options), Path(options.out) / ("quick" * options.quick)
     if options.plan:
         _say_plan(entries)
         return
+    if options.report and not out.is_dir():
+        _refuse(f"--out: no runs are in {out}; leave out --report to make some")
     if not options.report:
         run_all(entries, out, _scale(options))
         from learning_race.undisturbed import time_all
@@ -48,6 +53,11 @@ def main() -> None:
     from learning_race.report import write_report
 
     print(write_report(out))
+
+
+def _refuse(reason: str) -> NoReturn:
+    print(f"learning: {reason}", file=sys.stderr)
+    raise SystemExit(2)
 
 
 def _be_a_child(options: argparse.Namespace) -> None:

@@ -88,6 +88,7 @@ class Picks(NamedTuple):
     y_m: Floats32
     is_near: npt.NDArray[np.bool_]
     integers: Integers32
+    """For places that move: (capacity,)."""
 
 
 @compiled_inner

@@ -83,9 +83,8 @@ class Simulation:
         agents = agents_at_zero(seeds, world.densest, tables, contract)
         if lanes is not None:
             agents.state["lane"] = lanes
-        self.params = Params(tables, eye_params(contract, worlds[0]), agents)
         self._motions = motions_of(contract)
-        self._find_step()
+        self.params = Params(tables, eye_params(contract, worlds[0]), agents)
         self._no_actions, self._met = np.zeros(len(seeds), np.int64), np.zeros(len(seeds), np.bool_)
         shared(self._put, len(seeds))
 
@@ -98,8 +97,19 @@ class Simulation:
         vars(self).update(state)
         self._find_step()
 
+    @property
+    def params(self) -> Params:
+        """The world, the eye and the agents, as compiled code has them."""
+        return self._params
+
+    @params.setter
+    def params(self, params: Params) -> None:
+        """Go on with others: what compiled code holds are addresses of the former ones."""
+        self._params = params
+        self._find_step()
+
     def _find_step(self) -> None:
-        self._step = kernel.step_of(self.params, self._motions)
+        self._step = kernel.step_of(self._params, self._motions)
         self._held: dict[int, Held] = {}  # one a thread
 
     def __len__(self) -> int:

@@ -91,8 +91,6 @@ def see_only_within(
     simulation.params = params._replace(
         eye=params.eye._replace(range_m=float(range_m), nearness=False)
     )
-    simulation._find_step()  # what it holds is of the former ones
     seen = simulation.sense()[0, :, :, 0] > 0
     simulation.params = params
-    simulation._find_step()
     return seen

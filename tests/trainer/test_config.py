@@ -113,7 +113,7 @@ def test_configuration_of_another_version_is_refused(change: dict[str, Any]) -> 
 def test_unknown_preset_is_refused_and_the_known_are_listed() -> None:
     with pytest.raises(
         UsageError,
-        match=r"'reflexes'; known: reflex, lidar, binocular, rover, reflex-online, online, paper, paper-literal",
+        match=f"'reflexes'; known: {', '.join(PRESETS)}",
     ):
         preset_named("reflexes")
 
