@@ -24,8 +24,11 @@ from reflexarc_sim_bridge.params import (
     Agents,
     WorldTables,
 )
+from reflexarc_sim_bridge.sieve import LANES
 from reflexarc_sim_bridge.world_tables import world_tables
 from reflexarc_sim_bridge.worlds import World
+
+_CACHE_LINE = 64
 
 
 def agents_at_zero(
@@ -50,12 +53,12 @@ def agents_at_zero(
         state,
         np.zeros((n, layers, 2), np.int64),
         np.zeros((n, layers, 4), np.int64),
-        np.zeros((n, layers, BOX_ROWS, boxes), np.float32),
-        np.zeros((n, layers, TURNED_ROWS, turned), np.float32),
-        np.zeros((n, layers, DISC_ROWS, discs), np.float32),
-        np.zeros((n, layers, SIDE_ROWS, sides), np.float32),
-        np.zeros((n, layers, 2, belt), np.int32),
-        np.zeros((n, layers, 4, belt), np.float32),
+        _zeros((n, layers, BOX_ROWS, boxes), np.float32),
+        _zeros((n, layers, TURNED_ROWS, turned), np.float32),
+        _zeros((n, layers, DISC_ROWS, discs), np.float32),
+        _zeros((n, layers, SIDE_ROWS, sides), np.float32),
+        _zeros((n, layers, 2, belt), np.int32),
+        _zeros((n, layers, 4, belt), np.float32),
         np.zeros((n, layers, columns), np.int64),
         np.zeros((n, world.senses.latency_steps + 1, spec.size), np.uint8),
         np.zeros((n, spec.frames * spec.size), np.uint8),
@@ -68,7 +71,7 @@ def _near_capacities(tables: WorldTables) -> list[int]:
     for w, plane in enumerate(tables.planes):
         for number in range(int(plane["layers"])):
             needs = np.maximum(needs, _needs(tables, w, number))
-    return [int(need) + 1 for need in needs]
+    return [_whole(int(need) + 1 + LANES) for need in needs]
 
 
 def _belt_capacity(tables: WorldTables) -> tuple[int, int]:
@@ -81,7 +84,20 @@ def _belt_capacity(tables: WorldTables) -> tuple[int, int]:
         columns * int(plane["across"]) * float((1.0 - tables.counts[0, number, 0]).sum())
         for number in np.flatnonzero(layers["has_belt"])
     ]
-    return columns, max((_room_for(mean) for mean in means), default=0)
+    return columns, _whole(max((_room_for(mean) for mean in means), default=0))
+
+
+def _whole(columns: int) -> int:
+    """So many and as many more as it takes for whole vectors."""
+    return math.ceil(columns / LANES) * LANES
+
+
+def _zeros(shape: tuple[int, ...], dtype: type[np.generic]) -> npt.NDArray[Any]:
+    """An array that begins where a line of the cache does: a vector is then never in two of them."""
+    size = math.prod(shape) * np.dtype(dtype).itemsize
+    memory = np.zeros(size + _CACHE_LINE, np.uint8)
+    start = -memory.ctypes.data % _CACHE_LINE
+    return memory[start : start + size].view(dtype).reshape(shape)
 
 
 def _room_for(mean: float) -> int:

@@ -57,6 +57,7 @@ from reflexarc_sim_bridge.random_numbers import (
     second_half,
     uniform,
 )
+from reflexarc_sim_bridge.sieve import LANES, keep, whole
 
 EIGHT = 8
 """Entries are written so many at a time: how many a chunk has, no branch foresees."""
@@ -155,16 +156,15 @@ def pick_near(
     end, is_upright = 0, boxes.shape[0] == BOX_ROWS
     for count in belt.counts:
         end += count
-    x_m, y_m, is_near = picks.x_m, picks.y_m, picks.is_near
-    n = _judge(plane, cell, x_m, y_m, is_near, belt.places, belt.sizes, end, is_upright)
-    while n >= boxes.shape[1]:  # never: there is room for the mean and ten standard deviations
-        end -= 1
-        n -= is_near[end]
-    _list(is_near, x_m, y_m, end, boxes[BOX_X], boxes[BOX_Y])
-    length, width = belt.sizes[HALF_LENGTH], belt.sizes[HALF_WIDTH]
-    _list(is_near, length, width, end, boxes[BOX_HALF_LENGTH], boxes[BOX_HALF_WIDTH])
+    x_m, y_m, is_near, sizes = picks.x_m, picks.y_m, picks.is_near, belt.sizes
+    _judge(plane, cell, x_m, y_m, is_near, belt.places, sizes, end, is_upright)
+    n = _list(is_near, x_m, end, boxes[BOX_X])
+    _list(is_near, y_m, end, boxes[BOX_Y])
+    _list(is_near, sizes[HALF_LENGTH], end, boxes[BOX_HALF_LENGTH])
+    _list(is_near, sizes[HALF_WIDTH], end, boxes[BOX_HALF_WIDTH])
     if not is_upright:
-        _list(is_near, belt.sizes[COS], belt.sizes[SIN], end, boxes[BOX_COS], boxes[BOX_SIN])
+        _list(is_near, sizes[COS], end, boxes[BOX_COS])
+        _list(is_near, sizes[SIN], end, boxes[BOX_SIN])
     for k in range(n):
         boxes[BOX_PAINT, k] = WHITE
     return n
@@ -283,9 +283,8 @@ def _judge(
     sizes: Floats32,
     end: int,
     is_upright: bool,
-) -> int:
-    """Where the boxes of a belt are from a cell, and how many reach into the box around it."""
-    n = 0
+) -> None:
+    """Where the boxes of a belt are from a cell, and which reach into the box around it."""
     length_m, width_m = CHUNK_M + plane.ahead_m + plane.behind_m, plane.chunk_width_m
     middle_x, half_x = np.float32(0.5 * length_m - plane.behind_m), np.float32(0.5 * length_m)
     middle_y, half_y = np.float32(0.5 * width_m), np.float32(0.5 * width_m + plane.aside_m)
@@ -293,32 +292,28 @@ def _judge(
     unit_y = np.float32(plane.chunk_width_m * plane.across / _TURN)
     corner_x = np.int32(cell[0] << _CHUNK_BITS)
     corner_y = np.int32(np.int64((cell[1] % plane.across) * (_TURN / plane.across)))
-    for k in range(end):
+    for k in range(whole(end)):
         x = np.float32(np.int32(places[BELT_X, k] - corner_x)) * unit_x
         y = np.float32(np.int32(places[BELT_Y, k] - corner_y)) * unit_y
         x_m[k], y_m[k] = x, y
         half_length, half_width = sizes[HALF_LENGTH, k], sizes[HALF_WIDTH, k]
         longest = half_length if is_upright else half_length + half_width
         widest = half_width if is_upright else half_length + half_width
-        is_near[k] = (abs(x - middle_x) <= half_x + longest) & (
-            abs(y - middle_y) <= half_y + widest
+        is_near[k] = (
+            (k < end)
+            & (abs(x - middle_x) <= half_x + longest)
+            & (abs(y - middle_y) <= half_y + widest)
         )
-    for k in range(end):
-        n += is_near[k]
-    return n
 
 
 @compiled_disjoint
 def _list(
-    is_near: npt.NDArray[np.bool_],
-    values: Floats32,
-    others: Floats32,
-    end: int,
-    listed: Floats32,
-    others_listed: Floats32,
-) -> None:
-    """List two values of the near ones, written first and counted after."""
-    n = 0
-    for k in range(end):
-        listed[np.uintp(n)], others_listed[np.uintp(n)] = values[k], others[k]
-        n += is_near[k]
+    is_near: npt.NDArray[np.bool_], values: Floats32, end: int, listed: Floats32
+) -> int:
+    """List a value of the near ones; returns how many."""
+    n, room = 0, len(listed) - LANES
+    for first in range(0, end, LANES):
+        if n > room:  # never: there is room for the mean and ten standard deviations
+            return room
+        n = keep(values, is_near, first, listed, n)
+    return min(n, room)

@@ -18,6 +18,7 @@ from numba.core.cpu import CPUTargetOptions
 from numba.core.options import TargetOptions
 
 from reflexarc_sim_bridge.compile_cache import keyed_by_sources
+from reflexarc_sim_bridge.wide import WideCompiler
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
@@ -82,12 +83,17 @@ def compiled_called(function: _Function) -> _Function:
     A compiled function that is called by name becomes part of every caller, and is optimised anew
     with each. It allocates nothing.
     """
-    return _compiled(function, _nrt=False, no_cpython_wrapper=True, no_cfunc_wrapper=False)
+    return _compiled(function, _nrt=False, no_cpython_wrapper=True)
 
 
 def _compiled(function: _Function, **options: Any) -> _Function:
     njit: Any = numba.njit  # its stub does not know all of its options
     with keyed_by_sources():
-        usual = {"cache": True, "error_model": "numpy", "no_cfunc_wrapper": True}
+        usual = {
+            "cache": True,
+            "error_model": "numpy",
+            "no_cfunc_wrapper": True,
+            "pipeline_class": WideCompiler,
+        }
         compile_later = njit(**{**usual, **options})
         return compile_later(function)  # type: ignore[no-any-return]  # called as the function is

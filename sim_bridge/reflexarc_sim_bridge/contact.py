@@ -47,6 +47,7 @@ from reflexarc_sim_bridge.params import (
     Params,
 )
 from reflexarc_sim_bridge.pick import Judged
+from reflexarc_sim_bridge.sieve import whole
 from reflexarc_sim_bridge.workspace import Workspace
 
 _STEEPEST = 1e-12
@@ -91,7 +92,7 @@ def free_share(params: Params, work: Workspace, i: int, ahead_m: float, left_m: 
             way_y_m -= to_y - from_y
         x_m, y_m = place_in_layer_m(plane, layer, state, agents.layer_cells[i, number])
         way = Way(x_m, y_m, way_x_m, way_y_m, plane.radius_m)
-        near, judged = near_of(agents, i, number), work.judged
+        near, judged = near_of(agents, i, number), work.sieve.judged
         if near.counts[BOXES]:
             share = min(share, _box_share(near.boxes, near.counts[BOXES], way, judged))
         if near.counts[TURNED]:
@@ -152,11 +153,11 @@ def _boxes_touched(
     judged: Judged,
 ) -> bool:
     touched = False
-    for k in range(count):
+    for k in range(whole(count)):
         along = abs(near[BOX_X, k] - x) <= near[BOX_HALF_LENGTH, k] + rx
         across = abs(near[BOX_Y, k] - y) <= near[BOX_HALF_WIDTH, k] + ry
-        judged[k] = along & across
-        touched |= along & across
+        judged[k] = (k < count) & along & across
+        touched |= (k < count) & along & across
     return touched
 
 
@@ -171,13 +172,13 @@ def _turned_touched(
     judged: Judged,
 ) -> bool:
     touched = False
-    for k in range(count):
+    for k in range(whole(count)):
         cos, sin = abs(near[BOX_COS, k]), abs(near[BOX_SIN, k])
         half_length, half_width = near[BOX_HALF_LENGTH, k], near[BOX_HALF_WIDTH, k]
         along = abs(near[BOX_X, k] - x) <= half_length * cos + half_width * sin + rx
         across = abs(near[BOX_Y, k] - y) <= half_length * sin + half_width * cos + ry
-        judged[k] = along & across
-        touched |= along & across
+        judged[k] = (k < count) & along & across
+        touched |= (k < count) & along & across
     return touched
 
 
@@ -192,12 +193,12 @@ def _discs_touched(
     judged: Judged,
 ) -> bool:
     touched = False
-    for k in range(count):
+    for k in range(whole(count)):
         radius = near[DISC_RADIUS, k]
         along = abs(near[DISC_X, k] - x) <= radius + rx
         across = abs(near[DISC_Y, k] - y) <= radius + ry
-        judged[k] = along & across
-        touched |= along & across
+        judged[k] = (k < count) & along & across
+        touched |= (k < count) & along & across
     return touched
 
 
@@ -212,12 +213,12 @@ def _sides_touched(
     judged: Judged,
 ) -> bool:
     touched, half = False, np.float32(0.5)
-    for k in range(count):
+    for k in range(whole(count)):
         ahead, left = half * near[SIDE_AHEAD, k], half * near[SIDE_LEFT, k]
         along = abs(near[SIDE_X, k] + ahead - x) <= abs(ahead) + rx
         across = abs(near[SIDE_Y, k] + left - y) <= abs(left) + ry
-        judged[k] = along & across
-        touched |= along & across
+        judged[k] = (k < count) & along & across
+        touched |= (k < count) & along & across
     return touched
 
 

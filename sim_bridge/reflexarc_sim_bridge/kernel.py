@@ -23,7 +23,7 @@ from reflexarc_sim_bridge.places import go_to_free_place, set_place
 from reflexarc_sim_bridge.senses import sense_agent
 from reflexarc_sim_bridge.vision import look
 from reflexarc_sim_bridge.workspace import Workspace, new_workspace
-from reflexarc_sim_bridge.world_step import call, compiled_step, held_at
+from reflexarc_sim_bridge.world_step import call, compiled_step
 
 __all__ = [
     "LOOK",
@@ -62,7 +62,7 @@ def advance(
         first: first agent.
         end: agent behind the last.
     """
-    params, work, motions = held_at(held)
+    params, work, motions = held.params, held.work, held.motions
     for i in range(first, end):
         if tasks & PLACE:
             go_to_free_place(params, work, i, True)

@@ -1,8 +1,7 @@
 """Which near obstacles an eye can see: those within range that reach into its wedge.
 
 The wedge lies between the directions of the rightmost and the leftmost ray. First every obstacle
-is judged, many at once; then those that pass are listed in fours, written first and counted after,
-as no branch foresees them. An eye of several tiles of rays picks once for all of them, copies what
+is judged, sixteen at once; then those that pass are listed in fours. An eye of several tiles of rays picks once for all of them, copies what
 it picked, and picks from that for each tile.
 """
 
@@ -29,8 +28,9 @@ from reflexarc_sim_bridge.params import (
     SIDE_Y,
     Floats32,
 )
+from reflexarc_sim_bridge.sieve import LANES, keep, whole
 
-Picked = npt.NDArray[np.uintp]
+Picked = npt.NDArray[np.uint32]
 Judged = npt.NDArray[np.bool_]
 
 FOUR = 4
@@ -39,6 +39,17 @@ FOUR = 4
 _ZERO, _HALF = np.float32(0.0), np.float32(0.5)
 _SLIGHT_M = np.float32(1e-5)
 """A ray along a wedge's edge, to where two sides meet, must not be beside both by rounding."""
+
+
+class Sieve(NamedTuple):
+    """Scratch for picking."""
+
+    judged: Judged
+    """Whether a tile of rays can meet a near obstacle: (capacity,)."""
+    numbers: Picked
+    """Their columns: 0, 1, 2, …: (capacity,)."""
+    picked: Picked
+    """Columns of those that it can: (capacity + LANES,)."""
 
 
 class View(NamedTuple):
@@ -60,8 +71,7 @@ def pick_boxes(
     near: Floats32,
     count: int,
     view: View,
-    judged: Judged,
-    picked: Picked,
+    sieve: Sieve,
 ) -> int:
     """Pick boxes.
 
@@ -69,14 +79,13 @@ def pick_boxes(
         near: rows BOX_*: (5, capacity).
         count: columns of it in use.
         view: from where, in the frame of `near`.
-        judged: scratch: (capacity,).
-        picked: filled with the columns that passed: (capacity,).
+        sieve: scratch, and filled with the columns that passed.
 
     Returns:
         How many are listed: whole fours, the last filled up with one of them.
     """
-    _judge_boxes(near, count, view, judged)
-    return _listed(judged, count, picked)
+    _judge_boxes(near, count, view, sieve.judged)
+    return _listed(sieve.judged, sieve.numbers, count, sieve.picked)
 
 
 @compiled_inner
@@ -84,12 +93,11 @@ def pick_turned(
     near: Floats32,
     count: int,
     view: View,
-    judged: Judged,
-    picked: Picked,
+    sieve: Sieve,
 ) -> int:
     """Pick turned boxes, all rows BOX_*; arguments as for boxes."""
-    _judge_turned(near, count, view, judged)
-    return _listed(judged, count, picked)
+    _judge_turned(near, count, view, sieve.judged)
+    return _listed(sieve.judged, sieve.numbers, count, sieve.picked)
 
 
 @compiled_inner
@@ -97,12 +105,11 @@ def pick_discs(
     near: Floats32,
     count: int,
     view: View,
-    judged: Judged,
-    picked: Picked,
+    sieve: Sieve,
 ) -> int:
     """Pick discs, rows DISC_*; arguments as for boxes."""
-    _judge_discs(near, count, view, judged)
-    return _listed(judged, count, picked)
+    _judge_discs(near, count, view, sieve.judged)
+    return _listed(sieve.judged, sieve.numbers, count, sieve.picked)
 
 
 @compiled_inner
@@ -110,12 +117,11 @@ def pick_sides(
     near: Floats32,
     count: int,
     view: View,
-    judged: Judged,
-    picked: Picked,
+    sieve: Sieve,
 ) -> int:
     """Pick sides that face the eye, rows SIDE_*; arguments as for boxes."""
-    _judge_sides(near, count, view, judged)
-    return _listed(judged, count, picked)
+    _judge_sides(near, count, view, sieve.judged)
+    return _listed(sieve.judged, sieve.numbers, count, sieve.picked)
 
 
 @compiled_disjoint
@@ -126,7 +132,7 @@ def _judge_boxes(
     judged: Judged,
 ) -> None:
     x, y, range_m, right_x, right_y, left_x, left_y = view
-    for k in range(count):
+    for k in range(whole(count)):
         dx, dy = near[BOX_X, k] - x, near[BOX_Y, k] - y
         half_length, half_width = near[BOX_HALF_LENGTH, k], near[BOX_HALF_WIDTH, k]
         away_x, away_y = abs(dx) - half_length, abs(dy) - half_width
@@ -137,7 +143,8 @@ def _judge_boxes(
         from_left = dx * left_y - dy * left_x
         from_left += half_length * abs(left_y) + half_width * abs(left_x)
         judged[k] = (
-            (away_x * away_x + away_y * away_y < range_m * range_m)
+            (k < count)
+            & (away_x * away_x + away_y * away_y < range_m * range_m)
             & (from_right >= _ZERO)
             & (from_left >= _ZERO)
         )
@@ -152,7 +159,7 @@ def _judge_turned(
 ) -> None:
     """As upright ones, in their own frames."""
     x, y, range_m, right_x, right_y, left_x, left_y = view
-    for k in range(count):
+    for k in range(whole(count)):
         cos, sin = near[BOX_COS, k], near[BOX_SIN, k]
         dx, dy = turned_back(near[BOX_X, k] - x, near[BOX_Y, k] - y, cos, sin)
         rightmost_x, rightmost_y = turned_back(right_x, right_y, cos, sin)
@@ -166,7 +173,8 @@ def _judge_turned(
         from_left = dx * leftmost_y - dy * leftmost_x
         from_left += half_length * abs(leftmost_y) + half_width * abs(leftmost_x)
         judged[k] = (
-            (away_x * away_x + away_y * away_y < range_m * range_m)
+            (k < count)
+            & (away_x * away_x + away_y * away_y < range_m * range_m)
             & (from_right >= -_SLIGHT_M)
             & (from_left >= -_SLIGHT_M)
         )
@@ -180,13 +188,16 @@ def _judge_discs(
     judged: Judged,
 ) -> None:
     x, y, range_m, right_x, right_y, left_x, left_y = view
-    for k in range(count):
+    for k in range(whole(count)):
         dx, dy, radius = near[DISC_X, k] - x, near[DISC_Y, k] - y, near[DISC_RADIUS, k]
         farthest = range_m + radius
         from_right = right_x * dy - right_y * dx + radius
         from_left = dx * left_y - dy * left_x + radius
         judged[k] = (
-            (dx * dx + dy * dy < farthest * farthest) & (from_right >= _ZERO) & (from_left >= _ZERO)
+            (k < count)
+            & (dx * dx + dy * dy < farthest * farthest)
+            & (from_right >= _ZERO)
+            & (from_left >= _ZERO)
         )
 
 
@@ -199,7 +210,7 @@ def _judge_sides(
 ) -> None:
     """Of the two ends the one that lies farther into the wedge counts."""
     x, y, range_m, right_x, right_y, left_x, left_y = view
-    for k in range(count):
+    for k in range(whole(count)):
         dx, dy = near[SIDE_X, k] - x, near[SIDE_Y, k] - y
         ahead, left = near[SIDE_AHEAD, k], near[SIDE_LEFT, k]
         away_x = abs(dx + _HALF * ahead) - _HALF * abs(ahead)
@@ -211,7 +222,8 @@ def _judge_sides(
         begins, grows = dx * left_y - dy * left_x, ahead * left_y - left * left_x
         from_left = begins if grows < _ZERO else begins + grows
         judged[k] = (
-            (away_x * away_x + away_y * away_y < range_m * range_m)
+            (k < count)
+            & (away_x * away_x + away_y * away_y < range_m * range_m)
             & (ahead * dy - left * dx > _ZERO)
             & (from_right >= -_SLIGHT_M)
             & (from_left >= -_SLIGHT_M)
@@ -222,7 +234,7 @@ def _judge_sides(
 def copied(
     near: Floats32, x: np.float32, y: np.float32, judged: Judged, count: int, seen: Floats32
 ) -> int:
-    """Copy those that passed, relative to the eye: written first, counted after.
+    """Copy those that passed, relative to the eye.
 
     Args:
         near: as for picking.
@@ -236,27 +248,21 @@ def copied(
         How many.
     """
     n = 0
-    for k in range(count):
-        at = np.uintp(n)
-        seen[0, at], seen[1, at] = near[0, k] - x, near[1, k] - y
-        seen[2, at], seen[3, at] = near[2, k], near[3, k]
-        n += judged[k]
-    for row in range(4, near.shape[0]):
+    for row in range(near.shape[0]):
         n = 0
-        for k in range(count):
-            seen[row, np.uintp(n)] = near[row, k]
-            n += judged[k]
+        for first in range(0, count, LANES):
+            n = keep(near[row], judged, first, seen[row], n)
+    for k in range(n):
+        seen[0, k], seen[1, k] = seen[0, k] - x, seen[1, k] - y
     return n
 
 
 @compiled_disjoint
-def _listed(judged: Judged, count: int, picked: Picked) -> int:
+def _listed(judged: Judged, numbers: Picked, count: int, picked: Picked) -> int:
     """List those that passed; returns how many."""
     n = 0
-    for k in range(count):
-        picked[np.uintp(n)] = k
-        n += judged[k]
-    filled = (n + FOUR - 1) // FOUR * FOUR
-    for k in range(n, filled):
+    for first in range(0, count, LANES):
+        n = keep(numbers, judged, first, picked, n)
+    for k in range(n, n + FOUR):
         picked[k] = picked[0]
-    return filled
+    return (n + FOUR - 1) // FOUR * FOUR

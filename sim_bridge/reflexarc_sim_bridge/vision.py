@@ -181,17 +181,17 @@ def _see_boxes(
     eye: EyeParams, work: Workspace, near: Floats32, count: int, x: np.float32, y: np.float32
 ) -> None:
     """Let all rays meet the boxes of a near list."""
-    judged, picked = work.judged, work.picked
+    sieve = work.sieve
     if work.distance_m.size > TILE_RAYS:
-        pick_boxes(near, count, _eye_view(eye, work, x, y), judged, picked)
-        count = copied(near, x, y, judged, count, work.seen)
+        pick_boxes(near, count, _eye_view(eye, work, x, y), sieve)
+        count = copied(near, x, y, sieve.judged, count, work.seen)
         near, x, y = work.seen, _ZERO, _ZERO
     for first in range(0, work.distance_m.size, TILE_RAYS):
         view = _tile_view(eye, work, first, x, y)
-        end = pick_boxes(near, count, view, judged, picked)
+        end = pick_boxes(near, count, view, sieve)
         distance_m, paint = work.distance_m[first:], work.paint[first:]
         per_ahead, per_left = work.per_ahead[first:], work.per_left[first:]
-        _meet_boxes(near, picked, end, x, y, per_ahead, per_left, distance_m, paint)
+        _meet_boxes(near, sieve.picked, end, x, y, per_ahead, per_left, distance_m, paint)
 
 
 @compiled_disjoint
@@ -226,17 +226,17 @@ def _see_turned(
     eye: EyeParams, work: Workspace, near: Floats32, count: int, x: np.float32, y: np.float32
 ) -> None:
     """Let all rays meet the turned boxes of a near list."""
-    judged, picked = work.judged, work.picked
+    sieve = work.sieve
     if work.distance_m.size > TILE_RAYS:
-        pick_turned(near, count, _eye_view(eye, work, x, y), judged, picked)
-        count = copied(near, x, y, judged, count, work.seen)
+        pick_turned(near, count, _eye_view(eye, work, x, y), sieve)
+        count = copied(near, x, y, sieve.judged, count, work.seen)
         near, x, y = work.seen, _ZERO, _ZERO
     for first in range(0, work.distance_m.size, TILE_RAYS):
         view = _tile_view(eye, work, first, x, y)
-        end = pick_turned(near, count, view, judged, picked)
+        end = pick_turned(near, count, view, sieve)
         distance_m, paint = work.distance_m[first:], work.paint[first:]
         ahead, left = work.ahead[first:], work.left[first:]
-        _meet_turned(near, picked, end, x, y, ahead, left, distance_m, paint)
+        _meet_turned(near, sieve.picked, end, x, y, ahead, left, distance_m, paint)
 
 
 @compiled_disjoint
@@ -271,17 +271,17 @@ def _see_discs(
     eye: EyeParams, work: Workspace, near: Floats32, count: int, x: np.float32, y: np.float32
 ) -> None:
     """Let all rays meet the discs of a near list."""
-    judged, picked = work.judged, work.picked
+    sieve = work.sieve
     if work.distance_m.size > TILE_RAYS:
-        pick_discs(near, count, _eye_view(eye, work, x, y), judged, picked)
-        count = copied(near, x, y, judged, count, work.seen)
+        pick_discs(near, count, _eye_view(eye, work, x, y), sieve)
+        count = copied(near, x, y, sieve.judged, count, work.seen)
         near, x, y = work.seen, _ZERO, _ZERO
     for first in range(0, work.distance_m.size, TILE_RAYS):
         view = _tile_view(eye, work, first, x, y)
-        end = pick_discs(near, count, view, judged, picked)
+        end = pick_discs(near, count, view, sieve)
         distance_m, paint = work.distance_m[first:], work.paint[first:]
         ahead, left = work.ahead[first:], work.left[first:]
-        _meet_discs(near, picked, end, x, y, ahead, left, distance_m, paint)
+        _meet_discs(near, sieve.picked, end, x, y, ahead, left, distance_m, paint)
 
 
 @compiled_disjoint
@@ -316,17 +316,17 @@ def _see_sides(
     eye: EyeParams, work: Workspace, near: Floats32, count: int, x: np.float32, y: np.float32
 ) -> None:
     """Let all rays meet the sides of a near list."""
-    judged, picked = work.judged, work.picked
+    sieve = work.sieve
     if work.distance_m.size > TILE_RAYS:
-        pick_sides(near, count, _eye_view(eye, work, x, y), judged, picked)
-        count = copied(near, x, y, judged, count, work.seen)
+        pick_sides(near, count, _eye_view(eye, work, x, y), sieve)
+        count = copied(near, x, y, sieve.judged, count, work.seen)
         near, x, y = work.seen, _ZERO, _ZERO
     for first in range(0, work.distance_m.size, TILE_RAYS):
         view = _tile_view(eye, work, first, x, y)
-        end = pick_sides(near, count, view, judged, picked)
+        end = pick_sides(near, count, view, sieve)
         distance_m, paint = work.distance_m[first:], work.paint[first:]
         ahead, left = work.ahead[first:], work.left[first:]
-        _meet_sides(near, picked, end, x, y, ahead, left, distance_m, paint)
+        _meet_sides(near, sieve.picked, end, x, y, ahead, left, distance_m, paint)
 
 
 @compiled_disjoint
@@ -365,7 +365,7 @@ def _nearer(
 
 @compiled_inline
 def _column4(
-    near: Floats32, k: np.uintp, x: np.float32, y: np.float32
+    near: Floats32, k: np.uint32, x: np.float32, y: np.float32
 ) -> tuple[np.float32, np.float32, np.float32, np.float32]:
     """Paint of a disc, and itself seen from (x, y)."""
     return near[3, k], near[0, k] - x, near[1, k] - y, near[2, k]
@@ -373,7 +373,7 @@ def _column4(
 
 @compiled_inline
 def _column5(
-    near: Floats32, k: np.uintp, x: np.float32, y: np.float32
+    near: Floats32, k: np.uint32, x: np.float32, y: np.float32
 ) -> tuple[np.float32, np.float32, np.float32, np.float32, np.float32]:
     """The same of an upright box, or of a side."""
     return near[4, k], near[0, k] - x, near[1, k] - y, near[2, k], near[3, k]
@@ -381,7 +381,7 @@ def _column5(
 
 @compiled_inline
 def _column7(
-    near: Floats32, k: np.uintp, x: np.float32, y: np.float32
+    near: Floats32, k: np.uint32, x: np.float32, y: np.float32
 ) -> tuple[np.float32, np.float32, np.float32, np.float32, np.float32, np.float32, np.float32]:
     """The same of a turned box."""
     dx, dy = near[0, k] - x, near[1, k] - y

@@ -10,7 +10,8 @@ from reflexarc_sim_bridge.automaton import MAX_ROWS
 from reflexarc_sim_bridge.belt import EIGHT, Draws, Picks
 from reflexarc_sim_bridge.compiled import compiled_allocating
 from reflexarc_sim_bridge.params import TURNED_ROWS, Floats32, Params, WorldTables
-from reflexarc_sim_bridge.pick import FOUR
+from reflexarc_sim_bridge.pick import Sieve
+from reflexarc_sim_bridge.sieve import LANES
 
 _ZERO, _ONE = np.float32(0.0), np.float32(1.0)
 
@@ -18,10 +19,8 @@ _ZERO, _ONE = np.float32(0.0), np.float32(1.0)
 class Workspace(NamedTuple):
     """What an eye needs while it looks."""
 
-    judged: npt.NDArray[np.bool_]
-    """Whether a tile of rays can meet a near obstacle: (capacity,)."""
-    picked: npt.NDArray[np.uintp]
-    """Those that it can: (capacity,)."""
+    sieve: Sieve
+    """For picking what a tile of rays can meet."""
     seen: Floats32
     """Those that several tiles can, from the eye, rows as in the near lists: (7, capacity)."""
     ahead: Floats32
@@ -57,9 +56,8 @@ def new_workspace(params: Params) -> Workspace:
         agents.sides.shape[3],
     )
     work = Workspace(
-        np.empty(columns, np.bool_),
-        np.empty(columns + FOUR, np.uintp),
-        np.empty((TURNED_ROWS, columns + FOUR), np.float32),
+        _new_sieve(columns),
+        np.empty((TURNED_ROWS, columns + LANES), np.float32),
         np.empty(rays, np.float32),
         np.empty(rays, np.float32),
         np.empty(rays, np.float32),
@@ -75,6 +73,12 @@ def new_workspace(params: Params) -> Workspace:
     # An eye that does not turn looks along x for good.
     aim(eye, _ONE, _ZERO, work.ahead, work.left, work.per_ahead, work.per_left)
     return work
+
+
+@compiled_allocating
+def _new_sieve(columns: int) -> Sieve:
+    numbers = np.arange(columns).astype(np.uint32)
+    return Sieve(np.empty(columns, np.bool_), numbers, np.empty(columns + LANES, np.uint32))
 
 
 @compiled_allocating

@@ -6,7 +6,7 @@ world is compiled once for all, and a learner is the same code for every world. 
 on lies at an address, too: a call with all its arrays by value would copy two hundred words.
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numba
 import numpy as np
@@ -17,10 +17,19 @@ from numba.extending import intrinsic
 
 from reflexarc_sim_bridge.compiled import compiled
 from reflexarc_sim_bridge.params import Params
+from reflexarc_sim_bridge.reference import Reference
 from reflexarc_sim_bridge.workspace import Workspace, new_workspace
 
 _WORDS = 2048
 """Room for what one thread holds: the shapes and places of some 30 arrays."""
+
+
+class Kept(NamedTuple):
+    """What is put down."""
+
+    params: Params
+    work: Workspace
+    motions: npt.NDArray[np.float64]
 
 
 class Held:
@@ -36,7 +45,7 @@ class Held:
             params: the simulation's.
             motions: linear, lateral and angular speed of each action: (actions, 3).
         """
-        self._kept = params, new_workspace(params), motions
+        self._kept = Kept(params, new_workspace(params), motions)
         self._memory = np.empty(_WORDS, np.int64)
         if _put(*self._kept, self._memory) > self._memory.nbytes:
             raise AssertionError(f"world_step: a simulation takes more than {_WORDS} words")
@@ -57,13 +66,11 @@ def compiled_step(step: Any, params: Params, motions: npt.NDArray[np.float64]) -
         motions: as for `Held`.
     """
     typeof: Any = numba.typeof  # untyped
-    world = typeof((params, new_workspace(params), motions))
-    address = types.CPointer(world)  # type: ignore[no-untyped-call]  # numba's
-    signature = types.void(address, *_ARGUMENTS)
+    world = Reference(typeof(Kept(params, new_workspace(params), motions)))
+    signature = types.void(world, *_ARGUMENTS)
     step.compile(signature.args)
     compiled_one = step.get_compile_result(signature)
-    wrapper = compiled_one.fndesc.llvm_cfunc_wrapper_name
-    return int(compiled_one.library.get_pointer_to_function(wrapper))
+    return int(compiled_one.library.get_pointer_to_function(compiled_one.fndesc.llvm_func_name))
 
 
 _ARGUMENTS = types.int64[::1], types.boolean[::1], types.int64, types.int64, types.int64
@@ -84,31 +91,23 @@ def _store(_: Any, world: Any, memory: Any) -> Any:
     return types.int64(world, memory), emit
 
 
-def _load(_: Any, address: Any) -> Any:
-    """The tuple at an address."""
-
-    def emit(context: Any, builder: Any, __: Any, args: Any) -> Any:
-        return context.data_model_manager[address.dtype].load_from_data_pointer(builder, args[0])
-
-    return address.dtype(address), emit
-
-
 def _call(
     _: Any, step: Any, held: Any, actions: Any, met: Any, tasks: Any, first: Any, end: Any
 ) -> Any:
     """Call a step: the addresses of both, then its arguments."""
 
     def emit(context: Any, builder: Any, __: Any, args: Any) -> Any:
-        forms = [ir.IntType(64), *(context.get_value_type(kind) for kind in _ARGUMENTS)]
-        function = ir.FunctionType(context.get_value_type(types.void), forms)
-        builder.call(builder.inttoptr(args[0], function.as_pointer()), args[1:])
+        kinds = (types.voidptr, *_ARGUMENTS)
+        function = context.call_conv.get_function_type(types.none, kinds)
+        step_at = builder.inttoptr(args[0], function.as_pointer())
+        held_at = builder.inttoptr(args[1], context.get_value_type(types.voidptr))
+        context.call_conv.call_function(builder, step_at, types.none, kinds, (held_at, *args[2:]))
         return context.get_dummy_value()
 
     return types.void(types.int64, types.int64, *_ARGUMENTS), emit
 
 
 stored: Any = intrinsic(_store)  # its stub says that a call returns nothing
-held_at: Any = intrinsic(_load)
 call: Any = intrinsic(_call)
 
 
@@ -119,5 +118,5 @@ def _put(
     motions: npt.NDArray[np.float64],
     memory: npt.NDArray[np.int64],
 ) -> int:
-    size: int = stored((params, work, motions), memory)
+    size: int = stored(Kept(params, work, motions), memory)
     return size

@@ -1,0 +1,47 @@
+"""A tuple in compiled code by its address: each of its parts is read where it is used.
+
+Numba hands a tuple on by value, word by word. Of the two hundred words that describe all arrays of
+a simulation a step uses a few at a time; loading all of them takes as long as a look, and keeping
+them all at hand fills the stack and the compiler's time.
+"""
+
+from typing import Any
+
+from numba.core import cgutils, types
+from numba.core.datamodel import models
+from numba.core.typing.templates import AttributeTemplate
+from numba.extending import infer_getattr, lower_getattr_generic, register_model
+
+
+class Reference(types.Type):
+    """Type of an address at which a named tuple lies."""
+
+    def __init__(self, dtype: Any) -> None:
+        self.dtype = dtype
+        super().__init__(name=f"reference({dtype})")
+
+    def part(self, name: str) -> Any:
+        """Type of a field: again a reference, where that is a named tuple."""
+        part = self.dtype[self.dtype.fields.index(name)]
+        return Reference(part) if isinstance(part, types.BaseNamedTuple) else part
+
+
+register_model(Reference)(models.PointerModel)
+
+
+@infer_getattr
+class _Parts(AttributeTemplate):
+    key = Reference
+
+    def generic_resolve(self, reference: Reference, name: str) -> Any:
+        """Type of `reference.name`, None if there is no such field."""
+        return reference.part(name) if name in reference.dtype.fields else None
+
+
+@lower_getattr_generic(Reference)
+def _load_part(context: Any, builder: Any, reference: Reference, address: Any, name: str) -> Any:
+    part = reference.part(name)
+    at = cgutils.gep_inbounds(builder, address, 0, reference.dtype.fields.index(name))
+    if isinstance(part, Reference):
+        return at
+    return context.data_model_manager[part].load_from_data_pointer(builder, at)

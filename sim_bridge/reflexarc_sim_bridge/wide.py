@@ -1,0 +1,44 @@
+"""Vectors of 512 bits, where the processor has them.
+
+LLVM takes half of them unless a function asks for more, from the days when whole ones made the
+clock slower for everything else. A tile of sixteen rays is one such vector, and half as many
+instructions are two thirds of the time.
+"""
+
+from numba.core.compiler import Compiler
+from numba.core.compiler_machinery import PassManager, register_pass
+from numba.core.lowering import Lower
+from numba.core.typed_passes import NativeLowering
+
+_WIDE = '"prefer-vector-width"="512"'
+
+
+class WideCompiler(Compiler):
+    """Numba's compiler (an argument `pipeline_class` of its), for functions with wide vectors."""
+
+    def define_pipelines(self) -> list[PassManager]:
+        """The usual passes, but for the one that writes LLVM's code."""
+        pipelines: list[PassManager] = super().define_pipelines()
+        for pipeline in pipelines:
+            pipeline.passes = [
+                (_WideLowering if each is NativeLowering else each, why)
+                for each, why in pipeline.passes
+            ]
+            pipeline.finalize()
+        return pipelines
+
+
+class _WideLower(Lower):
+    def setup_function(self, fndesc: object) -> None:
+        super().setup_function(fndesc)
+        # Its own `add` knows no attributes with values.
+        set.add(self.function.attributes, _WIDE)
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class _WideLowering(NativeLowering):
+    _name = "wide_lowering"
+
+    @property
+    def lowering_class(self) -> type[Lower]:
+        return _WideLower
