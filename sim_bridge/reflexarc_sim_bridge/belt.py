@@ -307,9 +307,7 @@ def _judge(
 
 
 @compiled_disjoint
-def _list(
-    is_near: npt.NDArray[np.bool_], values: Floats32, end: int, listed: Floats32
-) -> int:
+def _list(is_near: npt.NDArray[np.bool_], values: Floats32, end: int, listed: Floats32) -> int:
     """List a value of the near ones; returns how many."""
     n, room = 0, len(listed) - LANES
     for first in range(0, end, LANES):

@@ -24,7 +24,6 @@ Real: TypeAlias = Any
 """float or np.float32."""
 
 # float32, so that arithmetic on float32 stays in float32 and on float64 in float64.
-_STEEPEST = np.float32(1e-9)
 _ZERO = np.float32(0.0)
 _NEVER = np.float32(np.inf)
 _LITTLE = np.float32(1e-6)
@@ -49,7 +48,7 @@ def meets_box_m(
 
 
 @compiled_inline
-def meets_turned_box_m(
+def meets_turned_box(
     x: Real,
     y: Real,
     half_length: Real,
@@ -58,12 +57,34 @@ def meets_turned_box_m(
     sin: Real,
     ahead: Real,
     left: Real,
-) -> Real:
-    """The same up to a rectangle that is turned: all is turned back, and it is upright."""
+) -> tuple[Real, Real]:
+    """The same up to a rectangle that is turned, as a fraction: numerator, denominator.
+
+    All is turned back, and the rectangle is upright. Two slabs would take two divisions, which are
+    longer than all the rest; of fractions, it takes one for the nearest of several (`sooner`).
+    """
     along, across = turned_back(x, y, cos, sin)
     ahead, left = turned_back(ahead, left, cos, sin)
-    per_ahead, per_left = reciprocal(ahead, _STEEPEST), reciprocal(left, _STEEPEST)
-    return meets_box_m(along, across, half_length, half_width, per_ahead, per_left)
+    along, across = along if ahead >= _ZERO else -along, across if left >= _ZERO else -across
+    ahead, left = math.fabs(ahead), math.fabs(left)
+    enters_x, leaves_x = along - half_length, along + half_length
+    enters_y, leaves_y = across - half_width, across + half_width
+    is_x_last = enters_x * left > enters_y * ahead
+    enters = enters_x if is_x_last else enters_y
+    met = (enters_x * left <= leaves_y * ahead) & (enters_y * ahead <= leaves_x * left)
+    met = met & (leaves_x >= _ZERO) & (leaves_y >= _ZERO)
+    enters = enters if enters > _ZERO else _ZERO
+    return (enters if met else _NEVER), (ahead if is_x_last else left)
+
+
+@compiled_inline
+def sooner(
+    length: Real, per: Real, mark: Real, other: Real, per_other: Real, other_mark: Real
+) -> tuple[Real, Real, Real]:
+    """Of two fractions ≥ 0, each with a mark, the smaller."""
+    is_sooner = other * per < length * per_other
+    length, per = other if is_sooner else length, per_other if is_sooner else per
+    return length, per, (other_mark if is_sooner else mark)
 
 
 @compiled_inline

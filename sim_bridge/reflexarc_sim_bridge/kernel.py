@@ -15,6 +15,7 @@ from reflexarc_sim_bridge.compiled import (
     compiled_free,
     compiled_inner,
 )
+from reflexarc_sim_bridge.foresight import foresee
 from reflexarc_sim_bridge.motion import step_agent
 from reflexarc_sim_bridge.near import keep_near
 from reflexarc_sim_bridge.overlap import touches
@@ -64,6 +65,8 @@ def advance(
     """
     params, work, motions = held.params, held.work, held.motions
     for i in range(first, end):
+        if i + 1 < end:
+            foresee(params, i + 1)
         if tasks & PLACE:
             go_to_free_place(params, work, i, True)
         if tasks & MOVE:

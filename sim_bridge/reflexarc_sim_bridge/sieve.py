@@ -43,7 +43,7 @@ def _keep(_: Any, values: Any, marks: Any, first: Any, kept: Any, count: Any) ->
         lanes = builder.load(at(values, args[0], args[2]), align=4)
         name = "llvm.experimental.vector.compress.v16" + _SUFFIXES[values.dtype]
         form = ir.FunctionType(lanes.type, [lanes.type, bits, lanes.type])
-        compress = _declared(builder.module, form, name)
+        compress = declared(builder.module, form, name)
         packed = builder.call(compress, [lanes, mask, ir.Constant(lanes.type, ir.Undefined)])
         builder.store(packed, at(kept, args[3], args[4]), align=4)
         found = builder.ctpop(builder.bitcast(mask, one))
@@ -52,12 +52,12 @@ def _keep(_: Any, values: Any, marks: Any, first: Any, kept: Any, count: Any) ->
     return types.int64(values, marks, types.int64, kept, types.int64), emit
 
 
-def _declared(module: Any, form: Any, name: str) -> Any:
+def declared(module: Any, form: Any, name: str) -> Any:
+    """A function of LLVM's own, made known to a module once."""
     return module.globals.get(name) or ir.Function(module, form, name)
 
 
 _SUFFIXES = {types.float32: "f32", types.int32: "i32", types.uint32: "i32"}
-
 
 
 @compiled_inline

@@ -20,7 +20,8 @@ from reflexarc_sim_bridge.geometry import (
     meets_box_m,
     meets_disc_m,
     meets_side_m,
-    meets_turned_box_m,
+    meets_turned_box,
+    sooner,
 )
 from reflexarc_sim_bridge.near import near_of, place_in_layer_m
 from reflexarc_sim_bridge.params import (
@@ -259,11 +260,19 @@ def _meet_turned(
         d = _column7(near, picked[n + 3], x, y)
         for ray in range(TILE_RAYS):
             ra, rl, best, tint = ahead[ray], left[ray], distance_m[ray], paint[ray]
-            best, tint = _nearer(meets_turned_box_m(*a[1:], ra, rl), a[0], best, tint)
-            best, tint = _nearer(meets_turned_box_m(*b[1:], ra, rl), b[0], best, tint)
-            best, tint = _nearer(meets_turned_box_m(*c[1:], ra, rl), c[0], best, tint)
-            best, tint = _nearer(meets_turned_box_m(*d[1:], ra, rl), d[0], best, tint)
-            distance_m[ray], paint[ray] = best, tint
+            ab = sooner(*_met_turned(a, ra, rl), *_met_turned(b, ra, rl))
+            cd = sooner(*_met_turned(c, ra, rl), *_met_turned(d, ra, rl))
+            length, per, mark = sooner(*ab, *cd)
+            distance_m[ray], paint[ray] = _nearer(length / per, mark, best, tint)
+
+
+@compiled_inline
+def _met_turned(
+    box: tuple[np.float32, ...], ahead: np.float32, left: np.float32
+) -> tuple[np.float32, np.float32, np.float32]:
+    """Length up to a turned box, as a fraction, and its paint."""
+    length, per = meets_turned_box(*box[1:], ahead, left)
+    return length, per, box[0]
 
 
 @compiled_part

@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 import numba
 
 from reflexarc_sim_bridge.compile_cache import keyed_by_sources
+from reflexarc_sim_bridge.wide import WideCompiler
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
@@ -58,6 +59,7 @@ def _fused(function: _Function, **options: Any) -> _Function:
             fastmath={"contract", "reassoc"},
             _nrt=False,
             no_cfunc_wrapper=True,
+            pipeline_class=WideCompiler,
             **options,
         )(function)
     return dispatcher  # type: ignore[no-any-return]  # it is called as the function is
