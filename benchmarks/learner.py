@@ -57,10 +57,17 @@ print(time.perf_counter() - start_s, time.process_time() - start_cpu_s)
 
 
 def speeds() -> list[dict[str, Any]]:
-    """Millions of steps a second of the presets' learners, and of the world without one."""
+    """Millions of steps a second of the presets' learners, and of the world without one.
+
+    A step is the world's: the batched form repeats an action for some, which are one transition.
+    """
     units = {f"online 16-{h}-3, world left out": update_rate(h) for h in HIDDEN}
     online = {"online 16-10-3, world included": rate("online")}
-    batched = {f"reflex, world included, {thread_count()} threads": rate("reflex")}
+    repeat, transitions = PRESETS["reflex"].learner.batched.action_repeat, rate("reflex")
+    batched = {
+        f"reflex, world included, {thread_count()} threads": repeat * transitions,
+        f"reflex, transitions of {repeat} steps": transitions,
+    }
     rates = online | units | batched | {"world alone, 4,096 agents": world_rate()}
     return [
         {

@@ -93,7 +93,7 @@ def _whole(columns: int) -> int:
 
 
 def _zeros(shape: tuple[int, ...], dtype: type[np.generic]) -> npt.NDArray[Any]:
-    """An array that begins where a line of the cache does: a vector is then never in two of them."""
+    """An array that begins where a line of the cache does: no vector of it is in two of them."""
     size = math.prod(shape) * np.dtype(dtype).itemsize
     memory = np.zeros(size + _CACHE_LINE, np.uint8)
     start = -memory.ctypes.data % _CACHE_LINE

@@ -1,8 +1,8 @@
 """Which near obstacles an eye can see: those within range that reach into its wedge.
 
 The wedge lies between the directions of the rightmost and the leftmost ray. First every obstacle
-is judged, sixteen at once; then those that pass are listed in fours. An eye of several tiles of rays picks once for all of them, copies what
-it picked, and picks from that for each tile.
+is judged, sixteen at once; then those that pass are listed in fours. An eye of several tiles of
+rays picks once for all of them, copies what it picked, and picks from that for each tile.
 """
 
 from typing import NamedTuple

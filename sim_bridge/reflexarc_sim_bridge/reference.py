@@ -29,19 +29,23 @@ class Reference(types.Type):
 register_model(Reference)(models.PointerModel)
 
 
-@infer_getattr
+@infer_getattr  # numba finds it by its key
 class _Parts(AttributeTemplate):
     key = Reference
 
-    def generic_resolve(self, reference: Reference, name: str) -> Any:
-        """Type of `reference.name`, None if there is no such field."""
-        return reference.part(name) if name in reference.dtype.fields else None
+    def generic_resolve(self, value: Any, attr: str) -> Any:  # type: ignore[override]
+        """Type of `value.attr`, a `Reference`'s; None if there is no such field."""
+        return value.part(attr) if attr in value.dtype.fields else None
 
 
-@lower_getattr_generic(Reference)
 def _load_part(context: Any, builder: Any, reference: Reference, address: Any, name: str) -> Any:
     part = reference.part(name)
-    at = cgutils.gep_inbounds(builder, address, 0, reference.dtype.fields.index(name))
+    at = _gep(builder, address, 0, reference.dtype.fields.index(name))
     if isinstance(part, Reference):
         return at
     return context.data_model_manager[part].load_from_data_pointer(builder, at)
+
+
+_gep: Any = cgutils.gep_inbounds
+_lowered: Any = lower_getattr_generic
+_lowered(Reference)(_load_part)

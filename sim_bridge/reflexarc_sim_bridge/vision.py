@@ -9,6 +9,7 @@ simulated eye and a real scan cannot differ.
 """
 
 import math
+from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -51,6 +52,10 @@ _BYTE, _FULL = 0xFF, 255.0
 _RED, _GREEN, _BLUE, _GREY = 299.0, 587.0, 114.0, 255_000.0
 """Shares of the colours in a grey value (ITU-R BT.601), in thousandths, and what white adds up to.
 """
+
+Column7: TypeAlias = tuple[
+    np.float32, np.float32, np.float32, np.float32, np.float32, np.float32, np.float32
+]
 
 brightness = compiled_inline(retina.brightness)
 value = compiled_inline(retina.value)
@@ -268,7 +273,7 @@ def _meet_turned(
 
 @compiled_inline
 def _met_turned(
-    box: tuple[np.float32, ...], ahead: np.float32, left: np.float32
+    box: Column7, ahead: np.float32, left: np.float32
 ) -> tuple[np.float32, np.float32, np.float32]:
     """Length up to a turned box, as a fraction, and its paint."""
     length, per = meets_turned_box(*box[1:], ahead, left)
@@ -389,9 +394,7 @@ def _column5(
 
 
 @compiled_inline
-def _column7(
-    near: Floats32, k: np.uint32, x: np.float32, y: np.float32
-) -> tuple[np.float32, np.float32, np.float32, np.float32, np.float32, np.float32, np.float32]:
+def _column7(near: Floats32, k: np.uint32, x: np.float32, y: np.float32) -> Column7:
     """The same of a turned box."""
     dx, dy = near[0, k] - x, near[1, k] - y
     return near[4, k], dx, dy, near[2, k], near[3, k], near[5, k], near[6, k]

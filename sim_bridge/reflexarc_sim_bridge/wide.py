@@ -5,11 +5,14 @@ clock slower for everything else. A tile of sixteen rays is one such vector, and
 instructions are two thirds of the time.
 """
 
+from typing import Any
+
 from numba.core.compiler import Compiler
 from numba.core.compiler_machinery import PassManager, register_pass
 from numba.core.lowering import Lower
 from numba.core.typed_passes import NativeLowering
 
+_registered: Any = register_pass(mutates_CFG=True, analysis_only=False)  # type: ignore[no-untyped-call]
 _WIDE = '"prefer-vector-width"="512"'
 
 
@@ -18,24 +21,24 @@ class WideCompiler(Compiler):
 
     def define_pipelines(self) -> list[PassManager]:
         """The usual passes, but for the one that writes LLVM's code."""
-        pipelines: list[PassManager] = super().define_pipelines()
+        pipelines: list[PassManager] = super().define_pipelines()  # type: ignore[no-untyped-call]
         for pipeline in pipelines:
             pipeline.passes = [
                 (_WideLowering if each is NativeLowering else each, why)
                 for each, why in pipeline.passes
             ]
-            pipeline.finalize()
+            pipeline.finalize()  # type: ignore[no-untyped-call]
         return pipelines
 
 
 class _WideLower(Lower):
     def setup_function(self, fndesc: object) -> None:
-        super().setup_function(fndesc)
+        super().setup_function(fndesc)  # type: ignore[no-untyped-call]
         # Its own `add` knows no attributes with values.
         set.add(self.function.attributes, _WIDE)
 
 
-@register_pass(mutates_CFG=True, analysis_only=False)
+@_registered
 class _WideLowering(NativeLowering):
     _name = "wide_lowering"
 
