@@ -170,7 +170,7 @@ def _ablations() -> tuple[Contender, ...]:
 CONTENDERS = (
     Contender("reflex", "ours", Ours(PRESETS["reflex"]), _SHORT_S, is_paced=False),
     Contender("reflex-short", "ours", _QUICK, _SHORT_S, is_paced=False),
-    Contender("reflex-3s", "ours", _reflex(agents=256, averaged_weights=0.99), _SHORT_S),
+    Contender("reflex-3s", "ours", _reflex(averaged_weights=0.995), _SHORT_S),
     Contender("reflex-60s", "ours", _reflex(agents=512, averaged_weights=0.99), _LONG_S),
     Contender("reflex-deep-60s", "ours", _DEEP, _LONG_S),
     Contender("online-3s", "ours", _online(), _SHORT_S, cores=1),

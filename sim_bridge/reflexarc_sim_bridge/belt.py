@@ -114,7 +114,7 @@ def move_belt(
         counts: probability of at most so many in a chunk: (counts,).
         key: key of the layer.
         column: the agent's.
-        steps: how many columns it has gone since it was here last; 0 for all anew.
+        steps: how many columns it has gone since it was here last; 1 keeps all but one of them.
         draws: scratch.
         picks: scratch.
         belt: moved.

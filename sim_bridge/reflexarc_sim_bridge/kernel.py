@@ -17,7 +17,7 @@ from reflexarc_sim_bridge.compiled import (
 )
 from reflexarc_sim_bridge.foresight import foresee
 from reflexarc_sim_bridge.motion import step_agent
-from reflexarc_sim_bridge.near import keep_near
+from reflexarc_sim_bridge.near import forget_near, keep_near
 from reflexarc_sim_bridge.overlap import touches
 from reflexarc_sim_bridge.params import Params
 from reflexarc_sim_bridge.places import go_to_free_place, set_place
@@ -68,7 +68,8 @@ def advance(
         if i + 1 < end:
             foresee(params, i + 1)
         if tasks & PLACE:
-            go_to_free_place(params, work, i, True)
+            forget_near(params.agents, i)
+            go_to_free_place(params, work, i)
         if tasks & MOVE:
             motion = motions[actions[i]]
             met_out[i] = step_agent(params, work, i, motion[0], motion[1], motion[2])
@@ -119,9 +120,10 @@ def _cover(
     found_out: npt.NDArray[np.bool_],
 ) -> None:
     state = params.agents.state[0]
+    forget_near(params.agents, 0)
     for k in range(len(places_m)):
         set_place(params.world.planes[state.world], state, 0, places_m[k, 0], 0, places_m[k, 1])
-        keep_near(params, work, 0, k == 0)
+        keep_near(params, work, 0)
         found_out[k] = touches(params, 0)
 
 

@@ -52,9 +52,9 @@ def step_agent(
     state.contacts += met
     set_place(plane, state, state.cell_x, state.x_m + ahead_m, state.cell_y, state.y_m + left_m)
     if met and not goes_on:
-        go_to_free_place(params, work, i, False)
+        go_to_free_place(params, work, i)
     else:
-        keep_near(params, work, i, False)
+        keep_near(params, work, i)
     if goes_on and (met or state.is_inside):
         state.is_inside = touches(params, i)
     return met

@@ -19,7 +19,11 @@ from reflexarc_sim_bridge.chunks import (
     scatter_count,
     scattered,
 )
-from reflexarc_sim_bridge.compiled import compiled_inline, compiled_inner, compiled_part
+from reflexarc_sim_bridge.compiled import (
+    compiled_inline,
+    compiled_inner,
+    compiled_part,
+)
 from reflexarc_sim_bridge.layers import CHUNK_M
 from reflexarc_sim_bridge.params import (
     AT_REST,
@@ -60,6 +64,8 @@ from reflexarc_sim_bridge.params import (
 from reflexarc_sim_bridge.structures import structure_at, structure_count
 from reflexarc_sim_bridge.workspace import Workspace
 
+_NOWHERE = -(1 << 62)
+"""The column of chunks of an agent that has not gathered yet."""
 _DIAGONAL = math.sqrt(2.0)
 """What reaches so far along x and y reaches this much farther at most."""
 
@@ -87,9 +93,16 @@ def place_in_layer_m(
     return x_m, state.y_m - moved_y_m + (state.cell_y - cell[1]) * plane.chunk_width_m
 
 
+@compiled_inline
+def forget_near(agents: Agents, i: int) -> None:
+    """Let all that is near an agent be gathered anew."""
+    for number in range(agents.layer_cells.shape[1]):
+        agents.layer_cells[i, number, 0] = _NOWHERE
+
+
 @compiled_part
-def keep_near(params: Params, work: Workspace, i: int, anew: bool) -> None:
-    """Gather anew, layer by layer, where the agent has entered another cell, or if told to."""
+def keep_near(params: Params, work: Workspace, i: int) -> None:
+    """Gather anew, layer by layer, where the agent has entered another cell."""
     world, agents = params.world, params.agents
     state = agents.state[i]
     plane = world.planes[state.world]
@@ -100,15 +113,14 @@ def keep_near(params: Params, work: Workspace, i: int, anew: bool) -> None:
         if layer.motion != AT_REST:
             x += math.floor((state.x_m - moved_x_m) / CHUNK_M)
             y += math.floor((state.y_m - moved_y_m) / plane.chunk_width_m)
-        if anew or x != cell[0] or y != cell[1]:
-            columns = 0 if anew or x == cell[0] else x - cell[0]
-            stays = x == cell[0] and not anew
+        if x != cell[0] or y != cell[1]:
+            columns = x - cell[0]
             cell[0], cell[1] = x, y
             key, near = layer_key(plane.stream, state.seed, number), near_of(agents, i, number)
             shapes, counts = world.shapes[state.world, number], world.counts[state.world, number]
             if layer.has_belt:
                 belt, shape = belt_of(agents, i, number), shapes[0]
-                if not stays:
+                if columns != 0:
                     draws, picks = work.draws, work.picks
                     move_belt(plane, layer, shape, counts[0], key, x, columns, draws, picks, belt)
                 if shape.kind == BOX:

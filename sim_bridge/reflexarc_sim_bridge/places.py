@@ -33,14 +33,13 @@ def draw(plane: Row, state: Row) -> np.uint64:
 
 
 @compiled_inner
-def go_to_free_place(params: Params, work: Workspace, i: int, anew: bool) -> None:
+def go_to_free_place(params: Params, work: Workspace, i: int) -> None:
     """Put an agent at a free y of its x, all free places being equally likely.
 
     Args:
         params: the simulation.
         work: scratch.
         i: which agent.
-        anew: nothing has been gathered for it yet.
     """
     state = params.agents.state[i]
     plane = params.world.planes[state.world]
@@ -49,8 +48,7 @@ def go_to_free_place(params: Params, work: Workspace, i: int, anew: bool) -> Non
         for _ in range(_PLACE_DRAWS):
             y_m = low_m + (high_m - low_m) * uniform(draw(plane, state))
             set_place(plane, state, state.cell_x, state.x_m, 0, y_m)
-            keep_near(params, work, i, anew)
-            anew = False
+            keep_near(params, work, i)
             if not touches(params, i):
                 return
         set_place(plane, state, state.cell_x, state.x_m + _PAST_BLOCKED_M, state.cell_y, state.y_m)

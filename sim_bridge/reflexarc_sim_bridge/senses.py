@@ -25,14 +25,16 @@ def sense_agent(params: Params, work: Workspace, i: int) -> None:
     state = agents.state[i]
     plane = params.world.planes[state.world]
     is_disturbed = plane.noise > 0.0 or plane.dropout > 0.0
-    if eye.is_plain and plane.latency_steps == 0 and not is_disturbed:
-        look(params, work, i, 0)
-        shade_tiles(eye, work, plane.background, agents.stack[i])
-        state.looks += 1
-        return
+    is_plain = eye.is_plain and plane.latency_steps == 0 and not is_disturbed
     for eye_index in range(eye.eyes):
         look(params, work, i, eye_index)
-        shade_rays(eye, work, plane.background, eye_index * eye.rays * eye.channels)
+        if is_plain:
+            shade_tiles(eye, work, plane.background, agents.stack[i])
+        else:
+            shade_rays(eye, work, plane.background, eye_index * eye.rays * eye.channels)
+    if is_plain:
+        state.looks += 1
+        return
     if is_disturbed:
         _disturb(plane, state, eye.alive, eye.channels, work.retina)
     _remember(params, work, i)

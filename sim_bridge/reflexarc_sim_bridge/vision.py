@@ -16,7 +16,11 @@ import numpy.typing as npt
 
 from reflexarc_runtime import retina
 from reflexarc_sim_bridge.aim import aim
-from reflexarc_sim_bridge.compiled import compiled_disjoint, compiled_inline, compiled_part
+from reflexarc_sim_bridge.compiled import (
+    compiled_disjoint,
+    compiled_inline,
+    compiled_part,
+)
 from reflexarc_sim_bridge.geometry import (
     meets_box_m,
     meets_disc_m,
