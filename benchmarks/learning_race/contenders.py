@@ -163,7 +163,7 @@ def _ablations() -> tuple[Contender, ...]:
     """Batched Q(λ): the value of the best action in place of the chosen one's."""
     if "greedy" not in get_args(Target):
         return ()
-    greedy = _reflex(agents=256, target="greedy", averaged_weights=0.99)
+    greedy = _reflex(target="greedy", averaged_weights=0.995)
     return (Contender("q-lambda-3s", "ablation", greedy, _SHORT_S),)
 
 
