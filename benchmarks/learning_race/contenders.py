@@ -153,7 +153,7 @@ _QRDQN = _tuned(
     policy_kwargs={"n_quantiles": 8},
     **_REPLAY_SHORT,
 )
-_QUICK = _reflex(1 << 16, averaged_weights=0.8, epsilon_start=0.3)
+_QUICK = _reflex(1 << 16, averaged_weights=0.8, epsilon_start=0.3, agents=16, shard_agents=16)
 _DEEP = _reflex(agents=256, averaged_weights=0.99, hidden=(64, 64), learning_rate=2e-3)
 _SHORT_S, _LONG_S, _REST_S = 3.0, 60.0, 30.0
 _LAST_LEVEL = 3.5

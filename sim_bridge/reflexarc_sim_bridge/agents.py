@@ -71,7 +71,7 @@ def _near_capacities(tables: WorldTables) -> list[int]:
     for w, plane in enumerate(tables.planes):
         for number in range(int(plane["layers"])):
             needs = np.maximum(needs, _needs(tables, w, number))
-    return [_whole(int(need) + 1 + LANES) for need in needs]
+    return [_whole(int(need) + 1 + LANES) if need else LANES for need in needs]
 
 
 def _belt_capacity(tables: WorldTables) -> tuple[int, int]:

@@ -19,11 +19,7 @@ from reflexarc_sim_bridge.chunks import (
     scatter_count,
     scattered,
 )
-from reflexarc_sim_bridge.compiled import (
-    compiled_inline,
-    compiled_inner,
-    compiled_part,
-)
+from reflexarc_sim_bridge.compiled import compiled_inline, compiled_inner, compiled_part
 from reflexarc_sim_bridge.layers import CHUNK_M
 from reflexarc_sim_bridge.params import (
     AT_REST,

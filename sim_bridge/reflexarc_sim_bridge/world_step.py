@@ -57,7 +57,7 @@ class Held:
 
 
 def compiled_step(step: Any, params: Params, motions: npt.NDArray[np.float64]) -> int:
-    """Compile a step, unless that is done; returns its address.
+    """Compile a step, unless that is done for such parameters; returns its address.
 
     Args:
         step: takes the address of what is held, actions (n,), room for contacts (n,), and three
@@ -66,11 +66,26 @@ def compiled_step(step: Any, params: Params, motions: npt.NDArray[np.float64]) -
         motions: as for `Held`.
     """
     typeof: Any = numba.typeof  # untyped
-    world = Reference(typeof(Kept(params, new_workspace(params), motions)))
-    signature = types.void(world, *_ARGUMENTS)
-    step.compile(signature.args)
-    compiled_one = step.get_compile_result(signature)
-    return int(compiled_one.library.get_pointer_to_function(compiled_one.fndesc.llvm_func_name))
+    form = step, _form(params), _form(motions)
+    if form not in _addresses:
+        world = Reference(typeof(Kept(params, new_workspace(params), motions)))
+        signature = types.void(world, *_ARGUMENTS)
+        step.compile(signature.args)
+        result = step.get_compile_result(signature)
+        _addresses[form] = result.library.get_pointer_to_function(result.fndesc.llvm_func_name)
+    return _addresses[form]
+
+
+def _form(value: Any) -> Any:
+    """What the type of a value in compiled code depends on; to ask Numba for it takes 4 ms."""
+    if isinstance(value, tuple):
+        return tuple(map(_form, value))
+    if isinstance(value, np.ndarray):
+        return value.dtype, value.ndim, value.flags.c_contiguous, value.flags.writeable
+    return type(value)
+
+
+_addresses: dict[Any, int] = {}
 
 
 _ARGUMENTS = types.int64[::1], types.boolean[::1], types.int64, types.int64, types.int64

@@ -111,7 +111,7 @@ HELP: Mapping[str, str] = MappingProxyType(
             "The default, for use: the eye of the reference field, whose rays grow brighter as "
             "things come nearer, up to 5 m, a network 16-64-3 and 128 agents that learn together "
             "from lambda-returns (gamma 0.9, lambda 0.5), each action repeated for three steps. "
-            "Reaches about 2.4 contacts per 100 m in 520,000 transitions (2.3 to 2.5, three "
+            "Reaches about 2.4 contacts per 100 m in 520,000 transitions (2.2 to 2.5 over 30 "
             "seeds), where a blind agent has 36.0."
         ),
         "lidar": (
@@ -122,8 +122,8 @@ HELP: Mapping[str, str] = MappingProxyType(
         "binocular": (
             "Two eyes of 8 rays each, 0.1 m apart, in place of one of 16: as many values, fewer "
             "bearings, and near things stand at different ones for either eye. Learner and world "
-            "of `reflex`. Reaches about 3 contacts per 100 m in 520,000 steps (2.7 and 3.2, two "
-            "seeds): no better than one eye, where distance is in the brightness already."
+            "of `reflex`. Reaches about 2.2 contacts per 100 m in 520,000 transitions (2.1 to 2.2 "
+            "over six seeds), a little less than one eye; `reflexarc study eyes` compares more."
         ),
         "rover": (
             "For wheels: left and right turn the body at 2 rad/s, at a uniform 1 m/s, a disc of "
@@ -140,14 +140,14 @@ HELP: Mapping[str, str] = MappingProxyType(
         "online": (
             "One agent and one update a step: the paper's "
             "network and learner (16-10-3, alpha 0.5, lambda 0.9, gamma 0.9) behind the "
-            "eye of the reference field. Reaches about 4 contacts per 100 m in 500,000 steps (3.0 "
-            "to 5.2 over 20 seeds), where a blind agent has 36.0."
+            "eye of the reference field. Reaches about 4 contacts per 100 m in 500,000 steps (3.2 "
+            "to 5.4 over 30 seeds), where a blind agent has 36.0."
         ),
         "paper": (
             "For comparison with the paper: the same network and learner behind its literal eye: "
             "a ray shows the colour of the first thing within the immediate proximity (1.5 m) "
-            "and says nothing of its distance. Reaches about 6.4 contacts per 100 m in 500,000 "
-            "steps (6.1 to 6.8 over 20 seeds), where a blind agent has 36.0. Two things are not "
+            "and says nothing of its distance. Reaches about 6.6 contacts per 100 m in 500,000 "
+            "steps (6.1 to 7.9 over 30 seeds), where a blind agent has 36.0. Two things are not "
             "in the paper: the bounded step, and what follows a contact."
         ),
         "paper-literal": (
