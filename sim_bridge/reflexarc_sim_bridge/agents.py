@@ -24,7 +24,7 @@ from reflexarc_sim_bridge.params import (
     Agents,
     WorldTables,
 )
-from reflexarc_sim_bridge.sieve import LANES
+from reflexarc_sim_bridge.sieve import LANES, whole
 from reflexarc_sim_bridge.world_tables import world_tables
 from reflexarc_sim_bridge.worlds import World
 
@@ -71,7 +71,7 @@ def _near_capacities(tables: WorldTables) -> list[int]:
     for w, plane in enumerate(tables.planes):
         for number in range(int(plane["layers"])):
             needs = np.maximum(needs, _needs(tables, w, number))
-    return [_whole(int(need) + 1 + LANES) if need else LANES for need in needs]
+    return [whole(int(need) + 1 + LANES) if need else LANES for need in needs]
 
 
 def _belt_capacity(tables: WorldTables) -> tuple[int, int]:
@@ -84,12 +84,7 @@ def _belt_capacity(tables: WorldTables) -> tuple[int, int]:
         columns * int(plane["across"]) * float((1.0 - tables.counts[0, number, 0]).sum())
         for number in np.flatnonzero(layers["has_belt"])
     ]
-    return columns, _whole(max((_room_for(mean) for mean in means), default=0))
-
-
-def _whole(columns: int) -> int:
-    """So many and as many more as it takes for whole vectors."""
-    return math.ceil(columns / LANES) * LANES
+    return columns, whole(max((_room_for(mean) for mean in means), default=0))
 
 
 def _zeros(shape: tuple[int, ...], dtype: type[np.generic]) -> npt.NDArray[Any]:

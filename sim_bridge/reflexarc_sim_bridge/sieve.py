@@ -11,7 +11,7 @@ from llvmlite import ir  # type: ignore[import-untyped]  # it has no stubs
 from numba.core import types
 from numba.extending import intrinsic
 
-from reflexarc_sim_bridge.compiled import compiled_inline
+from reflexarc_sim_bridge.compiled import compiled
 
 LANES = 16
 """Entries that are treated together; arrays have room for so many more than they hold."""
@@ -60,7 +60,7 @@ def declared(module: Any, form: Any, name: str) -> Any:
 _SUFFIXES = {types.float32: "f32", types.int32: "i32", types.uint32: "i32"}
 
 
-@compiled_inline
+@compiled
 def whole(count: int) -> int:
     """So many and as many more as it takes for whole vectors.
 

@@ -1,8 +1,8 @@
 """Vectors of 512 bits, where the processor has them.
 
 LLVM takes half of them unless a function asks for more, from the days when whole ones made the
-clock slower for everything else. A tile of sixteen rays is one such vector, and half as many
-instructions are two thirds of the time.
+clock slower for everything else. A tile of sixteen rays is one such vector; a look takes a sixth
+less time.
 """
 
 from typing import Any
