@@ -4,6 +4,7 @@ Schedules know how long a run is: ours count steps, whose number comes from the 
 theirs follow the clock itself, in place of the steps that Stable-Baselines3 would have to be told.
 """
 
+import math
 from dataclasses import replace
 from typing import Any
 
@@ -19,12 +20,11 @@ _MARGIN = 0.9
 
 def warm_up(contender: Contender) -> float:
     """Learn for a moment, so that everything is compiled and loaded: world steps a second."""
-    rate = 0.0
-    for seconds in (WARM_UP_S / 3, WARM_UP_S):
-        judge = Judge(Clock(), seconds, rate=lambda policy: 0.0)
-        learn(_paced(contender.learner, rate * seconds), seed=0, judge=judge)
-        rate = judge.looks[-1].world_steps / judge.looks[-1].seconds
-    return rate
+    learner = contender.learner
+    if isinstance(learner, Ours):
+        _speed(_paced(learner, 1.0), math.inf)  # compiles, and says nothing of its speed
+    rate = _speed(learner, WARM_UP_S / 3)
+    return _speed(_paced(learner, WARM_UP_S * rate), WARM_UP_S)
 
 
 def in_time(contender: Contender, rate: float) -> Learner:
@@ -49,6 +49,13 @@ def steps_a_transition(ours: Ours) -> int:
     """Steps of the world for each transition of a learner of ours."""
     learner = ours.config.learner
     return learner.batched.action_repeat if learner.form == "batched" else 1
+
+
+def _speed(learner: Learner, seconds: float) -> float:
+    """World steps a second of a run of so long, at most."""
+    judge = Judge(Clock(), seconds, rate=lambda policy: 0.0)
+    learn(learner, seed=0, judge=judge)
+    return judge.looks[-1].world_steps / judge.looks[-1].seconds
 
 
 def _paced(learner: Learner, world_steps: float) -> Learner:
