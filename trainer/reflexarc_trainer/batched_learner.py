@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_sim_bridge.seeds import TRAINING_SEEDS
+from reflexarc_sim_bridge.seeds import TRAINING_SEEDS, all_of
 from reflexarc_sim_bridge.simulation import Simulation
 from reflexarc_sim_bridge.threads import thread_count, together
 from reflexarc_sim_bridge.worlds import World
@@ -170,8 +170,9 @@ class BatchedLearner:
         pending.seen[:] = self._simulation.stacks.reshape(pending.seen.shape)
         network = unpack(self._learning.sums.weights, self.contract, self.config.network)
         q_values = NetworkPolicy(network).decide(self._simulation.stacks)[0].T
+        epsilon = self.epsilon
         for i in range(len(pending.action)):
-            pending.action[i] = choose(q_values, i, self.epsilon, pending.streams, i)
+            pending.action[i] = choose(q_values, i, epsilon, pending.streams, i)
             pending.held[i] = held
 
 
@@ -251,4 +252,4 @@ def _seeds(config: TrainConfig) -> npt.NDArray[np.uint64]:
     """Training worlds, other ones for another seed: (agents,)."""
     agents, worlds = config.learner.batched.agents, len(TRAINING_SEEDS)
     numbers = (config.seed % worlds * agents + np.arange(agents)) % worlds
-    return np.array(TRAINING_SEEDS, np.uint64)[numbers]
+    return all_of(TRAINING_SEEDS)[numbers]
