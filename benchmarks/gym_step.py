@@ -53,8 +53,8 @@ def bare_way(agents: int) -> Way:
 
 @compiled_allocating
 def bare(step: int, held: int, actions: Actions, met: npt.NDArray[np.bool_]) -> None:
-    for row in actions:
-        call(step, held, row, met, MOVE + LOOK, 0, len(row))
+    for k in range(len(actions)):
+        call(step, held, actions[k], met, MOVE + LOOK, 0, len(met))
 
 
 def one_by_one(environment: gymnasium.Env[Any, Any]) -> Way:

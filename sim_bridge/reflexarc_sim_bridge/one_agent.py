@@ -28,6 +28,7 @@ class OneAgent:
         world, _, agents = simulation.params
         known = len(simulation.contract.actions)
         held = hold(step, self._world.address, agents.state, world.planes, known)
+        held.kept = self._world  # whoever can still call needs it, though `self` may be gone
         self.simulation = simulation
         self.stack = agents.stack[0]
         """What it sees: uint8 (frames · eyes · rays · channels,). Changes with every look."""

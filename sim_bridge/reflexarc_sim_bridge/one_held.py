@@ -26,6 +26,9 @@ _FIELDS = ["step", "world", "actions", "met", "states", "planes", "known"]
 class OneHeld(structref.StructRefProxy):
     """Addresses of a step and of the world that it works on, and what the agent does and meets."""
 
+    kept: Any = None
+    """What lies at the second address."""
+
 
 _structref: Any = structref  # its functions have no types
 _structref.register(OneHeldType)
@@ -40,7 +43,7 @@ def hold(
 
     Args:
         step: address of `kernel.advance`.
-        world: address of a `world_step.Held`, which must be kept for as long.
+        world: address of a `world_step.Held`, to be put into `kept`.
         states: `AGENT_DTYPE`: (1,).
         planes: `PLANE_DTYPE`: (1,).
         known: how many actions there are.
