@@ -132,7 +132,9 @@ def _sweep(message: Any) -> Scan:
     if not 2 <= count <= MAX_BEAMS:
         raise UnusableMessageError(f"fewer than 2 or more than {MAX_BEAMS} beams")
     last_rad = start_rad + (count - 1) * step_rad
-    ranges_m = _meaning(message.ranges.astype(np.float64), message.range_min, message.range_max)
+    with np.errstate(invalid="ignore"):  # a signalling NaN is a beam that says nothing, too
+        ranges_m = message.ranges.astype(np.float64)
+    ranges_m = _meaning(ranges_m, message.range_min, message.range_max)
     if step_rad < 0.0:
         return Scan(last_rad, start_rad, ranges_m[::-1])
     return Scan(start_rad, last_rad, ranges_m)

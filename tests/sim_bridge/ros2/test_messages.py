@@ -5,7 +5,7 @@ import struct
 import numpy as np
 import pytest
 from foxglove_schemas_protobuf.LaserScan_pb2 import LaserScan as FoxgloveScan
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from pycdr2 import Endianness
 
@@ -155,6 +155,7 @@ def test_noise_is_a_scan_or_is_refused(noise: bytes):
 
 
 @given(st.integers(0, len(GOOD) - 1), st.binary(min_size=1, max_size=8))
+@example(place=62, damage=b"\x81\x7f")  # makes a range a signalling NaN
 def test_a_damaged_scan_is_a_scan_or_is_refused(place: int, damage: bytes):
     decoded_or_refused(GOOD[:place] + damage + GOOD[place + len(damage) :])
 
