@@ -53,11 +53,13 @@ def bare_way(agents: int) -> Way:
 
 @compiled_allocating
 def bare(step: int, held: int, actions: Actions, met: npt.NDArray[np.bool_]) -> None:
+    """Steps and looks of all agents; actions are (steps, agents)."""
     for k in range(len(actions)):
         call(step, held, actions[k], met, MOVE + LOOK, 0, len(met))
 
 
 def one_by_one(environment: gymnasium.Env[Any, Any]) -> Way:
+    """One call of an environment a step."""
     environment.reset(seed=0)
 
     def run(actions: Actions) -> None:
@@ -69,6 +71,7 @@ def one_by_one(environment: gymnasium.Env[Any, Any]) -> Way:
 
 
 def together(agents: int) -> Way:
+    """One call of a vector environment a step."""
     environments = gymnasium.make_vec(REFERENCE_ID, agents, max_episode_steps=UNLIMITED)
     environments.reset(seed=0)
 
@@ -104,12 +107,14 @@ def measured(ways: dict[str, Way], agents: int) -> dict[str, dict[str, float]]:
 
 
 def timed_s(way: Way, actions: Actions) -> float:
+    """Seconds that a way takes for all steps."""
     start_s = time.perf_counter()
     way(actions)
     return time.perf_counter() - start_s
 
 
 def main() -> None:
+    """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--json", action="store_true", help="print JSON")
     as_json = parser.parse_args().json

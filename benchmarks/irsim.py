@@ -16,6 +16,7 @@ a second, the best of several rounds, ours and theirs in turn.
 import argparse
 import json
 import math
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -165,12 +166,15 @@ def measured(python: str) -> dict[str, Any]:
 
 
 def main() -> None:
+    """Measure and print."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
     parser.add_argument("--python", default=sys.executable, help="an interpreter that has ir-sim")
     parser.add_argument("--json", action="store_true", help="print JSON")
     options = parser.parse_args()
+    if shutil.which(options.python) is None:
+        parser.error(f"--python: no interpreter is at {options.python}")
     found = measured(options.python)
     if options.json:
         print(json.dumps(found))

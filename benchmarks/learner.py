@@ -81,6 +81,7 @@ def speeds() -> list[dict[str, Any]]:
 
 
 def rate(preset: str) -> float:
+    """Millions of transitions a second of a preset's learner, the best of several rounds."""
     learner = new_learner(PRESETS[preset])
     learner.run(STEPS // 8)  # compiles
     return max(million_per_s(learner, STEPS // REPETITIONS) for _ in range(REPETITIONS))
@@ -136,6 +137,7 @@ def compilation() -> list[dict[str, Any]]:
 
 
 def million_per_s(learner: Any, steps: int) -> float:
+    """Of one round."""
     before, start_s = learner.step, time.perf_counter()
     learner.run(steps)
     return (learner.step - before) / (time.perf_counter() - start_s) / 1e6
@@ -201,6 +203,8 @@ def main() -> None:
     parser.add_argument("--agents", type=int, default=4096, help="of the measurement")
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
+    if min(options.seeds, options.agents, options.steps or 1) < 1:
+        parser.error("expected --seeds, --agents and --steps of 1 or more")
     if options.presets:
         rows = scores(options.steps, options.seeds, options.agents)
     else:

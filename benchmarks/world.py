@@ -29,6 +29,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from world_scenes import MODES, Scene, actions_of, advancing, rounds_s
 
+from reflexarc_runtime.errors import WorldError
 from reflexarc_sim_bridge.threads import set_thread_count
 
 FIGURE = Path(__file__).parents[1] / "docs" / "figures" / "world_speed.png"
@@ -179,6 +180,10 @@ def main() -> None:
     parser.add_argument("--first-step", action="store_true")
     parser.add_argument("--json", action="store_true", help="print JSON")
     options = parser.parse_args()
+    try:
+        Scene(density_per_m2=options.density).world()
+    except WorldError as error:
+        parser.error(f"--density: {error}")
     if options.first_step:
         print(json.dumps(first_step_s()))
         return

@@ -9,6 +9,7 @@ how many worlds at once is not among these, and four served PPO best.
 """
 
 import hashlib
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, get_args
@@ -79,7 +80,8 @@ def named(name: str) -> Contender:
         if contender.name == name:
             return contender
     known = ", ".join(contender.name for contender in CONTENDERS)
-    raise SystemExit(f"learning: --contenders: nobody is named {name!r}; known: {known}")
+    print(f"learning: --contenders: nobody is named {name!r}; known: {known}", file=sys.stderr)
+    raise SystemExit(2)
 
 
 def _reflex(
