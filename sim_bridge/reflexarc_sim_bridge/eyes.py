@@ -43,7 +43,7 @@ def eye_params(contract: PolicyContract, world: World) -> EyeParams:
         nearness=spec.shading is Shading.NEARNESS,
         is_wide=bearings[0] - bearings[-1] > _WIDE_RAD,
         tile_is_wide=tile_rad > _WIDE_RAD,
-        is_plain=(spec.size, spec.frames, spec.samples) == (spec.rays, 1, 1)
+        is_plain=(spec.eyes, spec.channels, spec.samples) == (1, 1, 1)
         and spec.rays % TILE_RAYS == 0,
         turns=turns(contract),
         ahead=np.cos(bearings + bearings[-1:] * padding).astype(np.float32),

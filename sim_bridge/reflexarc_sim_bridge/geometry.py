@@ -2,7 +2,8 @@
 
 The path starts at the origin and goes along a unit vector (ahead, left); the obstacle lies at
 (x, y). All lengths in metres. A path that starts inside has met at 0. Nothing met is infinity.
-Rays come in float32, motion in float64; the functions are compiled for either.
+Rays come in float32, motion in float64; the functions are compiled for either. Many rays meet the
+faces of turned boxes and polygons in a form of their own: `faces.py`.
 
 Box: the path is inside the slab |x − s·ahead| ≤ half_length between two lengths s, inside the
 other slab between two more; it meets where both are (Kay and Kajiya's slabs).
@@ -45,46 +46,6 @@ def meets_box_m(
     enters = enters_x if enters_x > enters_y else enters_y
     leaves = leaves_x if leaves_x < leaves_y else leaves_y
     return _first(enters, leaves)
-
-
-@compiled_inline
-def meets_turned_box(
-    x: Real,
-    y: Real,
-    half_length: Real,
-    half_width: Real,
-    cos: Real,
-    sin: Real,
-    ahead: Real,
-    left: Real,
-) -> tuple[Real, Real]:
-    """The same up to a rectangle that is turned, as a fraction: numerator, denominator.
-
-    All is turned back, and the rectangle is upright. Two slabs would take two divisions, which are
-    longer than all the rest; of fractions, it takes one for the nearest of several (`sooner`).
-    """
-    along, across = turned_back(x, y, cos, sin)
-    ahead, left = turned_back(ahead, left, cos, sin)
-    along, across = along if ahead >= _ZERO else -along, across if left >= _ZERO else -across
-    ahead, left = math.fabs(ahead), math.fabs(left)
-    enters_x, leaves_x = along - half_length, along + half_length
-    enters_y, leaves_y = across - half_width, across + half_width
-    is_x_last = enters_x * left > enters_y * ahead
-    enters = enters_x if is_x_last else enters_y
-    met = (enters_x * left <= leaves_y * ahead) & (enters_y * ahead <= leaves_x * left)
-    met = met & (leaves_x >= _ZERO) & (leaves_y >= _ZERO)
-    enters = enters if enters > _ZERO else _ZERO
-    return (enters if met else _NEVER), (ahead if is_x_last else left)
-
-
-@compiled_inline
-def sooner(
-    length: Real, per: Real, mark: Real, other: Real, per_other: Real, other_mark: Real
-) -> tuple[Real, Real, Real]:
-    """Of two fractions ≥ 0, each with a mark, the smaller."""
-    is_sooner = other * per < length * per_other
-    length, per = other if is_sooner else length, per_other if is_sooner else per
-    return length, per, (other_mark if is_sooner else mark)
 
 
 @compiled_inline

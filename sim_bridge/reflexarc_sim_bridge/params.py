@@ -143,7 +143,7 @@ class EyeParams(NamedTuple):
     tile_is_wide: bool
     """So do the rays of a tile."""
     is_plain: bool
-    """One grey eye, one frame, one sample, rays in whole tiles: the common case."""
+    """One grey eye, one sample, rays in whole tiles: the common case."""
     turns: bool
     """Whether agents can look elsewhere than along x."""
     ahead: Floats32

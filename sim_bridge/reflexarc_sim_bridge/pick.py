@@ -1,8 +1,8 @@
 """Which near obstacles an eye can see: those within range that reach into its wedge.
 
 The wedge lies between the directions of the rightmost and the leftmost ray. First every obstacle
-is judged, sixteen at once; then those that pass are listed in fours. An eye of several tiles of
-rays picks once for all of them, copies what it picked, and picks from that for each tile.
+is judged, sixteen at once; then those that pass are listed in fours, or copied. An eye of several
+tiles of rays picks once for all of them, copies what it picked, and picks from that for each tile.
 """
 
 from typing import NamedTuple
@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_sim_bridge.compiled import compiled_disjoint, compiled_inner
+from reflexarc_sim_bridge.compiled import compiled_disjoint
 from reflexarc_sim_bridge.geometry import turned_back
 from reflexarc_sim_bridge.params import (
     BOX_COS,
@@ -45,9 +45,9 @@ class Sieve(NamedTuple):
     """Scratch for picking."""
 
     judged: Judged
-    """Whether a tile of rays can meet a near obstacle: (capacity,)."""
+    """Whether an eye or a tile of its rays can see an obstacle: (capacity,)."""
     numbers: Picked
-    """Their columns: 0, 1, 2, …: (capacity,)."""
+    """0, 1, 2, …: (capacity,)."""
     picked: Picked
     """Columns of those that it can: (capacity + LANES,)."""
 
@@ -66,71 +66,21 @@ class View(NamedTuple):
     left_y: np.float32
 
 
-@compiled_inner
-def pick_boxes(
-    near: Floats32,
-    count: int,
-    view: View,
-    sieve: Sieve,
-) -> int:
-    """Pick boxes.
-
-    Args:
-        near: rows BOX_*: (5, capacity).
-        count: columns of it in use.
-        view: from where, in the frame of `near`.
-        sieve: scratch, and filled with the columns that passed.
-
-    Returns:
-        How many are listed: whole fours, the last filled up with one of them.
-    """
-    _judge_boxes(near, count, view, sieve.judged)
-    return _listed(sieve.judged, sieve.numbers, count, sieve.picked)
-
-
-@compiled_inner
-def pick_turned(
-    near: Floats32,
-    count: int,
-    view: View,
-    sieve: Sieve,
-) -> int:
-    """Pick turned boxes, all rows BOX_*; arguments as for boxes."""
-    _judge_turned(near, count, view, sieve.judged)
-    return _listed(sieve.judged, sieve.numbers, count, sieve.picked)
-
-
-@compiled_inner
-def pick_discs(
-    near: Floats32,
-    count: int,
-    view: View,
-    sieve: Sieve,
-) -> int:
-    """Pick discs, rows DISC_*; arguments as for boxes."""
-    _judge_discs(near, count, view, sieve.judged)
-    return _listed(sieve.judged, sieve.numbers, count, sieve.picked)
-
-
-@compiled_inner
-def pick_sides(
-    near: Floats32,
-    count: int,
-    view: View,
-    sieve: Sieve,
-) -> int:
-    """Pick sides that face the eye, rows SIDE_*; arguments as for boxes."""
-    _judge_sides(near, count, view, sieve.judged)
-    return _listed(sieve.judged, sieve.numbers, count, sieve.picked)
-
-
 @compiled_disjoint
-def _judge_boxes(
+def judge_boxes(
     near: Floats32,
     count: int,
     view: View,
     judged: Judged,
 ) -> None:
+    """Say which boxes can be seen.
+
+    Args:
+        near: rows BOX_*: (5, capacity).
+        count: columns of it in use.
+        view: from where, in the frame of `near`.
+        judged: filled: (capacity,).
+    """
     x, y, range_m, right_x, right_y, left_x, left_y = view
     for k in range(whole(count)):
         dx, dy = near[BOX_X, k] - x, near[BOX_Y, k] - y
@@ -151,13 +101,13 @@ def _judge_boxes(
 
 
 @compiled_disjoint
-def _judge_turned(
+def judge_turned(
     near: Floats32,
     count: int,
     view: View,
     judged: Judged,
 ) -> None:
-    """As upright ones, in their own frames."""
+    """The same of turned boxes, all rows BOX_*, each in its own frame."""
     x, y, range_m, right_x, right_y, left_x, left_y = view
     for k in range(whole(count)):
         cos, sin = near[BOX_COS, k], near[BOX_SIN, k]
@@ -181,12 +131,13 @@ def _judge_turned(
 
 
 @compiled_disjoint
-def _judge_discs(
+def judge_discs(
     near: Floats32,
     count: int,
     view: View,
     judged: Judged,
 ) -> None:
+    """The same of discs, rows DISC_*."""
     x, y, range_m, right_x, right_y, left_x, left_y = view
     for k in range(whole(count)):
         dx, dy, radius = near[DISC_X, k] - x, near[DISC_Y, k] - y, near[DISC_RADIUS, k]
@@ -202,13 +153,16 @@ def _judge_discs(
 
 
 @compiled_disjoint
-def _judge_sides(
+def judge_sides(
     near: Floats32,
     count: int,
     view: View,
     judged: Judged,
 ) -> None:
-    """Of the two ends the one that lies farther into the wedge counts."""
+    """The same of sides that face the eye, rows SIDE_*.
+
+    Of the two ends the one that lies farther into the wedge counts.
+    """
     x, y, range_m, right_x, right_y, left_x, left_y = view
     for k in range(whole(count)):
         dx, dy = near[SIDE_X, k] - x, near[SIDE_Y, k] - y
@@ -231,15 +185,12 @@ def _judge_sides(
 
 
 @compiled_disjoint
-def copied(
-    near: Floats32, x: np.float32, y: np.float32, judged: Judged, count: int, seen: Floats32
-) -> int:
+def copied(near: Floats32, view: View, judged: Judged, count: int, seen: Floats32) -> int:
     """Copy those that passed, relative to the eye.
 
     Args:
         near: as for picking.
-        x: the eye, in the frame of `near`.
-        y: the same.
+        view: from where, in the frame of `near`.
         judged: whether they passed: (capacity,).
         count: columns of `near` in use.
         seen: filled, rows as of `near`.
@@ -253,16 +204,26 @@ def copied(
         for first in range(0, count, LANES):
             n = keep(near[row], judged, first, seen[row], n)
     for k in range(n):
-        seen[0, k], seen[1, k] = seen[0, k] - x, seen[1, k] - y
+        seen[0, k], seen[1, k] = seen[0, k] - view.x, seen[1, k] - view.y
     return n
 
 
 @compiled_disjoint
-def _listed(judged: Judged, numbers: Picked, count: int, picked: Picked) -> int:
-    """List those that passed; returns how many."""
+def listed(numbers: Picked, judged: Judged, count: int, picked: Picked) -> int:
+    """List what passed.
+
+    Args:
+        numbers: 0, 1, 2, …: (capacity,).
+        judged: whether they passed: (capacity,).
+        count: of so many.
+        picked: filled: (capacity + LANES,).
+
+    Returns:
+        How many; the last four are filled up with one of them.
+    """
     n = 0
     for first in range(0, count, LANES):
         n = keep(numbers, judged, first, picked, n)
     for k in range(n, n + FOUR):
-        picked[k] = picked[0]
-    return (n + FOUR - 1) // FOUR * FOUR
+        picked[np.uintp(k)] = picked[0]
+    return n

@@ -12,7 +12,8 @@ from reflexarc_sim_bridge.compiled import compiled_inner, compiled_part
 from reflexarc_sim_bridge.params import Params
 from reflexarc_sim_bridge.places import draw
 from reflexarc_sim_bridge.random_numbers import normal, uniform
-from reflexarc_sim_bridge.vision import look, shade_rays, shade_tiles
+from reflexarc_sim_bridge.shading import shade_rays, shade_tiles
+from reflexarc_sim_bridge.vision import look
 from reflexarc_sim_bridge.workspace import Workspace
 
 _FULL = 255.0
@@ -25,13 +26,15 @@ def sense_agent(params: Params, work: Workspace, i: int) -> None:
     state = agents.state[i]
     plane = params.world.planes[state.world]
     is_disturbed = plane.noise > 0.0 or plane.dropout > 0.0
-    is_plain = eye.is_plain and plane.latency_steps == 0 and not is_disturbed
+    is_plain = eye.frames == 1 and plane.latency_steps == 0 and not is_disturbed
+    values = agents.stack[i] if is_plain else work.retina
     for eye_index in range(eye.eyes):
         look(params, work, i, eye_index)
-        if is_plain:
-            shade_tiles(eye, work, plane.background, agents.stack[i])
+        if eye.is_plain:
+            shade_tiles(eye, work, plane.background, values)
         else:
-            shade_rays(eye, work, plane.background, eye_index * eye.rays * eye.channels)
+            start = eye_index * eye.rays * eye.channels
+            shade_rays(eye, work, plane.background, values, start)
     if is_plain:
         state.looks += 1
         return

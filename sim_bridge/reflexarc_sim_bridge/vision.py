@@ -1,35 +1,31 @@
-"""What an eye sees: each ray takes the first thing that it meets, and its shade.
+"""What an eye sees: each ray takes the first thing that it meets.
 
 Obstacles are the outer loop, four at a time, and the rays of a tile the inner one, without
-branches: the compiler then treats 8 or 16 rays at once. Distances are float32, good to about a
-micrometre within a field of metres; a step of the 8-bit nearness is 2 cm at 5 m.
-
-The formulas of a ray's bearing and of its shade are `reflexarc_runtime.retina`'s, compiled: a
-simulated eye and a real scan cannot differ.
+branches: the compiler then treats 16 rays at once. Upright boxes and discs are met as they are;
+what has faces in any direction, turned boxes and polygons, as faces (`faces.py`), all layers'
+together. Distances are float32, good to about a micrometre within a field of metres; a step of the
+8-bit nearness is 2 cm at 5 m.
 """
 
 import math
-from typing import TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
-from reflexarc_runtime import retina
 from reflexarc_sim_bridge.aim import aim
-from reflexarc_sim_bridge.compiled import (
-    compiled_disjoint,
-    compiled_inline,
-    compiled_part,
+from reflexarc_sim_bridge.compiled import compiled_disjoint, compiled_inline, compiled_part
+from reflexarc_sim_bridge.faces import (
+    Faces,
+    face,
+    faces_of_boxes,
+    faces_of_sides,
+    fill_up,
+    judge_faces,
+    met_per_m,
 )
-from reflexarc_sim_bridge.geometry import (
-    meets_box_m,
-    meets_disc_m,
-    meets_side_m,
-    meets_turned_box,
-    sooner,
-)
+from reflexarc_sim_bridge.geometry import meets_box_m, meets_disc_m
 from reflexarc_sim_bridge.near import near_of, place_in_layer_m
 from reflexarc_sim_bridge.params import (
+    BOX_PAINT,
     BOXES,
     DISCS,
     SIDES,
@@ -41,28 +37,20 @@ from reflexarc_sim_bridge.params import (
 )
 from reflexarc_sim_bridge.pick import (
     FOUR,
+    Judged,
     Picked,
     View,
     copied,
-    pick_boxes,
-    pick_discs,
-    pick_sides,
-    pick_turned,
+    judge_boxes,
+    judge_discs,
+    judge_sides,
+    judge_turned,
+    listed,
 )
 from reflexarc_sim_bridge.workspace import Workspace
 
-_ZERO, _MINUS = np.float32(0.0), np.float32(-1.0)
-_BYTE, _FULL = 0xFF, 255.0
-_RED, _GREEN, _BLUE, _GREY = 299.0, 587.0, 114.0, 255_000.0
-"""Shares of the colours in a grey value (ITU-R BT.601), in thousandths, and what white adds up to.
-"""
-
-Column7: TypeAlias = tuple[
-    np.float32, np.float32, np.float32, np.float32, np.float32, np.float32, np.float32
-]
-
-brightness = compiled_inline(retina.brightness)
-value = compiled_inline(retina.value)
+_ZERO, _ONE, _NOTHING = np.float32(0.0), np.float32(1.0), np.float32(-1.0)
+_WHITE = np.float32(0xFFFFFF)
 
 
 @compiled_part
@@ -71,99 +59,30 @@ def look(params: Params, work: Workspace, i: int, eye_index: int) -> None:
     eye, agents = params.eye, params.agents
     state = agents.state[i]
     plane = params.world.planes[state.world]
-    work.distance_m[:] = eye.range_m
-    work.paint[:] = _MINUS
-    cos, sin = np.float32(1.0), _ZERO
+    cos, sin = _ONE, _ZERO
     if eye.turns:
         cos, sin = np.float32(math.cos(state.heading_rad)), np.float32(math.sin(state.heading_rad))
         aim(eye, cos, sin, work.ahead, work.left, work.per_ahead, work.per_left)
+    work.distance_m[:] = _ZERO if state.is_inside else eye.range_m
+    work.paint[:] = _WHITE if state.is_inside else _NOTHING
     if state.is_inside:
-        work.distance_m[:] = _ZERO
-        work.paint[:] = 0xFFFFFF
         return
-    side_m = -eye.half_baseline_m if eye_index else eye.half_baseline_m
+    side_m, faces = -eye.half_baseline_m if eye_index else eye.half_baseline_m, 0
     for number in range(plane.layers):
         layer = params.world.layers[state.world, number]
         x_m, y_m = place_in_layer_m(plane, layer, state, agents.layer_cells[i, number])
-        x, y = np.float32(x_m - side_m * sin), np.float32(y_m + side_m * cos)
+        view = _eye_view(eye, work, np.float32(x_m - side_m * sin), np.float32(y_m + side_m * cos))
         near = near_of(agents, i, number)
         if near.counts[BOXES]:
-            _see_boxes(eye, work, near.boxes, near.counts[BOXES], x, y)
-        if near.counts[TURNED]:
-            _see_turned(eye, work, near.turned, near.counts[TURNED], x, y)
+            _see_boxes(eye, work, near.boxes, near.counts[BOXES], view)
         if near.counts[DISCS]:
-            _see_discs(eye, work, near.discs, near.counts[DISCS], x, y)
+            _see_discs(eye, work, near.discs, near.counts[DISCS], view)
+        if near.counts[TURNED]:
+            faces = _list_turned(work, near.turned, near.counts[TURNED], view, faces)
         if near.counts[SIDES]:
-            _see_sides(eye, work, near.sides, near.counts[SIDES], x, y)
-
-
-@compiled_part
-def shade_tiles(
-    eye: EyeParams, work: Workspace, background: float, values: npt.NDArray[np.uint8]
-) -> None:
-    """Value of each ray of a grey eye without samples whose rays fill whole tiles: (rays,)."""
-    for first in range(0, eye.rays, TILE_RAYS):
-        distance_m, paint = work.distance_m[first:], work.paint[first:]
-        _shade_tile(eye, distance_m, paint, eye.alive[first:], background, values[first:])
-
-
-@compiled_disjoint
-def _shade_tile(
-    eye: EyeParams,
-    distance_m: Floats32,
-    paint: Floats32,
-    alive: npt.NDArray[np.bool_],
-    background: float,
-    values: npt.NDArray[np.uint8],
-) -> None:
-    for ray in range(TILE_RAYS):
-        bright = _grey_brightness(eye, distance_m[ray], paint[ray], background)
-        values[ray] = value(bright) if alive[ray] else 0
-
-
-@compiled_part
-def shade_rays(eye: EyeParams, work: Workspace, background: float, start: int) -> None:
-    """Value of each ray from what its sub-rays met: `work.retina` from `start` on."""
-    bright, samples = work.bright, eye.samples
-    for channel in range(eye.channels):
-        _shade_subrays(eye, work.distance_m, work.paint, channel, background, bright)
-        for ray in range(eye.rays):
-            total = 0.0
-            for k in range(ray * samples, (ray + 1) * samples):
-                total += bright[k]
-            at = start + ray * eye.channels + channel
-            work.retina[at] = value(total / samples) if eye.alive[ray] else 0
-
-
-@compiled_disjoint
-def _shade_subrays(
-    eye: EyeParams,
-    distance_m: Floats32,
-    paint: Floats32,
-    channel: int,
-    background: float,
-    bright: npt.NDArray[np.float64],
-) -> None:
-    if eye.channels == 1:
-        for k in range(bright.size):
-            bright[k] = _grey_brightness(eye, distance_m[k], paint[k], background)
-        return
-    shift = 16 - 8 * channel
-    for k in range(bright.size):
-        tint = np.int32((np.int32(paint[k]) >> shift) & _BYTE) / _FULL
-        shade = brightness(tint, np.float64(distance_m[k]), eye.range_m, eye.nearness)
-        bright[k] = shade if paint[k] >= _ZERO else background
-
-
-@compiled_inline
-def _grey_brightness(
-    eye: EyeParams, distance_m: np.float32, paint: np.float32, background: float
-) -> float:
-    bits = np.int32(paint)
-    red, green = np.int32((bits >> 16) & _BYTE), np.int32((bits >> 8) & _BYTE)
-    tint = (_RED * red + _GREEN * green + _BLUE * np.int32(bits & _BYTE)) / _GREY
-    bright = brightness(tint, np.float64(distance_m), eye.range_m, eye.nearness)
-    return bright if paint >= _ZERO else background
+            faces = _list_sides(work, near.sides, near.counts[SIDES], view, faces)
+    if faces:
+        _see_faces(eye, work, faces)
 
 
 @compiled_inline
@@ -187,21 +106,19 @@ def _tile_view(eye: EyeParams, work: Workspace, first: int, x: np.float32, y: np
 
 
 @compiled_part
-def _see_boxes(
-    eye: EyeParams, work: Workspace, near: Floats32, count: int, x: np.float32, y: np.float32
-) -> None:
+def _see_boxes(eye: EyeParams, work: Workspace, near: Floats32, count: int, view: View) -> None:
     """Let all rays meet the boxes of a near list."""
-    sieve = work.sieve
+    sieve, seen, x, y = work.sieve, near, view.x, view.y
     if work.distance_m.size > TILE_RAYS:
-        pick_boxes(near, count, _eye_view(eye, work, x, y), sieve)
-        count = copied(near, x, y, sieve.judged, count, work.seen)
-        near, x, y = work.seen, _ZERO, _ZERO
+        judge_boxes(near, count, view, sieve.judged)
+        count = copied(near, view, sieve.judged, count, work.seen)
+        seen, x, y = work.seen, _ZERO, _ZERO
     for first in range(0, work.distance_m.size, TILE_RAYS):
-        view = _tile_view(eye, work, first, x, y)
-        end = pick_boxes(near, count, view, sieve)
+        judge_boxes(seen, count, _tile_view(eye, work, first, x, y), sieve.judged)
+        end = listed(sieve.numbers, sieve.judged, count, sieve.picked)
         distance_m, paint = work.distance_m[first:], work.paint[first:]
         per_ahead, per_left = work.per_ahead[first:], work.per_left[first:]
-        _meet_boxes(near, sieve.picked, end, x, y, per_ahead, per_left, distance_m, paint)
+        _meet_boxes(seen, sieve.picked, end, x, y, per_ahead, per_left, distance_m, paint)
 
 
 @compiled_disjoint
@@ -232,74 +149,19 @@ def _meet_boxes(
 
 
 @compiled_part
-def _see_turned(
-    eye: EyeParams, work: Workspace, near: Floats32, count: int, x: np.float32, y: np.float32
-) -> None:
-    """Let all rays meet the turned boxes of a near list."""
-    sieve = work.sieve
-    if work.distance_m.size > TILE_RAYS:
-        pick_turned(near, count, _eye_view(eye, work, x, y), sieve)
-        count = copied(near, x, y, sieve.judged, count, work.seen)
-        near, x, y = work.seen, _ZERO, _ZERO
-    for first in range(0, work.distance_m.size, TILE_RAYS):
-        view = _tile_view(eye, work, first, x, y)
-        end = pick_turned(near, count, view, sieve)
-        distance_m, paint = work.distance_m[first:], work.paint[first:]
-        ahead, left = work.ahead[first:], work.left[first:]
-        _meet_turned(near, sieve.picked, end, x, y, ahead, left, distance_m, paint)
-
-
-@compiled_disjoint
-def _meet_turned(
-    near: Floats32,
-    picked: Picked,
-    end: int,
-    x: np.float32,
-    y: np.float32,
-    ahead: Floats32,
-    left: Floats32,
-    distance_m: Floats32,
-    paint: Floats32,
-) -> None:
-    """Let a tile of rays meet turned boxes, four at a time."""
-    for n in range(0, end, FOUR):
-        a = _column7(near, picked[n], x, y)
-        b = _column7(near, picked[n + 1], x, y)
-        c = _column7(near, picked[n + 2], x, y)
-        d = _column7(near, picked[n + 3], x, y)
-        for ray in range(TILE_RAYS):
-            ra, rl, best, tint = ahead[ray], left[ray], distance_m[ray], paint[ray]
-            ab = sooner(*_met_turned(a, ra, rl), *_met_turned(b, ra, rl))
-            cd = sooner(*_met_turned(c, ra, rl), *_met_turned(d, ra, rl))
-            length, per, mark = sooner(*ab, *cd)
-            distance_m[ray], paint[ray] = _nearer(length / per, mark, best, tint)
-
-
-@compiled_inline
-def _met_turned(
-    box: Column7, ahead: np.float32, left: np.float32
-) -> tuple[np.float32, np.float32, np.float32]:
-    """Length up to a turned box, as a fraction, and its paint."""
-    length, per = meets_turned_box(*box[1:], ahead, left)
-    return length, per, box[0]
-
-
-@compiled_part
-def _see_discs(
-    eye: EyeParams, work: Workspace, near: Floats32, count: int, x: np.float32, y: np.float32
-) -> None:
+def _see_discs(eye: EyeParams, work: Workspace, near: Floats32, count: int, view: View) -> None:
     """Let all rays meet the discs of a near list."""
-    sieve = work.sieve
+    sieve, seen, x, y = work.sieve, near, view.x, view.y
     if work.distance_m.size > TILE_RAYS:
-        pick_discs(near, count, _eye_view(eye, work, x, y), sieve)
-        count = copied(near, x, y, sieve.judged, count, work.seen)
-        near, x, y = work.seen, _ZERO, _ZERO
+        judge_discs(near, count, view, sieve.judged)
+        count = copied(near, view, sieve.judged, count, work.seen)
+        seen, x, y = work.seen, _ZERO, _ZERO
     for first in range(0, work.distance_m.size, TILE_RAYS):
-        view = _tile_view(eye, work, first, x, y)
-        end = pick_discs(near, count, view, sieve)
+        judge_discs(seen, count, _tile_view(eye, work, first, x, y), sieve.judged)
+        end = listed(sieve.numbers, sieve.judged, count, sieve.picked)
         distance_m, paint = work.distance_m[first:], work.paint[first:]
         ahead, left = work.ahead[first:], work.left[first:]
-        _meet_discs(near, sieve.picked, end, x, y, ahead, left, distance_m, paint)
+        _meet_discs(seen, sieve.picked, end, x, y, ahead, left, distance_m, paint)
 
 
 @compiled_disjoint
@@ -330,48 +192,88 @@ def _meet_discs(
 
 
 @compiled_part
-def _see_sides(
-    eye: EyeParams, work: Workspace, near: Floats32, count: int, x: np.float32, y: np.float32
-) -> None:
-    """Let all rays meet the sides of a near list."""
-    sieve = work.sieve
-    if work.distance_m.size > TILE_RAYS:
-        pick_sides(near, count, _eye_view(eye, work, x, y), sieve)
-        count = copied(near, x, y, sieve.judged, count, work.seen)
-        near, x, y = work.seen, _ZERO, _ZERO
-    for first in range(0, work.distance_m.size, TILE_RAYS):
-        view = _tile_view(eye, work, first, x, y)
-        end = pick_sides(near, count, view, sieve)
-        distance_m, paint = work.distance_m[first:], work.paint[first:]
+def _list_turned(work: Workspace, near: Floats32, count: int, view: View, first: int) -> int:
+    """List the turned boxes that the eye can see as faces from `first` on; where they end."""
+    judged, seen = work.sieve.judged, work.seen
+    judge_turned(near, count, view, judged)
+    n = copied(near, view, judged, count, seen)
+    if faces_of_boxes(seen, n, work.faces, first, judged):
+        work.distance_m[:] = _ZERO
+        work.paint[:] = seen[BOX_PAINT, _first_of(judged)]
+    return first + n
+
+
+@compiled_inline
+def _first_of(marked: Judged) -> int:
+    k = 0
+    while not marked[k]:
+        k += 1
+    return k
+
+
+@compiled_part
+def _list_sides(work: Workspace, near: Floats32, count: int, view: View, first: int) -> int:
+    """The same of sides of polygons."""
+    judge_sides(near, count, view, work.sieve.judged)
+    n = copied(near, view, work.sieve.judged, count, work.seen)
+    faces_of_sides(work.seen, n, work.faces, first)
+    return first + n
+
+
+@compiled_part
+def _see_faces(eye: EyeParams, work: Workspace, count: int) -> None:
+    """Let all rays meet the faces that are listed."""
+    sieve, tiles = work.sieve, work.distance_m.size // TILE_RAYS
+    fill_up(work.faces, count)
+    for tile in range(tiles):
+        ahead, left = work.ahead[tile * TILE_RAYS :], work.left[tile * TILE_RAYS :]
+        if tiles == 1 or eye.tile_is_wide:
+            work.ends[tile] = count
+        else:
+            judge_faces(work.faces, count, ahead, left, sieve.judged)
+            work.ends[tile] = listed(sieve.numbers, sieve.judged, count, work.lists[tile])
+    for tile in range(tiles):
+        first = tile * TILE_RAYS
         ahead, left = work.ahead[first:], work.left[first:]
-        _meet_sides(near, sieve.picked, end, x, y, ahead, left, distance_m, paint)
+        distance_m, paint = work.distance_m[first:], work.paint[first:]
+        picked, end = work.lists[tile], work.ends[tile]
+        _meet_faces(work.faces, picked, end, ahead, left, work.per_m, distance_m, paint)
 
 
 @compiled_disjoint
-def _meet_sides(
-    near: Floats32,
+def _meet_faces(
+    faces: Faces,
     picked: Picked,
     end: int,
-    x: np.float32,
-    y: np.float32,
     ahead: Floats32,
     left: Floats32,
+    per_m: Floats32,
     distance_m: Floats32,
     paint: Floats32,
 ) -> None:
-    """Let a tile of rays meet sides, four at a time."""
+    """Let a tile of rays meet faces, four at a time; `per_m` is scratch: (TILE_RAYS,)."""
+    for ray in range(per_m.size):
+        per_m[ray] = _ONE / distance_m[ray]
     for n in range(0, end, FOUR):
-        a = _column5(near, picked[n], x, y)
-        b = _column5(near, picked[n + 1], x, y)
-        c = _column5(near, picked[n + 2], x, y)
-        d = _column5(near, picked[n + 3], x, y)
+        a, b = face(faces, picked[n]), face(faces, picked[n + 1])
+        c, d = face(faces, picked[n + 2]), face(faces, picked[n + 3])
         for ray in range(TILE_RAYS):
-            ra, rl, best, tint = ahead[ray], left[ray], distance_m[ray], paint[ray]
-            best, tint = _nearer(meets_side_m(*a[1:], ra, rl), a[0], best, tint)
-            best, tint = _nearer(meets_side_m(*b[1:], ra, rl), b[0], best, tint)
-            best, tint = _nearer(meets_side_m(*c[1:], ra, rl), c[0], best, tint)
-            best, tint = _nearer(meets_side_m(*d[1:], ra, rl), d[0], best, tint)
-            distance_m[ray], paint[ray] = best, tint
+            ra, rl, most, tint = ahead[ray], left[ray], per_m[ray], paint[ray]
+            most, tint = _larger(met_per_m(a, ra, rl), a.paint, most, tint)
+            most, tint = _larger(met_per_m(b, ra, rl), b.paint, most, tint)
+            most, tint = _larger(met_per_m(c, ra, rl), c.paint, most, tint)
+            most, tint = _larger(met_per_m(d, ra, rl), d.paint, most, tint)
+            per_m[ray], paint[ray] = most, tint
+    for ray in range(per_m.size):
+        before_m, met_m = distance_m[ray], _ONE / per_m[ray]
+        distance_m[ray] = met_m if met_m < before_m else before_m
+
+
+@compiled_inline
+def _larger(
+    per_m: np.float32, paint: np.float32, most: np.float32, tint: np.float32
+) -> tuple[np.float32, np.float32]:
+    return (per_m if per_m > most else most), (paint if per_m > most else tint)
 
 
 @compiled_inline
@@ -395,10 +297,3 @@ def _column5(
 ) -> tuple[np.float32, np.float32, np.float32, np.float32, np.float32]:
     """The same of an upright box, or of a side."""
     return near[4, k], near[0, k] - x, near[1, k] - y, near[2, k], near[3, k]
-
-
-@compiled_inline
-def _column7(near: Floats32, k: np.uint32, x: np.float32, y: np.float32) -> Column7:
-    """The same of a turned box."""
-    dx, dy = near[0, k] - x, near[1, k] - y
-    return near[4, k], dx, dy, near[2, k], near[3, k], near[5, k], near[6, k]

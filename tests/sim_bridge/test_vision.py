@@ -253,3 +253,14 @@ def test_a_sideways_agent_and_a_turning_one_with_heading_0_see_the_same() -> Non
         for actions in (SIDEWAYS, TURNING)
     )
     np.testing.assert_array_equal(sideways.sense(), turning.sense())
+
+
+@pytest.mark.parametrize("turned_rad", [0.0, 0.7, 2.0])
+def test_an_eye_within_an_obstacle_sees_nothing_else(turned_rad: float) -> None:
+    """The eyes of a wide head are where its body is not."""
+    x_m, y_m = STANDS_AT_M
+    spec = RetinaSpec(rays=40, eyes=2, baseline_m=1.0, samples=2)
+    scene = [box(x_m, y_m + 0.5, 0.2, 0.3, (0.4,) * 3, turned_rad), box(x_m + 2.0, y_m, 0.1, 4.0)]
+    left, right = scene_of(scene, PolicyContract(retina=spec)).sense()[0, :, :, 0]
+    assert (left == round(0.4 * 255)).all()
+    assert right.max() > round(0.4 * 255)

@@ -130,6 +130,7 @@ def _star(draw: st.DrawFn) -> Outline:
 stars = _star()
 outlines = st.one_of(
     st.builds(box, _places, _places, _sizes, _sizes, _tints),
+    st.builds(box, _places, _places, _sizes, _sizes, _tints, st.floats(0.0, math.pi)),
     st.builds(disc, _places, _places, _sizes, _tints),
     stars,
 )

@@ -1,10 +1,12 @@
 """Scenes laid out by hand: obstacles written into what an agent of an empty world keeps near."""
 
+import math
+
 import numpy as np
 
 from reflexarc_runtime.contract import PolicyContract
 from reflexarc_sim_bridge.layers import Motion, Scatter
-from reflexarc_sim_bridge.params import BOXES, DISCS, SIDES
+from reflexarc_sim_bridge.params import BOXES, DISCS, SIDES, TURNED
 from reflexarc_sim_bridge.scene import Outline
 from reflexarc_sim_bridge.shapes import Discs, Polygons, Rectangles
 from reflexarc_sim_bridge.simulation import Simulation
@@ -13,7 +15,12 @@ from reflexarc_sim_bridge.worlds import Chassis, Edges, Senses, World
 STANDS_AT_M = (1.25, 1.0)
 """Where the agent of a scene is: within its cell, whose corner is the origin of the world."""
 
-_KINDS = (Rectangles(), Discs(), Polygons(corners=(3, 32)))
+_KINDS = (
+    Rectangles(share=0.25),
+    Rectangles(share=0.25, turned_rad=(0.0, 3.0)),
+    Discs(share=0.25),
+    Polygons(share=0.25, corners=(3, 32)),
+)
 
 
 def scene_of(
@@ -54,13 +61,15 @@ def lay_out(simulation: Simulation, outlines: list[Outline]) -> None:
     """Write obstacles into the first layer's lists of the first agent."""
     agents = simulation.params.agents
     counts = agents.near_counts[0, 0]
-    boxes = [outline for outline in outlines if outline.is_box]
+    columns = [(*box_rows(outline), outline) for outline in outlines if outline.is_box]
+    boxes = [(rows, outline) for rows, turned, outline in columns if turned == (1.0, 0.0)]
+    turned_boxes = [column for column in columns if column[1] != (1.0, 0.0)]
     discs = [outline for outline in outlines if outline.is_disc]
-    counts[BOXES], counts[DISCS] = len(boxes), len(discs)
-    for k, outline in enumerate(boxes):
-        half_length_m, half_width_m = np.ptp(outline.corners_m, axis=0) / 2
-        middle_m = outline.corners_m.mean(axis=0)
-        agents.boxes[0, 0, :, k] = (*middle_m, half_length_m, half_width_m, paint(outline))
+    counts[BOXES], counts[TURNED], counts[DISCS] = len(boxes), len(turned_boxes), len(discs)
+    for k, (rows, outline) in enumerate(boxes):
+        agents.boxes[0, 0, :, k] = (*rows, paint(outline))
+    for k, (rows, turned, outline) in enumerate(turned_boxes):
+        agents.turned[0, 0, :, k] = (*rows, paint(outline), *turned)
     for k, outline in enumerate(discs):
         agents.discs[0, 0, :, k] = (outline.x_m, outline.y_m, outline.radius_m, paint(outline))
     side = 0
@@ -73,6 +82,16 @@ def lay_out(simulation: Simulation, outlines: list[Outline]) -> None:
             agents.sides[0, 0, :, side] = (*corner_m, *edge_m, paint(outline))
             side += 1
     counts[SIDES] = side
+
+
+def box_rows(outline: Outline) -> tuple[tuple[float, ...], tuple[float, float]]:
+    """Middle and half sides of a box, and cosine and sine of its angle, from its corners."""
+    x_m, y_m = outline.corners_m.mean(axis=0).tolist()
+    left_rear, right_rear = outline.corners_m[1:3]
+    along, across = outline.corners_m[0] - left_rear, left_rear - right_rear
+    half_length_m, half_width_m = math.hypot(*along) / 2, math.hypot(*across) / 2
+    cos, sin = (along / (2 * half_length_m)).tolist()
+    return (x_m, y_m, half_length_m, half_width_m), (cos, sin)
 
 
 def paint(outline: Outline) -> int:

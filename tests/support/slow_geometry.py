@@ -28,9 +28,12 @@ def box(
     half_length_m: float,
     half_width_m: float,
     colour: tuple[float, ...] = WHITE,
+    turned_rad: float = 0.0,
 ) -> Outline:
     signs = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)], np.float64)
-    corners_m = np.array([x_m, y_m]) + signs * (half_length_m, half_width_m)
+    cos, sin = math.cos(turned_rad), math.sin(turned_rad)
+    turned = np.array([(cos, sin), (-sin, cos)])
+    corners_m = np.array([x_m, y_m]) + signs * (half_length_m, half_width_m) @ turned
     return Outline(x_m, y_m, 0.0, corners_m, True, (*colour[:3],), 0)
 
 
