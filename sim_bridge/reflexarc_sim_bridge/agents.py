@@ -25,28 +25,31 @@ from reflexarc_sim_bridge.params import (
     WorldTables,
 )
 from reflexarc_sim_bridge.sieve import LANES, whole
-from reflexarc_sim_bridge.world_tables import world_tables
 from reflexarc_sim_bridge.worlds import World
 
 _CACHE_LINE = 64
 
 
 def agents_at_zero(
-    seeds: npt.NDArray[np.uint64], world: World, tables: WorldTables, contract: PolicyContract
+    seeds: npt.NDArray[np.uint64],
+    world: World,
+    tables: WorldTables,
+    room: WorldTables,
+    contract: PolicyContract,
 ) -> Agents:
     """Agents that are nowhere yet; `kernel.place_all` puts them into their worlds.
 
     Args:
         seeds: one an agent: (n,).
-        world: the densest of the worlds, which says how much room to make.
+        world: the densest of the worlds.
         tables: one world for all, or one for each agent.
+        room: that of `world`, which says how much room to make.
         contract: what the agents see and do.
     """
     spec, n, layers = contract.retina, len(seeds), tables.layers.shape[1]
     state = np.zeros(n, AGENT_DTYPE)
     state["seed"], state["lane"] = seeds, _lanes(seeds)
     state["world"] = np.arange(n) if len(tables.planes) > 1 else 0
-    room = world_tables([world], contract, world)
     boxes, turned, discs, sides = _near_capacities(room)
     columns, belt = _belt_capacity(room)
     return Agents(

@@ -79,8 +79,11 @@ class Simulation:
         self.world = world
         self.contract = contract
         worlds = [world] if isinstance(world, World) else [world.drawn(s) for s in seeds.tolist()]
-        tables = world_tables(worlds, contract, world.densest)
-        agents = agents_at_zero(seeds, world.densest, tables, contract)
+        densest = world.densest
+        tables = room = world_tables(worlds, contract, densest)
+        if worlds != [densest]:
+            room = world_tables([densest], contract, densest)
+        agents = agents_at_zero(seeds, densest, tables, room, contract)
         if lanes is not None:
             agents.state["lane"] = lanes
         self._motions = motions_of(contract)

@@ -50,7 +50,7 @@ class Layers(NamedTuple):
 
 def layers_for(config: NetworkConfig, contract: PolicyContract) -> Layers:
     """The shape of the network of a run."""
-    sizes = [contract.retina.frames * contract.retina.size, *config.hidden, len(contract.actions)]
+    sizes = config.sizes(contract)
     return Layers(np.array(sizes, np.int64), UNITS[config.units], UNITS[config.output])
 
 

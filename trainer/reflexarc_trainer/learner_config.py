@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+from reflexarc_runtime.contract import PolicyContract
 from reflexarc_trainer.checks import (
     require,
     require_count,
@@ -58,6 +59,11 @@ class NetworkConfig:
         require_one_of(Units, "network.units", self.units)
         require_one_of(OutputUnits, "network.output", self.output)
         require_one_of(InitialWeights, "network.initial_weights", self.initial_weights)
+
+    def sizes(self, contract: PolicyContract) -> list[int]:
+        """Inputs, hidden units, actions: (layers + 1,)."""
+        inputs = contract.retina.frames * contract.retina.size
+        return [inputs, *self.hidden, len(contract.actions)]
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,10 @@ import math
 from itertools import pairwise
 
 import numpy as np
+import numpy.typing as npt
 import torch
 from torch import Tensor, nn
+from torch.nn.utils import vector_to_parameters
 
 from reflexarc_runtime.contract import PolicyContract
 from reflexarc_runtime.retina import FULL_SCALE
@@ -45,12 +47,13 @@ class QNetwork(nn.Module):
         super().__init__()
         sizes = (inputs, *config.hidden)
         hidden = (
-            (nn.Linear(below, here), _UNITS[config.units]()) for below, here in pairwise(sizes)
+            (nn.Linear(below, here, dtype=torch.float64), _UNITS[config.units]())
+            for below, here in pairwise(sizes)
         )
         self.input_power = config.input_power
         self.flatten = nn.Flatten()
         self.hidden = nn.Sequential(*(part for layer in hidden for part in layer))
-        self.output = nn.Linear(sizes[-1], actions)
+        self.output = nn.Linear(sizes[-1], actions, dtype=torch.float64)
         self.output_units = _UNITS[config.output]()
 
     def forward(self, retinas: Tensor) -> Tensor:
@@ -76,25 +79,29 @@ def raised(x: Tensor, power: int) -> Tensor:
 def new_network(contract: PolicyContract, config: NetworkConfig, seed: int) -> QNetwork:
     """A float64 network with the initial weights of a seed."""
     network = empty_network(contract, config)
-    linear = [part for part in network.modules() if isinstance(part, nn.Linear)]
-    sizes = [linear[0].in_features, *(layer.out_features for layer in linear)]
-    generator = np.random.default_rng([seed, *sizes])
-    for layer in linear:
-        _draw(layer, config, generator)
+    weights = torch.from_numpy(drawn_weights(contract, config, seed))
+    vector_to_parameters(weights, network.parameters())
     return network
 
 
 def empty_network(contract: PolicyContract, config: NetworkConfig) -> QNetwork:
     """A float64 network of the right shape, for weights to be put in."""
-    inputs, actions = contract.retina.frames * contract.retina.size, len(contract.actions)
-    return QNetwork(inputs, actions, config).double()
+    sizes = config.sizes(contract)
+    return QNetwork(sizes[0], sizes[-1], config)
 
 
-def _draw(layer: nn.Linear, config: NetworkConfig, generator: np.random.Generator) -> None:
-    """Draws with NumPy, whose streams are promised to stay; torch's are not."""
-    normal = config.initial_weights == "normal"
-    scale = 1.0 if normal else 1.0 / math.sqrt(layer.in_features)
-    with torch.no_grad():
-        layer.weight.copy_(torch.from_numpy(scale * generator.normal(size=layer.weight.shape)))
-        bias = generator.normal(size=layer.bias.shape) * float(normal)
-        layer.bias.copy_(torch.from_numpy(bias))
+def drawn_weights(
+    contract: PolicyContract, config: NetworkConfig, seed: int
+) -> npt.NDArray[np.float64]:
+    """The initial weights of a seed, for each layer W by rows, then its biases: (parameters,).
+
+    Drawn with NumPy, whose streams are promised to stay; torch's are not.
+    """
+    sizes = config.sizes(contract)
+    generator = np.random.default_rng([seed, *sizes])
+    normal, parts = config.initial_weights == "normal", []
+    for below, here in pairwise(sizes):
+        scale = 1.0 if normal else 1.0 / math.sqrt(below)
+        parts += [scale * generator.normal(size=here * below)]
+        parts += [generator.normal(size=here) * float(normal)]
+    return np.concatenate(parts)

@@ -13,7 +13,7 @@ from reflexarc_runtime.contract import PolicyContract
 from reflexarc_runtime.policy import Policy
 from reflexarc_trainer.config import TrainConfig
 from reflexarc_trainer.learner_config import NetworkConfig
-from reflexarc_trainer.q_network import QNetwork, empty_network, new_network
+from reflexarc_trainer.q_network import QNetwork, drawn_weights, empty_network
 
 Weights = npt.NDArray[np.float64]
 """Of a whole network: (parameters,)."""
@@ -35,7 +35,7 @@ def unpack(
 
 def initial_weights(config: TrainConfig) -> npt.NDArray[np.float64]:
     """What a run's seed gives its network to begin with: (parameters,)."""
-    return pack(new_network(config.contract(), config.network, config.seed))
+    return drawn_weights(config.contract(), config.network, config.seed)
 
 
 class NetworkPolicy(Policy):
