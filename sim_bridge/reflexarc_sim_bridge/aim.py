@@ -9,6 +9,12 @@ from reflexarc_sim_bridge.params import EyeParams, Floats32
 _STEEPEST = np.float32(1e-9)
 
 
+def reciprocals(components: Floats32) -> Floats32:
+    """1 / component, finite, as `aim` gives it."""
+    steepest = np.maximum(np.abs(components), _STEEPEST)
+    return np.float32(1.0) / np.copysign(steepest, components)
+
+
 @compiled_disjoint
 def aim(
     eye: EyeParams,

@@ -13,7 +13,6 @@ from reflexarc_sim_bridge.compiled import (
     compiled_disjoint,
     compiled_inline,
     compiled_inner,
-    compiled_part,
 )
 from reflexarc_sim_bridge.geometry import (
     meets_box_m,
@@ -67,7 +66,7 @@ class Way(NamedTuple):
     """Of the body."""
 
 
-@compiled_part
+@compiled_inner
 def free_share(params: Params, work: Workspace, i: int, ahead_m: float, left_m: float) -> float:
     """Share of a straight step up to the first obstacle that an agent meets, infinity if none.
 

@@ -15,7 +15,6 @@ from typing import NamedTuple
 import numpy as np
 
 from reflexarc_sim_bridge.compiled import (
-    compiled_allocating,
     compiled_disjoint,
     compiled_inline,
 )
@@ -76,22 +75,6 @@ class Face(NamedTuple):
     left_x: np.float32
     left_y: np.float32
     paint: np.float32
-
-
-@compiled_allocating
-def new_faces(capacity: int) -> Faces:
-    """Room for so many."""
-    return Faces(
-        np.empty(capacity, np.float32),
-        np.empty(capacity, np.float32),
-        np.empty(capacity, np.float32),
-        np.empty(capacity, np.float32),
-        np.empty(capacity, np.float32),
-        np.empty(capacity, np.float32),
-        np.empty(capacity, np.float32),
-        np.empty(capacity, np.float32),
-        np.empty(capacity, np.float32),
-    )
 
 
 @compiled_inline

@@ -10,10 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_sim_bridge.compiled import (
-    compiled_allocating,
+    compiled,
     compiled_called,
     compiled_free,
-    compiled_inner,
 )
 from reflexarc_sim_bridge.foresight import foresee
 from reflexarc_sim_bridge.motion import step_agent
@@ -23,7 +22,7 @@ from reflexarc_sim_bridge.params import Params
 from reflexarc_sim_bridge.places import go_to_free_place, set_place
 from reflexarc_sim_bridge.senses import sense_agent
 from reflexarc_sim_bridge.vision import look
-from reflexarc_sim_bridge.workspace import Workspace, new_workspace
+from reflexarc_sim_bridge.workspace import Workspace
 from reflexarc_sim_bridge.world_step import call, compiled_step
 
 __all__ = [
@@ -96,29 +95,14 @@ def call_step(
     call(step, held, actions, met_out, tasks, first, end)
 
 
-@compiled_allocating
+@compiled
 def cover(
-    params: Params, places_m: npt.NDArray[np.float64], found_out: npt.NDArray[np.bool_]
-) -> None:
-    """Whether agent 0 would cover or touch an obstacle: at (x, y): (n, 2); filled: (n,)."""
-    _cover(params, new_workspace(params), places_m, found_out)
-
-
-@compiled_allocating
-def cast(params: Params, distances_out: npt.NDArray[np.float32]) -> None:
-    """What the sub-rays of agent 0's first eye meet (m): filled: (subrays,)."""
-    work = new_workspace(params)
-    _look(params, work)
-    distances_out[:] = work.distance_m
-
-
-@compiled_inner
-def _cover(
     params: Params,
     work: Workspace,
     places_m: npt.NDArray[np.float64],
     found_out: npt.NDArray[np.bool_],
 ) -> None:
+    """Whether agent 0 would cover or touch an obstacle: at (x, y): (n, 2); filled: (n,)."""
     state = params.agents.state[0]
     forget_near(params.agents, 0)
     for k in range(len(places_m)):
@@ -127,6 +111,7 @@ def _cover(
         found_out[k] = touches(params, 0)
 
 
-@compiled_inner
-def _look(params: Params, work: Workspace) -> None:
+@compiled
+def cast(params: Params, work: Workspace) -> None:
+    """What the sub-rays of agent 0's first eye meet is in `work.distance_m` (subrays,)."""
     look(params, work, 0, 0)

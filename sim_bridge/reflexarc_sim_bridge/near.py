@@ -19,7 +19,7 @@ from reflexarc_sim_bridge.chunks import (
     scatter_count,
     scattered,
 )
-from reflexarc_sim_bridge.compiled import compiled_inline, compiled_inner, compiled_part
+from reflexarc_sim_bridge.compiled import compiled_inline, compiled_inner
 from reflexarc_sim_bridge.layers import CHUNK_M
 from reflexarc_sim_bridge.params import (
     AT_REST,
@@ -96,7 +96,7 @@ def forget_near(agents: Agents, i: int) -> None:
         agents.layer_cells[i, number, 0] = _NOWHERE
 
 
-@compiled_part
+@compiled_inner
 def keep_near(params: Params, work: Workspace, i: int) -> None:
     """Gather anew, layer by layer, where the agent has entered another cell."""
     world, agents = params.world, params.agents

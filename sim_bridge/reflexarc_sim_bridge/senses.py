@@ -19,7 +19,7 @@ from reflexarc_sim_bridge.workspace import Workspace
 _FULL = 255.0
 
 
-@compiled_part
+@compiled_inner
 def sense_agent(params: Params, work: Workspace, i: int) -> None:
     """Look: agent `i`'s stack of retinas advances by what it sees now. Once a step."""
     eye, agents = params.eye, params.agents

@@ -17,6 +17,7 @@ from reflexarc_sim_bridge.layers import CHUNK_M
 from reflexarc_sim_bridge.params import Params
 from reflexarc_sim_bridge.scene import Outline, outlines_near
 from reflexarc_sim_bridge.threads import shared
+from reflexarc_sim_bridge.workspace import new_workspace
 from reflexarc_sim_bridge.world_step import Held
 from reflexarc_sim_bridge.world_tables import world_tables, write_world
 from reflexarc_sim_bridge.worlds import World, WorldSource
@@ -45,7 +46,7 @@ def covered(
     """
     simulation = Simulation(world, contract, np.array([seed], np.uint64))
     found = np.empty(len(places_m), np.bool_)
-    kernel.cover(simulation.params, places_m, found)
+    kernel.cover(simulation.params, new_workspace(simulation.params), places_m, found)
     return found
 
 
@@ -258,10 +259,9 @@ class Simulation:
 
         The range where it would meet nothing. No look: nothing is remembered, nothing disturbed.
         """
-        distances_m = np.empty(len(self.params.eye.ahead), np.float32)
-        kernel.cast(self.params, distances_m)
-        spec = self.contract.retina
-        return distances_m[: spec.rays * spec.samples]
+        work, spec = new_workspace(self.params), self.contract.retina
+        kernel.cast(self.params, work)
+        return work.distance_m[: spec.rays * spec.samples]
 
     def outlines_near(self, agent: int) -> list[Outline]:
         """Obstacles near an agent, where it sees them (y may leave the period), for drawing.

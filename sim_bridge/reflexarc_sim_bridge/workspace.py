@@ -5,16 +5,13 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_sim_bridge.aim import aim
+from reflexarc_sim_bridge.aim import reciprocals
 from reflexarc_sim_bridge.automaton import MAX_ROWS
 from reflexarc_sim_bridge.belt import EIGHT, Draws, Picks
-from reflexarc_sim_bridge.compiled import compiled_allocating
-from reflexarc_sim_bridge.faces import Faces, new_faces
+from reflexarc_sim_bridge.faces import Faces
 from reflexarc_sim_bridge.params import TILE_RAYS, TURNED_ROWS, Floats32, Params, WorldTables
-from reflexarc_sim_bridge.pick import Picked, Sieve
+from reflexarc_sim_bridge.pick import Sieve
 from reflexarc_sim_bridge.sieve import LANES
-
-_ZERO, _ONE = np.float32(0.0), np.float32(1.0)
 
 
 class Workspace(NamedTuple):
@@ -55,61 +52,41 @@ class Workspace(NamedTuple):
     """Of both eyes: (values,)."""
 
 
-@compiled_allocating
 def new_workspace(params: Params) -> Workspace:
     """The scratch that a thread needs for these worlds, eyes and agents."""
     world, eye, agents = params
-    rays = eye.ahead.size
-    layers, discs = agents.discs.shape[1], agents.discs.shape[3]
-    boxes, turned, sides = agents.boxes.shape[3], agents.turned.shape[3], agents.sides.shape[3]
-    faces = layers * (turned + sides) + LANES
-    columns = max(boxes, turned, discs, sides)
-    work = Workspace(
-        _new_sieve(max(columns, faces)),
-        np.empty((TURNED_ROWS, columns + LANES), np.float32),
-        new_faces(faces),
-        np.empty(rays, np.float32),
-        np.empty(rays, np.float32),
-        np.empty(rays, np.float32),
-        np.empty(rays, np.float32),
-        np.empty(TILE_RAYS, np.float32),
-        np.empty(rays, np.float32),
-        np.empty(rays, np.float32),
-        np.empty(rays, np.float64),
-        np.empty(eye.rays, np.float64),
-        _lists(rays // TILE_RAYS, faces + LANES),
-        np.empty(rays // TILE_RAYS, np.int64),
-        _new_draws(world),
-        _new_picks(agents.belt_places.shape[3]),
-        np.empty(MAX_ROWS, np.uint64),
-        np.empty(agents.delayed.shape[2], np.uint8),
+    layers, boxes, discs = agents.layer_cells.shape[1], agents.boxes.shape[3], agents.discs.shape[3]
+    turned, sides = agents.turned.shape[3], agents.sides.shape[3]
+    columns, faces = max(boxes, turned, discs, sides), layers * (turned + sides) + LANES
+    rays = len(eye.ahead)
+    tiles = rays // TILE_RAYS
+    everything = np.arange(max(columns, faces) + LANES, dtype=np.uint32)
+    return Workspace(
+        sieve=Sieve(np.empty(len(everything), np.bool_), everything, everything.copy()),
+        seen=np.empty((TURNED_ROWS, columns + LANES), np.float32),
+        faces=Faces(*np.empty((len(Faces._fields), faces), np.float32)),
+        # An eye that does not turn looks along x for good.
+        ahead=eye.ahead.copy(),
+        left=eye.left.copy(),
+        per_ahead=reciprocals(eye.ahead),
+        per_left=reciprocals(eye.left),
+        per_m=np.empty(TILE_RAYS, np.float32),
+        distance_m=np.empty(rays, np.float32),
+        paint=np.empty(rays, np.float32),
+        bright=np.empty(rays, np.float64),
+        total=np.empty(eye.rays, np.float64),
+        # Until they are chosen from, all of them.
+        lists=np.tile(everything, (tiles, 1)),
+        ends=np.empty(tiles, np.int64),
+        draws=_new_draws(world),
+        picks=_new_picks(agents.belt_places.shape[3]),
+        cells=np.empty(MAX_ROWS, np.uint64),
+        retina=np.empty(agents.delayed.shape[2], np.uint8),
     )
-    # An eye that does not turn looks along x for good.
-    aim(eye, _ONE, _ZERO, work.ahead, work.left, work.per_ahead, work.per_left)
-    return work
 
 
-@compiled_allocating
-def _lists(tiles: int, capacity: int) -> Picked:
-    """All of them, until they are chosen from."""
-    lists = np.empty((tiles, capacity), np.uint32)
-    for tile in range(tiles):
-        for k in range(capacity):
-            lists[tile, k] = k
-    return lists
-
-
-@compiled_allocating
-def _new_sieve(columns: int) -> Sieve:
-    numbers = np.arange(columns).astype(np.uint32)
-    return Sieve(np.empty(columns, np.bool_), numbers, np.empty(columns + LANES, np.uint32))
-
-
-@compiled_allocating
 def _new_draws(world: WorldTables) -> Draws:
-    chunks = max(1, world.planes[0].across)
-    for plane in world.planes:
-        chunks = max(chunks, plane.across)
+    chunks = max(1, int(world.planes["across"].max()))
     entries = chunks * world.counts.shape[3] + EIGHT
     return Draws(
         np.empty(chunks, np.uint64),
@@ -120,7 +97,6 @@ def _new_draws(world: WorldTables) -> Draws:
     )
 
 
-@compiled_allocating
 def _new_picks(boxes: int) -> Picks:
     return Picks(
         np.empty(boxes, np.float32),
