@@ -155,7 +155,16 @@ _QRDQN = _tuned(
     policy_kwargs={"n_quantiles": 8},
     **_REPLAY_SHORT,
 )
-_QUICK = _reflex(1 << 16, averaged_weights=0.8, epsilon_start=0.3, agents=16, shard_agents=16)
+_QUICK = _reflex(
+    1 << 16,
+    averaged_weights=0.8,
+    epsilon_start=0.3,
+    agents=16,
+    shard_agents=16,
+    rollout_steps=8,
+    minibatches=8,
+    learning_rate=7e-3,
+)
 _DEEP = _reflex(agents=256, averaged_weights=0.99, hidden=(64, 64), learning_rate=2e-3)
 _SHORT_S, _LONG_S, _REST_S = 3.0, 60.0, 30.0
 _LAST_LEVEL = 3.5

@@ -12,7 +12,7 @@ _STEEPEST = np.float32(1e-9)
 def reciprocals(components: Floats32) -> Floats32:
     """1 / component, finite, as `aim` gives it."""
     steepest = np.maximum(np.abs(components), _STEEPEST)
-    return np.float32(1.0) / np.copysign(steepest, components)
+    return (1.0 / np.copysign(steepest, components)).astype(np.float32)
 
 
 @compiled_disjoint

@@ -18,6 +18,7 @@ from typing import Any
 import numba
 
 KEPT_STATES = 4
+_PREFIX = "compiled-"
 
 _config: Any = numba.config  # its stub names no settings
 
@@ -39,7 +40,7 @@ def keyed_by_sources() -> Iterator[None]:
 def cache_folder() -> Path:
     """The folder for the sources as they are now; made if need be."""
     home = Path(_config.CACHE_DIR or Path.home() / ".cache" / "reflexarc")
-    folder = home / f"compiled-{source_key()}"
+    folder = home / f"{_PREFIX}{source_key()}"
     try:
         folder.mkdir(parents=True, exist_ok=True)
         folder.touch()
@@ -47,6 +48,17 @@ def cache_folder() -> Path:
     except OSError:
         return Path(tempfile.mkdtemp(prefix="reflexarc-compiled-"))
     return folder
+
+
+def is_kept(function: str) -> bool:
+    """Whether a compiled function, as module.name, is there for every process that asks.
+
+    Where none can be kept for another one, so it is said to be.
+    """
+    folder = cache_folder()
+    if not folder.name.startswith(_PREFIX):
+        return True
+    return any(folder.glob(f"*/{function}-*.nbi"))
 
 
 def source_key() -> str:
@@ -61,6 +73,6 @@ def source_key() -> str:
 
 
 def _forget_old_states(home: Path) -> None:
-    states = sorted(home.glob("compiled-*"), key=lambda path: path.stat().st_mtime)
+    states = sorted(home.glob(f"{_PREFIX}*"), key=lambda path: path.stat().st_mtime)
     for state in states[:-KEPT_STATES]:
         shutil.rmtree(state, ignore_errors=True)

@@ -176,6 +176,13 @@ class BatchedLearner:
             pending.held[i] = held
 
 
+def compile_learner(config: TrainConfig) -> None:
+    """Compile what a run learns with, unless that is done: it learns for no update."""
+    learning = new_learning(config)
+    nowhere = Place(0, 0, np.zeros_like(learning.pending.seen))
+    learn(learning, nowhere, new_gate(), 1, 0, 0, 0)
+
+
 def new_learning(config: TrainConfig, weights: npt.NDArray[np.float64] | None = None) -> Learning:
     """Everything that an update needs, before the first one.
 

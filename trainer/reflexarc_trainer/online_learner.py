@@ -185,6 +185,14 @@ def new_learning(
     return state, new_scratch(state, hidden, actions, curve)
 
 
+def compile_learner(config: TrainConfig) -> None:
+    """Compile what a run learns with, unless that is done: it learns for no step."""
+    rules, (state, scratch) = rules_for(config), new_learning(config)
+    retina = np.zeros(sizes_of(config)[0], np.uint8)
+    begin(rules, state, scratch, retina)
+    drive(rules, state, scratch, 0, 0, retina, 0)
+
+
 def rules_for(config: TrainConfig) -> Rules:
     """The constants of a run."""
     learner, explore, online = config.learner, config.learner.exploration, config.learner.online

@@ -1,0 +1,74 @@
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from reflexarc_trainer import compile_ahead
+from reflexarc_trainer.compile_ahead import learner_compiled_meanwhile
+from reflexarc_trainer.presets import PRESETS
+
+CONFIG = PRESETS["online"]
+ASK = """
+import json, sys
+from reflexarc_sim_bridge.compile_cache import is_kept
+from reflexarc_trainer.compile_ahead import compile_learner
+from reflexarc_trainer.config import TrainConfig
+from reflexarc_trainer.online_learner import begin, drive
+before = is_kept("online_learner.drive")
+compile_learner(TrainConfig.from_resolved(json.load(sys.stdin)))
+hits = [sum(each.stats.cache_hits.values()) for each in (begin, drive)]
+print(before, hits)
+"""
+
+
+@pytest.fixture
+def empty_cache(tmp_path: Path) -> dict[str, str]:
+    return {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+
+
+def test_another_process_finds_what_one_has_compiled(empty_cache: dict[str, str]):
+    config = json.dumps(CONFIG.resolved())
+    ahead = [sys.executable, "-m", "reflexarc_trainer.compile_ahead"]
+    subprocess.run(ahead, input=config, text=True, env=empty_cache, check=True)
+    asked = subprocess.run(
+        [sys.executable, "-c", ASK], input=config, text=True, env=empty_cache, capture_output=True
+    )
+    assert asked.stdout == "True [1, 1]\n", asked.stderr
+
+
+def test_nothing_is_started_where_all_is_compiled(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(compile_ahead, "is_kept", lambda function: True)
+    monkeypatch.setattr(compile_ahead, "_start", lambda config: pytest.fail("started"))
+    with learner_compiled_meanwhile(CONFIG):
+        pass
+
+
+def test_a_helper_that_fails_is_waited_for_and_forgotten(monkeypatch: pytest.MonkeyPatch):
+    helpers = helpers_that("raise SystemExit(3)", monkeypatch)
+    with learner_compiled_meanwhile(CONFIG):
+        pass
+    assert [helper.returncode for helper in helpers] == [3]
+
+
+def test_no_helper_outlives_a_world_that_cannot_be_made(monkeypatch: pytest.MonkeyPatch):
+    helpers = helpers_that("import time; time.sleep(600)", monkeypatch)
+    with pytest.raises(ValueError, match="no such world"), learner_compiled_meanwhile(CONFIG):
+        raise ValueError("no such world")
+    assert [helper.returncode for helper in helpers] == [-9]
+
+
+def helpers_that(do: str, monkeypatch: pytest.MonkeyPatch) -> list[subprocess.Popen[str]]:
+    """Helpers that do that instead, as they are started."""
+    helpers: list[subprocess.Popen[str]] = []
+
+    def start(config: object) -> subprocess.Popen[str]:
+        helpers.append(subprocess.Popen([sys.executable, "-c", do], text=True))
+        return helpers[-1]
+
+    monkeypatch.setattr(compile_ahead, "is_kept", lambda function: False)
+    monkeypatch.setattr(compile_ahead, "_start", start)
+    monkeypatch.setattr(os, "sched_getaffinity", lambda pid: {0, 1})
+    return helpers
