@@ -14,7 +14,8 @@ from learning_race.frozen import FrozenPolicy
 from reflexarc_sim_bridge.reference_field import measure, reference_contract
 from reflexarc_sim_bridge.seeds import validation_seeds
 
-FIRST_LOOK_S, RATIO = 0.01, 1.25
+RATIO = 1.25
+FIRST_LOOK_S = 0.01 / RATIO**7  # about 2 ms
 AGENTS, STEPS, DISCARDED_STEPS = 256, 300, 50
 """As the trainer validates: `ValidationConfig`."""
 LEVELS = (6.0, 4.5, 3.5)

@@ -1,6 +1,6 @@
 """How this package compiles: one decorator for one agent's work, one for the work of all.
 
-- Cached on disk: 20 s of compilation once, half a second from then on.
+- Cached on disk: half a minute of compilation once, half a second from then on.
 - `error_model="numpy"`: a division by zero gives infinity and not an exception; the check would
   keep loops over rays from becoming vector instructions. No divisor here can be zero.
 - No `fastmath`: it makes checks for NaN lie, and it is slower here.

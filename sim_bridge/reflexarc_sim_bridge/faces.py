@@ -109,8 +109,6 @@ def met_per_m(met: Face, ahead: np.float32, left: np.float32) -> np.float32:
 def faces_of_boxes(boxes: Floats32, count: int, faces: Faces, first: int, inside: Judged) -> bool:
     """What an eye at the origin has of turned boxes.
 
-    The frame of each is turned with it and mirrored, so that its middle lies ahead and to the left.
-
     Args:
         boxes: rows BOX_*: (7, capacity).
         count: columns of it in use.
@@ -125,39 +123,49 @@ def faces_of_boxes(boxes: Floats32, count: int, faces: Faces, first: int, inside
     for k in range(whole(count)):
         cos, sin = boxes[BOX_COS, k], boxes[BOX_SIN, k]
         along, across = turned_back(boxes[BOX_X, k], boxes[BOX_Y, k], cos, sin)
-        mirror_x, mirror_y = math.copysign(_ONE, along), math.copysign(_ONE, across)
-        ahead_x, ahead_y = mirror_x * cos, mirror_x * sin
-        aside_x, aside_y = -mirror_y * sin, mirror_y * cos
-        near_x, far_x = (
-            abs(along) - boxes[BOX_HALF_LENGTH, k],
-            abs(along) + boxes[BOX_HALF_LENGTH, k],
-        )
-        near_y, far_y = (
-            abs(across) - boxes[BOX_HALF_WIDTH, k],
-            abs(across) + boxes[BOX_HALF_WIDTH, k],
-        )
-        shows_x, shows_y = near_x > _ZERO, near_y > _ZERO
-        one_x, one_y = ahead_x / near_x, ahead_y / near_x
-        other_x, other_y = aside_x / near_y, aside_y / near_y
-        right, left = far_x if shows_y else near_x, far_y if shows_x else near_y
-        at = np.uintp(first + k)
-        faces.one_x[at], faces.one_y[at] = (
-            one_x if shows_x else other_x,
-            one_y if shows_x else other_y,
-        )
-        faces.other_x[at], faces.other_y[at] = (
-            other_x if shows_y else one_x,
-            other_y if shows_y else one_y,
-        )
-        faces.right_x[at] = right * aside_x - near_y * ahead_x
-        faces.right_y[at] = right * aside_y - near_y * ahead_y
-        faces.left_x[at] = left * ahead_x - near_x * aside_x
-        faces.left_y[at] = left * ahead_y - near_x * aside_y
-        faces.paint[at] = boxes[BOX_PAINT, k]
-        is_inside = (k < count) & (not (shows_x | shows_y))
+        half_length, half_width = boxes[BOX_HALF_LENGTH, k], boxes[BOX_HALF_WIDTH, k]
+        seen = _face_of_box(along, across, half_length, half_width, cos, sin, boxes[BOX_PAINT, k])
+        _put(faces, first + k, seen)
+        is_inside = (k < count) & (abs(along) <= half_length) & (abs(across) <= half_width)
         inside[k] = is_inside
         any_inside |= is_inside
     return any_inside
+
+
+@compiled_inline
+def _face_of_box(
+    along: np.float32,
+    across: np.float32,
+    half_length: np.float32,
+    half_width: np.float32,
+    cos: np.float32,
+    sin: np.float32,
+    paint: np.float32,
+) -> Face:
+    """A box whose middle lies at (along, across) in the frame that is turned with it.
+
+    That frame is mirrored, so that the middle lies ahead and to the left.
+    """
+    mirror_x, mirror_y = math.copysign(_ONE, along), math.copysign(_ONE, across)
+    ahead_x, ahead_y = mirror_x * cos, mirror_x * sin
+    aside_x, aside_y = -mirror_y * sin, mirror_y * cos
+    near_x, far_x = abs(along) - half_length, abs(along) + half_length
+    near_y, far_y = abs(across) - half_width, abs(across) + half_width
+    shows_x, shows_y = near_x > _ZERO, near_y > _ZERO
+    one_x, one_y = ahead_x / near_x, ahead_y / near_x
+    other_x, other_y = aside_x / near_y, aside_y / near_y
+    right, left = far_x if shows_y else near_x, far_y if shows_x else near_y
+    return Face(
+        one_x if shows_x else other_x,
+        one_y if shows_x else other_y,
+        other_x if shows_y else one_x,
+        other_y if shows_y else one_y,
+        right * aside_x - near_y * ahead_x,
+        right * aside_y - near_y * ahead_y,
+        left * ahead_x - near_x * aside_x,
+        left * ahead_y - near_x * aside_y,
+        paint,
+    )
 
 
 @compiled_disjoint
@@ -166,13 +174,29 @@ def faces_of_sides(sides: Floats32, count: int, faces: Faces, first: int) -> Non
     for k in range(whole(count)):
         x, y = sides[SIDE_X, k], sides[SIDE_Y, k]
         ahead, left = sides[SIDE_AHEAD, k], sides[SIDE_LEFT, k]
-        clear = ahead * y - left * x
-        at = np.uintp(first + k)
-        faces.one_x[at], faces.one_y[at] = -left / clear, ahead / clear
-        faces.other_x[at], faces.other_y[at] = -left / clear, ahead / clear
-        faces.right_x[at], faces.right_y[at] = y - _LITTLE * left, _LITTLE * ahead - x
-        faces.left_x[at], faces.left_y[at] = -_MORE * left - y, _MORE * ahead + x
-        faces.paint[at] = sides[SIDE_PAINT, k]
+        _put(faces, first + k, _face_of_side(x, y, ahead, left, sides[SIDE_PAINT, k]))
+
+
+@compiled_inline
+def _face_of_side(
+    x: np.float32, y: np.float32, ahead: np.float32, left: np.float32, paint: np.float32
+) -> Face:
+    """A side from (x, y) along (ahead, left)."""
+    clear = ahead * y - left * x
+    per_x, per_y = -left / clear, ahead / clear
+    right_x, right_y = y - _LITTLE * left, _LITTLE * ahead - x
+    left_x, left_y = -_MORE * left - y, _MORE * ahead + x
+    return Face(per_x, per_y, per_x, per_y, right_x, right_y, left_x, left_y, paint)
+
+
+@compiled_inline
+def _put(faces: Faces, k: int, seen: Face) -> None:
+    at = np.uintp(k)
+    faces.one_x[at], faces.one_y[at] = seen.one_x, seen.one_y
+    faces.other_x[at], faces.other_y[at] = seen.other_x, seen.other_y
+    faces.right_x[at], faces.right_y[at] = seen.right_x, seen.right_y
+    faces.left_x[at], faces.left_y[at] = seen.left_x, seen.left_y
+    faces.paint[at] = seen.paint
 
 
 @compiled_inline
