@@ -18,12 +18,12 @@ TITLES = ("ours", "Stable-Baselines3, tuned", "Stable-Baselines3: defaults, and 
 REFERENCE = "reflex-short"
 """Shown in the other panels too."""
 COLOURS = ("#0b6e4f", "#c9a227", "#a23b3b", "#2d5d9f", "#7a4fa3", "#777777")
-TIMES_S = np.geomspace(0.01, 60.0, 160)
+TIMES_S = np.geomspace(0.002, 60.0, 200)
 
 
 def draw(runs: dict[str, list[Run]]) -> bytes:
     """Interquartile means over seeds with 95 % bands, as PNG; validation worlds."""
-    figure = Figure(figsize=(13.0, 4.6), dpi=140, layout="constrained")
+    figure = Figure(figsize=(13.0, 5.0), dpi=140, layout="constrained")
     FigureCanvasAgg(figure)
     panels = figure.subplots(1, len(PANELS), sharex=True, sharey=True)
     for axes, groups, title in zip(panels, PANELS, TITLES, strict=True):
@@ -74,4 +74,6 @@ def _dress(axes: Axes) -> None:
     axes.set_xlabel("seconds of learning, warm")
     axes.spines[["top", "right"]].set_visible(False)
     if axes.get_legend_handles_labels()[0]:
-        axes.legend(frameon=False, fontsize=8, loc="upper right")
+        axes.legend(
+            frameon=False, fontsize=8, ncols=3, loc="upper center", bbox_to_anchor=(0.5, -0.12)
+        )
