@@ -6,7 +6,7 @@ import numba
 import pytest
 
 from reflexarc_sim_bridge import compile_cache
-from reflexarc_sim_bridge.compile_cache import cache_folder, keyed_by_sources, source_key
+from reflexarc_sim_bridge.compile_cache import cache_folder, is_kept, keyed_by_sources, source_key
 
 
 @pytest.fixture
@@ -64,5 +64,32 @@ def test_without_a_place_to_write_it_compiles_into_a_temporary_folder(
         folder = cache_folder()
         assert folder.is_dir()
         folder.rmdir()
+    finally:
+        cache_folder.cache_clear()
+
+
+def test_a_function_is_kept_once_it_has_been_compiled(
+    sources: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "cache"))
+    cache_folder.cache_clear()
+    try:
+        before = is_kept("motion.step")
+        package = cache_folder() / "package_1234"
+        package.mkdir()
+        (package / "motion.step-7.py311.nbi").touch()
+        assert (before, is_kept("motion.step"), is_kept("motion.turn")) == (False, True, False)
+    finally:
+        cache_folder.cache_clear()
+
+
+def test_where_nothing_can_be_kept_no_other_process_is_asked_to_compile(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    monkeypatch.setattr(numba.config, "CACHE_DIR", "/proc/self/none")
+    cache_folder.cache_clear()
+    try:
+        assert is_kept("motion.step")
+        cache_folder().rmdir()
     finally:
         cache_folder.cache_clear()
