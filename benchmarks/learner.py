@@ -144,6 +144,7 @@ def million_per_s(learner: Any, steps: int) -> float:
 
 
 def world_rate() -> float:
+    """Million steps of the world alone a second: the best of several rounds."""
     config = PRESETS["reflex"]
     seeds = np.arange(WORLD_AGENTS, dtype=np.uint64)
     simulation = Simulation(world_named("reference-1"), config.contract(), seeds)
@@ -157,6 +158,7 @@ def world_rate() -> float:
 
 
 def scores(steps: int | None, seeds: int, agents: int) -> list[dict[str, Any]]:
+    """Every preset with every seed; `steps` in place of the preset's own."""
     return [
         score(dataclasses.replace(config, seed=seed, steps=steps or config.steps), agents)
         for config in PRESETS.values()
@@ -165,6 +167,7 @@ def scores(steps: int | None, seeds: int, agents: int) -> list[dict[str, Any]]:
 
 
 def score(config: Any, agents: int) -> dict[str, Any]:
+    """One run: how long it learned, and what it makes on test worlds."""
     learner = new_learner(config)
     start_s = time.perf_counter()
     learner.run(config.steps)
@@ -182,6 +185,7 @@ def score(config: Any, agents: int) -> dict[str, Any]:
 
 
 def show(rows: list[dict[str, Any]]) -> None:
+    """Print as a table."""
     widths = [max(len(name), *(len(f"{row[name]}") for row in rows)) + 2 for name in rows[0]]
     print("".join(f"{name:>{width}}" for name, width in zip(rows[0], widths, strict=True)))
     for row in rows:
@@ -189,10 +193,12 @@ def show(rows: list[dict[str, Any]]) -> None:
 
 
 def cell(value: object) -> str:
+    """A value of the table."""
     return f"{value:.2f}" if isinstance(value, float) else f"{value}"
 
 
 def main() -> None:
+    """What the arguments ask for, as a table or as JSON."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )

@@ -33,6 +33,7 @@ LEAST_COLD_SEEDS = 3
 
 
 def main() -> None:
+    """Run what is missing, then print table and comparisons; or be the child of such a run."""
     options = _options()
     if options.child:
         _be_a_child(options)

@@ -172,6 +172,7 @@ def law(rows: list[dict[str, Any]], name: str) -> str:
 
 
 def main() -> None:
+    """What the arguments ask for, as a table, as JSON or as a picture."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )

@@ -1,3 +1,4 @@
+import io
 import json
 import os
 import subprocess
@@ -37,6 +38,17 @@ def test_another_process_finds_what_one_has_compiled(empty_cache: dict[str, str]
         [sys.executable, "-c", ASK], input=config, text=True, env=empty_cache, capture_output=True
     )
     assert asked.stdout == "True [1, 1]\n", asked.stderr
+
+
+@pytest.mark.parametrize("given", ["", "garbage", "[]", "null", '{"steps": 1}'])
+def test_what_is_no_configuration_is_one_line_and_exit_status_2(
+    given: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    monkeypatch.setattr(sys, "stdin", io.StringIO(given))
+    with pytest.raises(SystemExit) as ended:
+        compile_ahead.main()
+    assert ended.value.code == 2
+    assert capsys.readouterr().err.count("\n") == 1
 
 
 def test_nothing_is_started_where_all_is_compiled(monkeypatch: pytest.MonkeyPatch):

@@ -12,6 +12,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 
+from reflexarc_runtime.errors import UsageError
 from reflexarc_sim_bridge.compile_cache import is_kept
 from reflexarc_trainer import batched_learner, online_learner
 from reflexarc_trainer.config import TrainConfig
@@ -70,5 +71,17 @@ def _stop(helper: subprocess.Popen[str] | None) -> None:
         helper.wait()
 
 
+def main() -> None:
+    """The other process: a resolved configuration comes in on standard input."""
+    try:
+        config = TrainConfig.from_resolved(json.load(sys.stdin))
+    except (ValueError, UsageError) as error:
+        print(
+            f"compile_ahead: expected a configuration on standard input: {error}", file=sys.stderr
+        )
+        raise SystemExit(2) from None
+    compile_learner(config)
+
+
 if __name__ == "__main__":
-    compile_learner(TrainConfig.from_resolved(json.load(sys.stdin)))
+    main()
