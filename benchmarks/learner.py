@@ -63,7 +63,7 @@ def speeds() -> list[dict[str, Any]]:
     """
     units = {f"online 16-{h}-3, world left out": update_rate(h) for h in HIDDEN}
     online = {"online 16-10-3, world included": rate("online")}
-    repeat, transitions = PRESETS["reflex"].learner.batched.action_repeat, rate("reflex")
+    repeat, transitions = PRESETS["reflex"].learner.exploration.action_repeat, rate("reflex")
     batched = {
         f"reflex, world included, {thread_count()} threads": repeat * transitions,
         f"reflex, transitions of {repeat} steps": transitions,
@@ -111,7 +111,7 @@ def learn_from(
 ) -> None:
     """Learn from retinas (n, inputs) one after another; every 32nd step ends in a contact."""
     for k in range(updates):
-        learn_step(rules, state, scratch, retinas[k % len(retinas)], k % 32 == 0)
+        learn_step(rules, state, scratch, retinas[k % len(retinas)], k % 32 == 0, 0.1)
 
 
 def compilation() -> list[dict[str, Any]]:

@@ -107,20 +107,6 @@ def _reflex(
     return Ours(replace(preset, steps=steps or preset.steps, network=network, learner=learner))
 
 
-def _online() -> Ours:
-    """Preset `online` with the inputs squared and actions held, as everybody has them."""
-    preset = PRESETS["online"]
-    exploration = replace(preset.learner.exploration, held_actions=3, epsilon_span=0.3)
-    learner = replace(
-        preset.learner,
-        trace_decay=0.7,
-        exploration=exploration,
-        online=replace(preset.learner.online, step="intentional", alpha=0.1, alpha_end=0.02),
-    )
-    network = replace(preset.network, output="linear", input_power=2)
-    return Ours(replace(preset, network=network, learner=learner))
-
-
 def _tuned(algorithm: str, agents: int, rate: float, **settings: Any) -> Theirs:
     shared = {"falling_rate": rate, "input_power": 2, "held_steps": 3}
     return Theirs(algorithm, agents, {"gamma": 0.9, **settings}, **shared)
@@ -184,7 +170,7 @@ CONTENDERS = (
     Contender("reflex-3s", "ours", _reflex(averaged_weights=0.995), _SHORT_S),
     Contender("reflex-60s", "ours", _reflex(agents=512, averaged_weights=0.99), _LONG_S),
     Contender("reflex-deep-60s", "ours", _DEEP, _LONG_S),
-    Contender("online-3s", "ours", _online(), _SHORT_S, cores=1),
+    Contender("online-3s", "ours", Ours(PRESETS["reflex-online"]), _SHORT_S, cores=1),
     *_ablations(),
     Contender("ppo-tuned-short", "tuned", _PPO_SHORT, _SHORT_S),
     Contender("dqn-tuned-short", "tuned", _DQN_SHORT, _SHORT_S),

@@ -47,8 +47,7 @@ def learn(learner: Learner, seed: int, judge: Judge) -> None:
 
 def steps_a_transition(ours: Ours) -> int:
     """Steps of the world for each transition of a learner of ours."""
-    learner = ours.config.learner
-    return learner.batched.action_repeat if learner.form == "batched" else 1
+    return ours.config.learner.exploration.action_repeat
 
 
 def _speed(learner: Learner, seconds: float) -> float:

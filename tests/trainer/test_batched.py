@@ -69,8 +69,8 @@ def test_rewards_say_what_met_an_obstacle(small_batched_config: TrainConfig) -> 
 
 def test_a_repeated_action_brings_what_its_steps_bring(small_batched_config: TrainConfig) -> None:
     """Against the world, step by step, with the actions that were chosen."""
-    config = with_batched(small_batched_config, action_repeat=3)
-    explore = ExplorationConfig(epsilon_start=1.0, epsilon_end=1.0)
+    config = small_batched_config
+    explore = ExplorationConfig(epsilon_start=1.0, epsilon_end=1.0, action_repeat=3)
     learner_config = dataclasses.replace(config.learner, exploration=explore, reward_centring=0.0)
     learner = BatchedLearner(dataclasses.replace(config, learner=learner_config))
     learner.run(1600)
@@ -92,13 +92,9 @@ def test_a_repeated_action_brings_what_its_steps_bring(small_batched_config: Tra
     np.testing.assert_array_equal(world.stacks, learner._simulation.stacks)
 
 
-def test_a_repeated_action_is_not_held_as_well(small_batched_config: TrainConfig) -> None:
-    learner = dataclasses.replace(
-        with_batched(small_batched_config, action_repeat=2).learner,
-        exploration=ExplorationConfig(held_actions=1),
-    )
+def test_a_repeated_action_is_not_held_as_well() -> None:
     with pytest.raises(UsageError, match=r"held_actions: expected 1 where .*action_repeat"):
-        dataclasses.replace(learner, exploration=ExplorationConfig(held_actions=2))
+        ExplorationConfig(action_repeat=2, held_actions=2)
 
 
 def recorded_rollout(layers: Layers, steps: int) -> Rollout:

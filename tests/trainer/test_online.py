@@ -21,7 +21,13 @@ from reflexarc_trainer.config import (
     OnlineConfig,
     TrainConfig,
 )
-from reflexarc_trainer.online import begin, fill_gradient, forward, learn_step
+from reflexarc_trainer.online import (
+    AVERAGED_EVERY,
+    begin,
+    fill_gradient,
+    forward,
+    learn_step,
+)
 from reflexarc_trainer.online_learner import OnlineLearner, new_learning, rules_for, sizes_of
 from reflexarc_trainer.online_state import LearnerState, Rules, Scratch
 from reflexarc_trainer.online_weights import from_online, to_online
@@ -46,7 +52,9 @@ def transitions(
     for _ in range(config.steps):
         action = int(state.pending[0])
         contact = bool(body.step(np.array([action]))[0])
-        yield action, contact, learn_step(rules, state, scratch, body.sense().ravel(), contact)
+        reward = config.learner.reward_contact if contact else config.learner.reward_step
+        retina = body.sense().ravel()
+        yield action, contact, learn_step(rules, state, scratch, retina, contact, reward)
 
 
 def gradient_of(network: QNetwork, retina: npt.NDArray[np.uint8], action: int) -> npt.NDArray[Any]:
@@ -111,6 +119,10 @@ CASES: dict[str, TrainConfig] = {
     "expected, centred": TrainConfig(
         learner=LearnerConfig(target="expected", reward_centring=0.01)
     ),
+    "rmsprop": TrainConfig(
+        network=NetworkConfig(hidden=(20,), units="relu", output="linear"),
+        learner=LearnerConfig(online=OnlineConfig(alpha=1e-3, step="rmsprop", alpha_end=0.5)),
+    ),
     "intentional": TrainConfig(
         learner=LearnerConfig(online=OnlineConfig(alpha=0.05, step="intentional", alpha_end=0.5))
     ),
@@ -136,8 +148,12 @@ def test_compiled_learner_equals_the_reference_on_the_same_stream(
     np.testing.assert_allclose(mine, pack(network), rtol=0, atol=1e-9)
 
 
-def test_compiled_learner_equals_the_reference_in_a_world() -> None:
-    config = TrainConfig(steps=600, seed=11)
+@pytest.mark.parametrize("action_repeat", [1, 3])
+def test_compiled_learner_equals_the_reference_in_a_world(action_repeat: int) -> None:
+    explore = ExplorationConfig(action_repeat=action_repeat)
+    config = TrainConfig(
+        steps=600, seed=11, learner=LearnerConfig(exploration=explore, reward_centring=0.01)
+    )
     learner = OnlineLearner(config)
     learner.run(config.steps)
 
@@ -147,12 +163,32 @@ def test_compiled_learner_equals_the_reference_in_a_world() -> None:
     np.testing.assert_allclose(learner.weights, pack(network), rtol=0, atol=1e-9)
 
 
+def test_single_precision_learns_the_same_but_for_rounding(
+    recorded_body: Callable[..., Body],
+) -> None:
+    case = dataclasses.replace(CASES["rmsprop"], steps=40, seed=1)
+    runs = []
+    for precision in ("float64", "float32"):
+        online = dataclasses.replace(case.learner.online, precision=precision)
+        learner = dataclasses.replace(case.learner, online=online, averaged_weights=0.9)
+        config = dataclasses.replace(case, learner=learner)
+        rules, state, scratch = set_up(config)
+        assert state.weights.dtype == scratch.q_values.dtype == precision
+        errors = [d for _, _, d in transitions(recorded_body(7, 40), config, rules, state, scratch)]
+        runs.append((errors, state.weights, state.averaged))
+    for double, single in zip(*runs, strict=True):
+        np.testing.assert_allclose(single, double, rtol=0, atol=1e-4)
+
+
 def test_averaged_weights_are_what_is_learned(recorded_body: Callable[..., Body]) -> None:
-    keep, config = 0.9, TrainConfig(steps=30, learner=LearnerConfig(averaged_weights=0.9))
+    keep, config = 0.99, TrainConfig(steps=100, learner=LearnerConfig(averaged_weights=0.99))
     rules, state, scratch = set_up(config)
     average = state.weights.copy()
-    for _ in transitions(recorded_body(7, 30), config, rules, state, scratch):
-        average = keep * average + (1 - keep) * state.weights
+    rows = transitions(recorded_body(7, 100), config, rules, state, scratch)
+    for step, _ in enumerate(rows, start=1):
+        if step % AVERAGED_EVERY == 0:
+            average += (1 - keep**AVERAGED_EVERY) * (state.weights - average)
+    assert np.abs(state.weights - average).max() > 1e-3
     np.testing.assert_allclose(state.averaged, average, rtol=0, atol=1e-12)
 
 

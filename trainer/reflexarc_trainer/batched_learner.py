@@ -10,7 +10,6 @@ import numpy.typing as npt
 from reflexarc_sim_bridge.seeds import TRAINING_SEEDS, all_of
 from reflexarc_sim_bridge.simulation import Simulation
 from reflexarc_sim_bridge.threads import thread_count, together
-from reflexarc_sim_bridge.worlds import World
 from reflexarc_trainer.batched import Learning, Pace, Sums, learn
 from reflexarc_trainer.block import input_curve, layers_for
 from reflexarc_trainer.choice import choose, new_streams
@@ -92,12 +91,8 @@ class BatchedLearner:
         world = self._simulation.world.densest
         return Report(
             mean_abs_error=float(self._learning.sums.errors.sum()) / max(1.0, steps),
-            contacts_per_100m=100.0 * contacts / self._driven_m(world, steps, distance_m),
+            contacts_per_100m=100.0 * contacts / driven_m(self.config, world, steps, distance_m),
         )
-
-    def _driven_m(self, world: World, transitions: float, distance_m: float) -> float:
-        steps = transitions * self.config.learner.batched.action_repeat
-        return driven_m(self.config, world, steps, distance_m)
 
     def mark(self) -> None:
         """The next report begins here."""
@@ -251,7 +246,7 @@ def _manner(config: TrainConfig) -> Manner:
         reward_step=learner.reward_step,
         reward_contact=learner.reward_contact,
         held_actions=learner.exploration.held_actions,
-        action_repeat=learner.batched.action_repeat,
+        action_repeat=learner.exploration.action_repeat,
     )
 
 

@@ -104,7 +104,7 @@ def check_finite(weights: npt.NDArray[Any], step: int, config: TrainConfig) -> N
     )
 
 
-def driven_m(config: TrainConfig, world: World, steps: float, distance_m: float) -> float:
+def driven_m(config: TrainConfig, world: World, transitions: float, distance_m: float) -> float:
     """The metres over which contacts are counted, all agents together.
 
     Progress along x: nobody scores better by zigzagging. A body that turns has no x of its own, so
@@ -113,10 +113,11 @@ def driven_m(config: TrainConfig, world: World, steps: float, distance_m: float)
     Args:
         config: says whether it turns.
         world: where, for the duration of a step.
-        steps: of all agents.
+        transitions: of all agents.
         distance_m: their progress along x.
     """
     if config.motion == "turning":
+        steps = transitions * config.learner.exploration.action_repeat
         return max(1e-9, steps * world.dt_s * config.forward_mps)
     return max(1e-9, distance_m)
 

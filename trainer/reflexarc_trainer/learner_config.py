@@ -19,7 +19,7 @@ from reflexarc_trainer.checks import (
 )
 
 Form = Literal["online", "batched"]
-StepRule = Literal["bounded", "intentional", "literal"]
+StepRule = Literal["bounded", "intentional", "rmsprop", "literal"]
 Units = Literal["sigmoid", "tanh", "relu"]
 OutputUnits = Literal["linear", "sigmoid"]
 Target = Literal["sampled", "expected", "greedy"]
@@ -78,11 +78,22 @@ class ExplorationConfig:
     """Share of the run over which ε decays."""
     held_actions: int = 1
     """Steps for which a chosen action is held while learning; a contact ends the hold."""
+    action_repeat: int = 1
+    """Steps of the world an action while learning. They are one transition: their rewards are
+    added, γ counts them as one, and nobody looks in between. Where the learned policy is used, it
+    decides at every step."""
 
     def __post_init__(self) -> None:
         for name in ("epsilon_start", "epsilon_end", "epsilon_span"):
             require_share(f"exploration.{name}", getattr(self, name))
         require_count("exploration.held_actions", self.held_actions, 1000)
+        require_count("exploration.action_repeat", self.action_repeat, 1000)
+        require(
+            self.action_repeat == 1 or self.held_actions == 1,
+            "exploration.held_actions",
+            "1 where exploration.action_repeat is more",
+            self.held_actions,
+        )
 
 
 @dataclass(frozen=True)
@@ -91,21 +102,24 @@ class OnlineConfig:
 
     alpha: float = 0.5
     """Step size α. Bounded: its upper limit; intentional: the share η of the TD error that an
-    update removes."""
+    update removes; rmsprop: what a weight moves by where its δe is as large as usual."""
     alpha_end: float = 1.0
     """What is left of α at the end of the run, to which it falls linearly."""
     step: StepRule = "bounded"
     """`bounded`: α is cut where one update would overshoot; `intentional`: the step is such that
-    an update removes the share α of the TD error; `literal`: α as it is (diverges with linear
-    outputs)."""
+    an update removes the share α of the TD error; `rmsprop`: each weight's δe is divided by its
+    running RMS; `literal`: α as it is (diverges with linear outputs)."""
     kappa: float = 2.0
     """κ of the bounded step: 1/κ of the TD error is the most that one update may remove."""
+    precision: Precision = "float64"
+    """Of weights, traces and values while learning."""
 
     def __post_init__(self) -> None:
         require(0.0 < self.alpha <= 1e3, "learner.online.alpha", "in (0, 1000]", self.alpha)
         require_share("learner.online.alpha_end", self.alpha_end)
         require(1.0 <= self.kappa < math.inf, "learner.online.kappa", "1 or more", self.kappa)
         require_one_of(StepRule, "learner.online.step", self.step)
+        require_one_of(Precision, "learner.online.precision", self.precision)
 
 
 @dataclass(frozen=True)
@@ -119,10 +133,6 @@ class BatchedConfig:
     the number of threads."""
     rollout_steps: int = 16
     """Transitions that every agent makes between two updates."""
-    action_repeat: int = 1
-    """Steps of the world an action while learning. They are one transition: their rewards are
-    added, γ counts them as one, and nobody looks in between. Where the learned policy is used, it
-    decides at every step."""
     epochs: int = 1
     """How often each roll-out is learned from."""
     minibatches: int = 1
@@ -140,7 +150,7 @@ class BatchedConfig:
 
     def __post_init__(self) -> None:
         limits = {"agents": 1 << 20, "shard_agents": 1 << 12, "rollout_steps": 1 << 12}
-        limits |= {"action_repeat": 1000, "epochs": 100, "minibatches": 1000}
+        limits |= {"epochs": 100, "minibatches": 1000}
         for name, most in limits.items():
             require_count(f"learner.batched.{name}", getattr(self, name), most)
         require(
@@ -213,13 +223,6 @@ class LearnerConfig:
         require(0.0 <= keep < 1.0, "learner.averaged_weights", "in [0, 1)", keep)
         require_one_of(Form, "learner.form", self.form)
         require_one_of(Target, "learner.target", self.target)
-        repeats = self.form == "batched" and self.batched.action_repeat > 1
-        require(
-            not repeats or self.exploration.held_actions == 1,
-            "learner.exploration.held_actions",
-            "1 where learner.batched.action_repeat is more",
-            self.exploration.held_actions,
-        )
         fits = self.form == "batched" or self.target != "greedy"
         require(fits, "learner.target", "sampled or expected with form = 'online'", self.target)
         require_one_of(AfterContact, "learner.after_contact", self.after_contact)

@@ -8,23 +8,28 @@ long loop. Everything that a run needs to go on lies in `LearnerState`, which a 
 from reflexarc_sim_bridge.compiled import compiled
 from reflexarc_trainer import schedules
 from reflexarc_trainer.choice import choose, expected_value
-from reflexarc_trainer.fused import fused_inline
+from reflexarc_trainer.fused import fused_disjoint, fused_inline
 from reflexarc_trainer.online_state import Bytes, Floats, LearnerState, Rules, Scratch
 from reflexarc_trainer.online_weights import Matrices
 from reflexarc_trainer.rows import dot, scale, weigh
 from reflexarc_trainer.traces import (
     BOUNDED,
     INTENTIONAL,
+    RMSPROP,
     SQUARES_KEPT,
     accumulate,
     bounded_step,
     cut_td_error,
     move,
+    move_by_rms,
     move_intentionally,
 )
 from reflexarc_trainer.units import activate, times_slope
 
 linear = compiled(schedules.linear)
+
+AVERAGED_EVERY = 16
+"""Updates between two that the average over weights takes in, for all of which it then counts."""
 
 
 @fused_inline
@@ -39,9 +44,14 @@ def begin(rules: Rules, state: LearnerState, scratch: Scratch, retina: Bytes) ->
 
 @fused_inline
 def learn_step(
-    rules: Rules, state: LearnerState, scratch: Scratch, retina: Bytes, contact: bool
+    rules: Rules,
+    state: LearnerState,
+    scratch: Scratch,
+    retina: Bytes,
+    contact: bool,
+    reward: float,
 ) -> float:
-    """One transition: the pending action was done and led to `retina` (inputs,).
+    """One transition: the pending action was done, brought `reward`, led to `retina` (inputs,).
 
     Returns:
         The TD error δ.
@@ -51,7 +61,7 @@ def learn_step(
     _look_ahead(rules, scratch)
     forward(rules, scratch.weights, state.inputs, scratch.hidden, scratch.q_values)
     next_action = _next_action(rules, state, scratch.choices, step, contact)
-    target = _target(rules, state, scratch.choices, next_action, step, contact)
+    target = _target(rules, state, scratch.choices, next_action, step, contact, reward)
     td_error: float = target - scratch.q_values[action]
     fill_gradient(rules, scratch, state.inputs, action)
     take_step(rules, state, scratch.gradient, td_error, step)
@@ -105,23 +115,31 @@ def take_step(
         state.running[1] += (1.0 - SQUARES_KEPT) * (square - state.running[1])
         cut = cut_td_error(td_error, state.running[1], step)
         move_intentionally(state.weights, state.trace, state.squares, gradient, alpha * cut)
+    elif rules.step == RMSPROP:
+        trace, squares, scales = state.trace, state.squares, state.scales
+        move_by_rms(state.weights, trace, squares, scales, td_error, alpha, step)
     else:
         size = alpha
         if rules.step == BOUNDED:
             size = bounded_step(alpha, rules.kappa, td_error, norm)
         move(state.weights, state.trace, size * td_error)
-    if rules.averaging > 0.0:
-        _average(state.weights, state.averaged, 1.0 - rules.averaging)
+    if rules.averaging > 0.0 and step % AVERAGED_EVERY == 0:
+        _average(state.weights, state.averaged, 1.0 - rules.averaging**AVERAGED_EVERY)
 
 
 @fused_inline
 def _target(
-    rules: Rules, state: LearnerState, q_values: Floats, action: int, step: int, contact: bool
+    rules: Rules,
+    state: LearnerState,
+    q_values: Floats,
+    action: int,
+    step: int,
+    contact: bool,
+    reward: float,
 ) -> float:
     """The target r + γ V(s′), the reward centred; V is Q(s′, a′), or its expectation."""
-    reward = rules.reward_contact if contact else rules.reward_step
-    target: float = reward - state.running[0]
-    state.running[0] += rules.centring * (reward - state.running[0])
+    target: float = reward - rules.action_repeat * state.running[0]
+    state.running[0] += rules.centring * (reward / rules.action_repeat - state.running[0])
     if contact and rules.terminal:
         return target
     if rules.expected:
@@ -163,7 +181,8 @@ def _copy(source: Floats, target: Floats) -> None:
         target[i] = source[i]
 
 
-@fused_inline
+@fused_disjoint
 def _average(weights: Floats, averaged: Floats, share: float) -> None:
+    part = weights.dtype.type(share)
     for k in range(len(weights)):
-        averaged[k] += share * (weights[k] - averaged[k])
+        averaged[k] += part * (weights[k] - averaged[k])

@@ -89,7 +89,7 @@ class OnlineLearner:
         """What has been learned, in the order of `weights.py`: (parameters,)."""
         averaged = self.config.learner.averaged_weights > 0.0
         chosen = self._state.averaged if averaged else self._state.weights
-        return from_online(chosen, *self._sizes)
+        return from_online(chosen, *self._sizes).astype(np.float64)
 
     def network(self) -> QNetwork:
         """What has been learned, as a network."""
@@ -110,11 +110,12 @@ class OnlineLearner:
     def report(self) -> Report:
         """What happened since the last mark."""
         td_errors, contacts, step, distance_m = self._state.totals.tolist()
-        world, steps = self._simulation.world.densest, self.step - step
+        world, transitions = self._simulation.world.densest, self.step - step
         distance_m = float(self._simulation.distance_m[0]) - distance_m
+        driven = driven_m(self.config, world, transitions, distance_m)
         return Report(
-            mean_abs_error=td_errors / max(1.0, steps),
-            contacts_per_100m=100.0 * contacts / driven_m(self.config, world, steps, distance_m),
+            mean_abs_error=td_errors / max(1.0, transitions),
+            contacts_per_100m=100.0 * contacts / driven,
         )
 
     def mark(self) -> None:
@@ -179,9 +180,10 @@ def new_learning(
 ) -> tuple[LearnerState, Scratch]:
     """State and buffers before the first step; `weights` as for `OnlineLearner`."""
     inputs, hidden, actions = sizes_of(config)
-    plain = initial_weights(config) if weights is None else weights
+    precision = config.learner.online.precision
+    plain = (initial_weights(config) if weights is None else weights).astype(precision)
     state = new_state(to_online(plain, inputs, hidden, actions), inputs, new_streams(config.seed))
-    curve = input_curve(config.network, np.float64)
+    curve = input_curve(config.network, precision)
     return state, new_scratch(state, hidden, actions, curve)
 
 
@@ -217,6 +219,7 @@ def rules_for(config: TrainConfig) -> Rules:
         epsilon_end=explore.epsilon_end,
         epsilon_steps=explore.epsilon_span * config.steps,
         held_actions=explore.held_actions,
+        action_repeat=explore.action_repeat,
     )
 
 
@@ -239,8 +242,14 @@ def drive(
         step: address of `kernel.advance`.
         held: address of a `Held`.
         stack: what the agent sees: (inputs,).
-        steps: how often.
+        steps: transitions.
     """
+    action = state.pending[:1]
     for _ in range(steps):
-        call(step, held, state.pending[:1], scratch.met, MOVE + LOOK, 0, 1)
-        learn_step(rules, state, scratch, stack, scratch.met[0])
+        contact, reward = False, 0.0
+        for repeated in range(1, rules.action_repeat + 1):
+            tasks = MOVE + LOOK if repeated == rules.action_repeat else MOVE
+            call(step, held, action, scratch.met, tasks, 0, 1)
+            contact |= scratch.met[0]
+            reward += rules.reward_contact if scratch.met[0] else rules.reward_step
+        learn_step(rules, state, scratch, stack, contact, reward)

@@ -1,7 +1,7 @@
 """What the online learner carries from step to step, and the buffers of one step."""
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -11,7 +11,8 @@ from reflexarc_trainer.online_weights import Matrices, matrices
 
 _VECTOR = 8
 
-Floats = npt.NDArray[np.float64]
+Floats = npt.NDArray[Any]
+"""Of the learner's precision."""
 Bytes = npt.NDArray[np.uint8]
 
 
@@ -44,6 +45,8 @@ class Rules(NamedTuple):
     epsilon_end: float
     epsilon_steps: float
     held_actions: int
+    action_repeat: int
+    """Steps of the world an action."""
 
 
 class LearnerState(NamedTuple):
@@ -56,7 +59,10 @@ class LearnerState(NamedTuple):
     trace: Floats
     """(parameters,)"""
     squares: Floats
-    """Running mean of the squared gradients, for the intentional step: (parameters,)."""
+    """Running mean of the squares of the gradients (intentional step) or of δe (rmsprop):
+    (parameters,)."""
+    scales: Floats
+    """1 / RMS(δe) as last taken, for the step by RMS: (parameters,)."""
     inputs: Floats
     """What the agent sees where it stands, as the network takes it: (inputs,)."""
     pending: npt.NDArray[np.int64]
@@ -64,9 +70,9 @@ class LearnerState(NamedTuple):
     steps done: (3,)."""
     streams: Streams
     """Exploration: (1,)."""
-    running: Floats
+    running: npt.NDArray[np.float64]
     """Average reward, mean square of δ: (2,)."""
-    totals: Floats
+    totals: npt.NDArray[np.float64]
     """Since the last report Σ|δ| and contacts; at it the steps done and the distance_m: (4,)."""
 
 
@@ -114,7 +120,8 @@ def new_state(weights: Floats, inputs: int, streams: Streams) -> LearnerState:
         averaged=weights.copy(),
         trace=np.zeros_like(weights),
         squares=np.zeros_like(weights),
-        inputs=np.zeros(inputs),
+        scales=np.zeros_like(weights),
+        inputs=np.zeros(inputs, weights.dtype),
         pending=np.zeros(3, np.int64),
         streams=streams.copy(),
         running=np.zeros(2),
@@ -127,17 +134,18 @@ def new_scratch(state: LearnerState, hidden: int, actions: int, curve: Floats) -
     inputs, gradient = len(state.inputs), np.zeros_like(state.weights)
     views = matrices(state.weights, inputs, hidden)
     padded = views.second.shape[1]
-    next_q_values = np.zeros(math.ceil(actions / _VECTOR) * _VECTOR)
+    dtype = state.weights.dtype
+    next_q_values = np.zeros(math.ceil(actions / _VECTOR) * _VECTOR, dtype)
     return Scratch(
         weights=views,
         gradient=gradient,
         gradients=matrices(gradient, inputs, hidden),
         curve=curve,
-        inputs=np.zeros(inputs),
-        hidden=np.zeros(padded),
-        next_hidden=np.zeros(padded),
-        back=np.zeros(padded),
-        slope=np.zeros(1),
+        inputs=np.zeros(inputs, dtype),
+        hidden=np.zeros(padded, dtype),
+        next_hidden=np.zeros(padded, dtype),
+        back=np.zeros(padded, dtype),
+        slope=np.zeros(1, dtype),
         q_values=np.zeros_like(next_q_values),
         next_q_values=next_q_values,
         choices=next_q_values[:actions, np.newaxis],

@@ -7,12 +7,12 @@ ones is a unit that is always 1, whose column of W₂ is the biases; all else th
 ten would run one by one.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
+Floats = npt.NDArray[Any]
 
 _VECTOR = 16
 
@@ -46,7 +46,7 @@ def matrices(vector: Floats, inputs: int, hidden: int) -> Matrices:
 
 def to_online(plain: Floats, inputs: int, hidden: int, actions: int) -> Floats:
     """From the order of `weights.py`."""
-    vector = np.zeros(length(inputs, hidden, actions))
+    vector = np.zeros(length(inputs, hidden, actions), plain.dtype)
     here, ends = matrices(vector, inputs, hidden), _ends(inputs, hidden, actions)
     first, first_bias, second, second_bias = np.split(plain, ends)
     here.first[:, :hidden] = first.reshape(hidden, inputs).T

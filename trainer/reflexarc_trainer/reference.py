@@ -22,6 +22,9 @@ trace is the gradient, each weight scaled by s, the reciprocal RMS of its gradie
 
     w ← w + α δ s e / Σ s e².
 
+The one by RMS divides each weight's δe by the root of its running mean square (RMSProp, Tieleman &
+Hinton, 2012), which it takes at some of the updates only (`traces.py`).
+
 Expected SARSA puts the mean of Q(s′, ·) over what ε-greedy may choose in place of Q(s′, a′);
 reward centring subtracts a running average from r.
 
@@ -43,7 +46,14 @@ from reflexarc_runtime.arrays import Actions
 from reflexarc_trainer.choice import Streams, choose
 from reflexarc_trainer.learner_config import LearnerConfig
 from reflexarc_trainer.schedules import linear
-from reflexarc_trainer.traces import LARGEST_TD_ERROR, SQUARES_KEPT
+from reflexarc_trainer.traces import (
+    LARGEST_RATIO,
+    LARGEST_TD_ERROR,
+    LEAST_RMS,
+    SCALED_AT_FIRST,
+    SCALED_EVERY,
+    SQUARES_KEPT,
+)
 
 
 class Body(Protocol):
@@ -82,6 +92,7 @@ class SarsaLambda:
         self.weights = list(network.parameters())
         self.trace = [torch.zeros_like(w) for w in self.weights]
         self.squares = [torch.zeros_like(w) for w in self.weights]
+        self.scales = [torch.zeros_like(w) for w in self.weights]
         self.step, self.average_reward, self.mean_square = 0, 0.0, 0.0
 
     def update(
@@ -97,8 +108,9 @@ class SarsaLambda:
         """Learn from (s, a, r, s′, a′); returns the TD error δ. ε is that of choosing a′."""
         config = self.config
         q, gradient = self._value_and_gradient(s, a)
-        centred = reward - self.average_reward
-        self.average_reward += config.reward_centring * centred
+        repeat = config.exploration.action_repeat
+        centred = reward - repeat * self.average_reward
+        self.average_reward += config.reward_centring * centred / repeat
         terminal = contact and config.after_contact == "terminal"
         q_next = 0.0 if terminal else self._next_value(s_next, a_next, epsilon)
         td_error = centred + config.gamma * q_next - q
@@ -124,6 +136,8 @@ class SarsaLambda:
         alpha = linear(self.step, online.alpha, online.alpha * online.alpha_end, self.steps)
         if online.step == "intentional":
             return self._intentional_change(alpha, td_error, gradient)
+        if online.step == "rmsprop":
+            return self._rmsprop_change(alpha, td_error)
         step = alpha
         norm = sum(float(e.abs().sum()) for e in self.trace)
         bound = online.kappa * max(1.0, abs(td_error)) * norm
@@ -143,6 +157,16 @@ class SarsaLambda:
         total = sum(float((e * se).sum()) for e, se in zip(self.trace, scaled, strict=True))
         share = alpha * min(max(td_error, -limit), limit) / total if total > 0.0 else 0.0
         return [share * se for se in scaled]
+
+    def _rmsprop_change(self, alpha: float, td_error: float) -> list[Tensor]:
+        steps, change = self.step + 1, []
+        for e, v, s in zip(self.trace, self.squares, self.scales, strict=True):
+            g = td_error * e
+            change.append(alpha * (s * g).clamp(-LARGEST_RATIO, LARGEST_RATIO))
+            v.mul_(SQUARES_KEPT).add_((1.0 - SQUARES_KEPT) * g**2)
+            if steps <= SCALED_AT_FIRST or steps % SCALED_EVERY == 0:
+                s.copy_(1.0 / ((v / (1.0 - SQUARES_KEPT**steps)).sqrt() + LEAST_RMS))
+        return change
 
     def _value_and_gradient(self, s: Tensor, a: int) -> tuple[float, tuple[Tensor, ...]]:
         q = self.network(s)[0, a]
@@ -196,11 +220,12 @@ def learn(
     """
     learner = SarsaLambda(network, config, steps)
     explorer = Explorer(config, streams, steps)
+    rewards, repeat = (config.reward_step, config.reward_contact), config.exploration.action_repeat
     s = _sense(body)
     a = explorer.choose(_q_values(network, s))
     for _ in range(steps):
-        contact = bool(body.step(np.array([a], np.int64))[0])
-        reward = config.reward_contact if contact else config.reward_step
+        met = [body.step(np.array([a], np.int64))[0] for _ in range(repeat)]
+        contact, reward = any(met), sum(rewards[bool(each)] for each in met)
         s_next = _sense(body)
         epsilon = explorer.epsilon
         a_next = explorer.choose(_q_values(network, s_next), contact)

@@ -28,7 +28,7 @@ def weigh(matrix: Floats, bias: Floats, x: Floats, out: Floats) -> None:
 @fused_disjoint
 def dot(row: Floats, x: Floats) -> float:
     """Σ row · x; (m,) each."""
-    total = 0.0
+    total = row.dtype.type(0)
     for h in range(len(row)):
         total += row[h] * x[h]
     return total
@@ -37,5 +37,6 @@ def dot(row: Floats, x: Floats) -> float:
 @fused_disjoint
 def scale(factor: float, row: Floats, out: Floats) -> None:
     """Do out = factor · row; (m,) each."""
+    factor = out.dtype.type(factor)
     for h in range(len(out)):
         out[h] = factor * row[h]
