@@ -28,7 +28,7 @@ from reflexarc_sim_bridge.threads import thread_count
 from reflexarc_sim_bridge.world_files import world_named
 from reflexarc_trainer.config import NetworkConfig
 from reflexarc_trainer.forms import new_learner
-from reflexarc_trainer.fused import fused
+from reflexarc_trainer.fused import fused_free
 from reflexarc_trainer.online import learn_step
 from reflexarc_trainer.online_learner import new_learning, rules_for
 from reflexarc_trainer.online_state import LearnerState, Rules, Scratch
@@ -101,7 +101,7 @@ def update_rate(hidden: int) -> float:
     return UPDATES / best_s / 1e6
 
 
-@fused
+@fused_free
 def learn_from(
     rules: Rules,
     state: LearnerState,

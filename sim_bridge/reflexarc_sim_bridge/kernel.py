@@ -6,9 +6,12 @@ are the same on any number of threads.
 
 from typing import Any
 
+import numba
 import numpy as np
 import numpy.typing as npt
 
+from reflexarc_sim_bridge.compile_ahead import compiled_meanwhile
+from reflexarc_sim_bridge.compile_cache import is_kept
 from reflexarc_sim_bridge.compiled import (
     compiled,
     compiled_called,
@@ -20,10 +23,11 @@ from reflexarc_sim_bridge.near import forget_near, keep_near
 from reflexarc_sim_bridge.overlap import touches
 from reflexarc_sim_bridge.params import Params
 from reflexarc_sim_bridge.places import go_to_free_place, set_place
+from reflexarc_sim_bridge.second_process import has_room
 from reflexarc_sim_bridge.senses import sense_agent
 from reflexarc_sim_bridge.vision import look
 from reflexarc_sim_bridge.workspace import Workspace
-from reflexarc_sim_bridge.world_step import call, compiled_step
+from reflexarc_sim_bridge.world_step import call, compiled_step, types_held
 
 __all__ = [
     "LOOK",
@@ -78,6 +82,10 @@ def advance(
 
 def step_of(params: Params, motions: npt.NDArray[np.float64]) -> int:
     """Address of `advance`, compiled for such parameters and motions."""
+    if has_room() and not is_kept("kernel.advance"):
+        types = (*types_held(params), numba.int64)
+        with compiled_meanwhile(sense_agent, types):
+            go_to_free_place.compile(types)  # type: ignore[attr-defined]  # numba's
     return compiled_step(advance, params, motions)
 
 

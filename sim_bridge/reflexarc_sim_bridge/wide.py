@@ -16,19 +16,23 @@ _registered: Any = register_pass(mutates_CFG=True, analysis_only=False)  # type:
 _WIDE = '"prefer-vector-width"="512"'
 
 
+def with_lowering(
+    pipelines: list[PassManager], usual: type[NativeLowering], ours: type[NativeLowering]
+) -> list[PassManager]:
+    """The same passes, but for the one that writes LLVM's code."""
+    for pipeline in pipelines:
+        pipeline.passes = [(ours if each is usual else each, why) for each, why in pipeline.passes]
+        pipeline.finalize()  # type: ignore[no-untyped-call]
+    return pipelines
+
+
 class WideCompiler(Compiler):
     """Numba's compiler (an argument `pipeline_class` of its), for functions with wide vectors."""
 
     def define_pipelines(self) -> list[PassManager]:
         """The usual passes, but for the one that writes LLVM's code."""
         pipelines: list[PassManager] = super().define_pipelines()  # type: ignore[no-untyped-call]
-        for pipeline in pipelines:
-            pipeline.passes = [
-                (_WideLowering if each is NativeLowering else each, why)
-                for each, why in pipeline.passes
-            ]
-            pipeline.finalize()  # type: ignore[no-untyped-call]
-        return pipelines
+        return with_lowering(pipelines, NativeLowering, WideLowering)
 
 
 class _WideLower(Lower):
@@ -39,9 +43,12 @@ class _WideLower(Lower):
 
 
 @_registered
-class _WideLowering(NativeLowering):
+class WideLowering(NativeLowering):
+    """The pass that writes LLVM's code, for wide vectors."""
+
     _name = "wide_lowering"
 
     @property
     def lowering_class(self) -> type[Lower]:
+        """What writes it."""
         return _WideLower

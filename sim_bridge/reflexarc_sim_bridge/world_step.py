@@ -76,6 +76,12 @@ def compiled_step(step: Any, params: Params, motions: npt.NDArray[np.float64]) -
     return _addresses[form]
 
 
+def types_held(params: Params) -> tuple[Reference, Reference]:
+    """Types of the parameters and the workspace as a step has them."""
+    typeof: Any = numba.typeof  # untyped
+    return Reference(typeof(params)), Reference(typeof(new_workspace(params)))
+
+
 def _form(value: Any) -> Any:
     """What the type of a value in compiled code depends on; to ask Numba for it takes 4 ms."""
     if isinstance(value, tuple):

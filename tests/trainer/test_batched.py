@@ -9,17 +9,22 @@ import pytest
 from reflexarc_runtime.errors import UsageError
 from reflexarc_sim_bridge.simulation import Simulation
 from reflexarc_sim_bridge.threads import set_thread_count
-from reflexarc_trainer.batched import Sums, shard_gradient
+from reflexarc_trainer import batched, block, online, returns, traces
+from reflexarc_trainer.batched import Sums
 from reflexarc_trainer.batched_learner import BatchedLearner, _seeds, pace_of
 from reflexarc_trainer.block import Layers, layers_for
-from reflexarc_trainer.block import forward as batch_forward
 from reflexarc_trainer.config import BatchedConfig, ExplorationConfig, TrainConfig
-from reflexarc_trainer.online import fill_gradient, forward
 from reflexarc_trainer.online_learner import new_learning, rules_for, sizes_of
 from reflexarc_trainer.online_weights import from_online, to_online
-from reflexarc_trainer.returns import lambda_returns
 from reflexarc_trainer.rollout import Rollout, new_rollout
-from reflexarc_trainer.traces import accumulate
+from support.compiled_calls import from_python
+
+batch_forward = from_python(block.forward)
+shard_gradient = from_python(batched.shard_gradient)
+fill_gradient = from_python(online.fill_gradient)
+forward = from_python(online.forward)
+lambda_returns = from_python(returns.lambda_returns)
+accumulate = from_python(traces.accumulate)
 
 
 def with_batched(config: TrainConfig, **changes: object) -> TrainConfig:

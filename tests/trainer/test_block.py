@@ -7,10 +7,15 @@ import numpy as np
 import pytest
 import torch
 
-from reflexarc_trainer.block import backward, forward, input_curve, layers_for
+from reflexarc_trainer import block
+from reflexarc_trainer.block import input_curve, layers_for
 from reflexarc_trainer.config import NetworkConfig, TrainConfig
 from reflexarc_trainer.q_network import new_network
 from reflexarc_trainer.weights import pack
+from support.compiled_calls import from_python
+
+backward = from_python(block.backward)
+forward = from_python(block.forward)
 
 CONTRACT = TrainConfig().contract()
 HIDDEN = [(1,), (10,), (64,), (9, 6), (7, 5, 6)]

@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from reflexarc_sim_bridge.simulation import Simulation
+from reflexarc_trainer import online, traces
 from reflexarc_trainer.choice import new_streams
 from reflexarc_trainer.config import (
     ExplorationConfig,
@@ -21,20 +22,20 @@ from reflexarc_trainer.config import (
     OnlineConfig,
     TrainConfig,
 )
-from reflexarc_trainer.online import (
-    AVERAGED_EVERY,
-    begin,
-    fill_gradient,
-    forward,
-    learn_step,
-)
+from reflexarc_trainer.online import AVERAGED_EVERY
 from reflexarc_trainer.online_learner import OnlineLearner, new_learning, rules_for, sizes_of
 from reflexarc_trainer.online_state import LearnerState, Rules, Scratch
 from reflexarc_trainer.online_weights import from_online, to_online
 from reflexarc_trainer.q_network import QNetwork, new_network
 from reflexarc_trainer.reference import Body, learn
-from reflexarc_trainer.traces import bounded_step
 from reflexarc_trainer.weights import pack, unpack
+from support.compiled_calls import from_python
+
+begin = from_python(online.begin)
+fill_gradient = from_python(online.fill_gradient)
+forward = from_python(online.forward)
+learn_step = from_python(online.learn_step)
+bounded_step = from_python(traces.bounded_step)
 
 CONTRACT = TrainConfig().contract()
 SIZES = sizes_of(TrainConfig())

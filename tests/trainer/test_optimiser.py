@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 import torch
 
-from reflexarc_trainer.optimiser import clip_norm, descend, new_moments
+from reflexarc_trainer import optimiser
+from reflexarc_trainer.optimiser import new_moments
+from support.compiled_calls import from_python
+
+clip_norm = from_python(optimiser.clip_norm)
+descend = from_python(optimiser.descend)
 
 
 @pytest.mark.parametrize("rectified", [False, True])

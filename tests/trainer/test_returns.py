@@ -4,7 +4,10 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from reflexarc_trainer.returns import lambda_returns
+from reflexarc_trainer import returns
+from support.compiled_calls import from_python
+
+lambda_returns = from_python(returns.lambda_returns)
 
 GAMMA, TRACE_DECAY, STEPS, COLUMNS = 0.9, 0.7, 12, 5
 Arrays = tuple[npt.NDArray[np.float64], npt.NDArray[np.bool_], npt.NDArray[np.float64]]

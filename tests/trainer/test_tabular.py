@@ -22,9 +22,13 @@ import pytest
 import torch
 from torch import nn
 
+from reflexarc_trainer import traces
 from reflexarc_trainer.config import LearnerConfig, OnlineConfig
 from reflexarc_trainer.reference import SarsaLambda
-from reflexarc_trainer.traces import accumulate, move
+from support.compiled_calls import from_python
+
+accumulate = from_python(traces.accumulate)
+move = from_python(traces.move)
 
 CONFIG = LearnerConfig(gamma=0.8, trace_decay=0.5, online=OnlineConfig(alpha=0.5, step="literal"))
 # state, action, reward, next state, next action, contact

@@ -7,7 +7,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from reflexarc_trainer.units import RELU, activate, exp_of_negative, sigmoid, tanh
+from reflexarc_trainer import units
+from reflexarc_trainer.units import RELU
+from support.compiled_calls import from_python
+
+activate = from_python(units.activate)
+exp_of_negative = from_python(units.exp_of_negative)
+sigmoid = from_python(units.sigmoid)
+tanh = from_python(units.tanh)
 
 
 @settings(deadline=None)  # the first call compiles

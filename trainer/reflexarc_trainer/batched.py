@@ -119,7 +119,7 @@ def learn(
             meet(gate, threads)
 
 
-@compiled
+@fused
 def epsilon_now(pace: Pace, progress: npt.NDArray[np.float64]) -> float:
     """Share of random actions in the next roll-out."""
     return linear(progress[0], pace.epsilon_start, pace.epsilon_end, pace.epsilon_updates)

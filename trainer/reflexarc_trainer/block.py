@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from reflexarc_runtime.contract import PolicyContract
 from reflexarc_runtime.retina import FULL_SCALE
-from reflexarc_trainer.fused import fused
+from reflexarc_trainer.fused import fused, fused_free
 from reflexarc_trainer.learner_config import NetworkConfig
 from reflexarc_trainer.units import UNITS, activate, times_slope
 
@@ -76,6 +76,14 @@ def forward(layers: Layers, weights: npt.NDArray[Any], inputs: Block, values: Bl
         last = layer == len(layers.sizes) - 2
         activate(layers.output if last else layers.units, here.reshape(here.size))
         below, row, at = here, row + n_out, at + n_out
+
+
+@fused_free
+def forward_from_python(
+    layers: Layers, weights: npt.NDArray[Any], inputs: Block, values: Block
+) -> None:
+    """`forward`, for callers that are not compiled."""
+    forward(layers, weights, inputs, values)
 
 
 @fused

@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 import numba
 
 from reflexarc_sim_bridge.compile_cache import keyed_by_sources
+from reflexarc_sim_bridge.linked import LINKED, refuse_python
 from reflexarc_sim_bridge.wide import WideCompiler
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
@@ -20,22 +21,17 @@ _Function = TypeVar("_Function", bound=Callable[..., Any])
 _njit: Any = numba.njit  # its stub does not know `_nrt`
 
 
-def fused(function: _Function) -> _Function:
-    """Compile a function at its first call; other compiled functions can call it.
+def fused_free(function: _Function) -> _Function:
+    """Compile a function that Python calls, at its first call; other threads can run meanwhile.
 
     It allocates nothing.
     """
-    return _fused(function)
-
-
-def fused_free(function: _Function) -> _Function:
-    """The same for one that Python calls: other threads can run meanwhile."""
     return _fused(function, nogil=True)
 
 
-def fused_inner(function: _Function) -> _Function:
-    """The same for one that only compiled functions call, which saves what Python's calls need."""
-    return _fused(function, no_cpython_wrapper=True)
+def fused(function: _Function) -> _Function:
+    """The same for one that only compiled functions call: Python cannot, which saves a wrapper."""
+    return _fused(function, **LINKED)
 
 
 def fused_inline(function: _Function) -> _Function:
@@ -43,12 +39,12 @@ def fused_inline(function: _Function) -> _Function:
 
     A call hands over tuples of arrays word by word, which takes longer than a loop over ten units.
     """
-    return _fused(function, forceinline=True)
+    return _fused(function, **LINKED, forceinline=True)
 
 
 def fused_disjoint(function: _Function) -> _Function:
     """The same for a loop over arrays that share no memory; it becomes part of whoever calls it."""
-    return _fused(function, forceinline=True, noalias=True)
+    return _fused(function, **LINKED, forceinline=True, noalias=True)
 
 
 def _fused(function: _Function, **options: Any) -> _Function:
@@ -59,7 +55,8 @@ def _fused(function: _Function, **options: Any) -> _Function:
             fastmath={"contract", "reassoc"},
             _nrt=False,
             no_cfunc_wrapper=True,
-            pipeline_class=WideCompiler,
-            **options,
+            **{"pipeline_class": WideCompiler, **options},
         )(function)
+    if LINKED.items() <= options.items():
+        refuse_python(dispatcher)
     return dispatcher  # type: ignore[no-any-return]  # it is called as the function is

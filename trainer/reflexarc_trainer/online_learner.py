@@ -142,9 +142,7 @@ class OnlineLearner:
 
     def _drive(self, steps: int) -> None:
         """Learn, and go on to the next world where this one's part is over."""
-        step, held = self._simulation.held_step()
-        stack = self._simulation.params.agents.stack[0]
-        drive(self._rules, self._state, self._scratch, step, held.address, stack, steps)
+        self._call(False, steps)
         check_finite(self._state.weights, self.step, self.config)
         stage = stage_at(self._ends, self.step)
         if stage != self._stage:
@@ -165,7 +163,12 @@ class OnlineLearner:
         """Look for the first time in a world, and choose the first action; nothing led here."""
         self._state.trace[:] = 0.0
         self._simulation.sense()
-        begin(self._rules, self._state, self._scratch, self._simulation.stacks[0].ravel())
+        self._call(True, 0)
+
+    def _call(self, begins: bool, steps: int) -> None:
+        step, held = self._simulation.held_step()
+        stack = self._simulation.params.agents.stack[0]
+        drive(self._rules, self._state, self._scratch, step, held.address, stack, begins, steps)
 
 
 def sizes_of(config: TrainConfig) -> tuple[int, int, int]:
@@ -190,9 +193,7 @@ def new_learning(
 def compile_learner(config: TrainConfig) -> None:
     """Compile what a run learns with, unless that is done: it learns for no step."""
     rules, (state, scratch) = rules_for(config), new_learning(config)
-    retina = np.zeros(sizes_of(config)[0], np.uint8)
-    begin(rules, state, scratch, retina)
-    drive(rules, state, scratch, 0, 0, retina, 0)
+    drive(rules, state, scratch, 0, 0, np.zeros(sizes_of(config)[0], np.uint8), False, 0)
 
 
 def rules_for(config: TrainConfig) -> Rules:
@@ -231,6 +232,7 @@ def drive(
     step: int,
     held: int,
     stack: Bytes,
+    begins: bool,
     steps: int,
 ) -> None:
     """Act, look, learn.
@@ -242,8 +244,11 @@ def drive(
         step: address of `kernel.advance`.
         held: address of a `Held`.
         stack: what the agent sees: (inputs,).
+        begins: whether to choose a first action before, for what it sees now.
         steps: transitions.
     """
+    if begins:
+        begin(rules, state, scratch, stack)
     action = state.pending[:1]
     for _ in range(steps):
         contact, reward = False, 0.0

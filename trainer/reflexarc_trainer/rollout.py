@@ -14,7 +14,7 @@ from reflexarc_sim_bridge.kernel import LOOK, MOVE
 from reflexarc_sim_bridge.world_step import call
 from reflexarc_trainer.block import Block, Layers, forward
 from reflexarc_trainer.choice import Streams, choose, expected_value, winner
-from reflexarc_trainer.fused import fused_inner
+from reflexarc_trainer.fused import fused
 from reflexarc_trainer.returns import lambda_returns
 
 
@@ -99,7 +99,7 @@ def new_rollout(
     )
 
 
-@fused_inner
+@fused
 def roll_out(
     layers: Layers,
     weights: npt.NDArray[Any],
@@ -141,7 +141,7 @@ def roll_out(
     )
 
 
-@fused_inner
+@fused
 def choose_all(
     layers: Layers,
     weights: npt.NDArray[Any],
@@ -171,7 +171,7 @@ def choose_all(
     _value(manner, q_values, actions, epsilon, taken, worth)
 
 
-@fused_inner
+@fused
 def _see(
     curve: npt.NDArray[Any],
     retina: npt.NDArray[np.uint8],
@@ -183,13 +183,13 @@ def _see(
         inputs[i, column] = curve[retina[i]]
 
 
-@fused_inner
+@fused
 def _keep(retina: npt.NDArray[np.uint8], seen: npt.NDArray[np.uint8]) -> None:
     for k in range(len(retina)):
         seen[k] = retina[k]
 
 
-@fused_inner
+@fused
 def _reap(
     manner: Manner,
     met: npt.NDArray[np.bool_],
@@ -204,7 +204,7 @@ def _reap(
         contacts[c] |= met[c]
 
 
-@fused_inner
+@fused
 def _value(
     manner: Manner,
     q_values: Block,

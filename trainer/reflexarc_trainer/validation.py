@@ -11,7 +11,7 @@ from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
 from reflexarc_runtime.policy import Policy
 from reflexarc_sim_bridge.seeds import validation_seeds
 from reflexarc_sim_bridge.simulation import Simulation
-from reflexarc_trainer.block import forward, input_curve, layers_for
+from reflexarc_trainer.block import forward_from_python, input_curve, layers_for
 from reflexarc_trainer.config import TrainConfig
 from reflexarc_trainer.learner import driven_m
 from reflexarc_trainer.q_network import QNetwork
@@ -39,7 +39,7 @@ class GreedyPolicy(Policy):
         """Q-values (n, actions) and winners (n,) of retinas (n, frames, eyes, rays, channels)."""
         values = np.empty((self._layers.computed, len(retinas)))
         inputs = self._curve[retinas.reshape(len(retinas), -1).T]
-        forward(self._layers, self._weights, inputs, values)
+        forward_from_python(self._layers, self._weights, inputs, values)
         q_values: npt.NDArray[np.float64] = values[-int(self._layers.sizes[-1]) :]
         winners: Actions = np.argmax(q_values, axis=0)
         return q_values.T.astype(np.float32), winners
