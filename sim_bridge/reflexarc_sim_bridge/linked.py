@@ -1,8 +1,8 @@
 """Functions that only other compiled ones call: parts of these, and never machine code themselves.
 
 Numba writes machine code for every function, also for those that end up within their callers and
-are never entered; and it optimises each as if it were, and again where it is taken in. That was a
-fifth of the time that the world takes to compile.
+are never entered: a tenth of the time that the world takes to compile. They are optimised all the
+same: left to their callers, their loops become slower code.
 """
 
 from typing import Any
@@ -29,13 +29,6 @@ class _LinkedLibrary(JITCodeLibrary):
     def codegen(self) -> _NoMachineCode:
         """Asked for where a function is made ready to run."""
         return _NoMachineCode()
-
-    def _optimize_final_module(self) -> None:
-        # Whoever takes it in optimises it in earnest.
-        manager, builder = self._codegen._module_pass_manager(  # type: ignore[no-untyped-call]
-            loop_vectorize=False, slp_vectorize=False, opt=1, cost="cheap"
-        )
-        manager.run(self._final_module, builder)
 
     def _finalize_final_module(self) -> None:
         self._finalize_dynamic_globals()  # type: ignore[no-untyped-call]
