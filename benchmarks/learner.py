@@ -111,7 +111,9 @@ def learn_from(
 ) -> None:
     """Learn from retinas (n, inputs) one after another; every 32nd step ends in a contact."""
     for k in range(updates):
-        learn_step(rules, state, scratch, retinas[k % len(retinas)], k % 32 == 0, 0.1)
+        contact = k % 32 == 0
+        reward = rules.reward_contact if contact else rules.reward_step
+        learn_step(rules, state, scratch, retinas[k % len(retinas)], contact, reward)
 
 
 def compilation() -> list[dict[str, Any]]:

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from importlib import import_module
 from typing import Any
 
-from reflexarc_sim_bridge.second_process import at_work
+from reflexarc_sim_bridge.second_process import at_work, end_with_parent
 
 
 @contextmanager
@@ -34,6 +34,7 @@ def main() -> None:
     except Exception as error:  # a pickle of garbage can raise anything
         print(f"compile_ahead: expected a pickled call on standard input: {error}", file=sys.stderr)
         raise SystemExit(2) from None
+    end_with_parent()
     function.compile(types)
 
 

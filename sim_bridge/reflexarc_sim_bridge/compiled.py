@@ -18,7 +18,7 @@ from numba.core.cpu import CPUTargetOptions
 from numba.core.options import TargetOptions
 
 from reflexarc_sim_bridge.compile_cache import keyed_by_sources
-from reflexarc_sim_bridge.linked import LINKED, refuse_python
+from reflexarc_sim_bridge.linked import linked
 from reflexarc_sim_bridge.wide import WideCompiler
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
@@ -42,12 +42,12 @@ def compiled_inner(function: _Function) -> _Function:
     The wrapper takes arguments out of Python's objects; for tuples of many arrays it is larger than
     the function.
     """
-    return _compiled(function, _nrt=False, **LINKED)
+    return _linked(function)
 
 
 def compiled_inline(function: _Function) -> _Function:
     """The same for a small function of a hot loop: it becomes part of whoever calls it."""
-    return _compiled(function, _nrt=False, **LINKED, forceinline=True)
+    return _linked(function, forceinline=True)
 
 
 def compiled_disjoint(function: _Function) -> _Function:
@@ -55,7 +55,7 @@ def compiled_disjoint(function: _Function) -> _Function:
 
     The compiler need not test for that, nor load again what it has in its registers.
     """
-    return _compiled(function, _nrt=False, **LINKED, forceinline=True, noalias=True)
+    return _linked(function, forceinline=True, noalias=True)
 
 
 def compiled_part(function: _Function) -> _Function:
@@ -65,7 +65,7 @@ def compiled_part(function: _Function) -> _Function:
     again at every level of a call. Not for a caller that is `compiled_allocating`: it would count
     the references of all that it inlines.
     """
-    return _compiled(function, _nrt=False, **LINKED, inline="always")
+    return _linked(function, inline="always")
 
 
 def compiled_allocating(function: _Function) -> _Function:
@@ -87,16 +87,19 @@ def compiled_called(function: _Function) -> _Function:
     return _compiled(function, _nrt=False, no_cpython_wrapper=True)
 
 
+def _linked(function: _Function, **options: Any) -> _Function:
+    with keyed_by_sources():
+        return linked(function, **options)  # type: ignore[no-any-return]  # as `_compiled`
+
+
 def _compiled(function: _Function, **options: Any) -> _Function:
     njit: Any = numba.njit  # its stub does not know all of its options
     with keyed_by_sources():
-        usual = {
-            "cache": True,
-            "error_model": "numpy",
-            "no_cfunc_wrapper": True,
-            "pipeline_class": WideCompiler,
-        }
-        dispatcher = njit(**{**usual, **options})(function)
-    if LINKED.items() <= options.items():
-        refuse_python(dispatcher)
-    return dispatcher  # type: ignore[no-any-return]  # it is called as the function is
+        compile_later = njit(
+            cache=True,
+            error_model="numpy",
+            no_cfunc_wrapper=True,
+            pipeline_class=WideCompiler,
+            **options,
+        )
+        return compile_later(function)  # type: ignore[no-any-return]  # called as the function is

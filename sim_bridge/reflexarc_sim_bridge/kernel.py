@@ -82,11 +82,15 @@ def advance(
 
 def step_of(params: Params, motions: npt.NDArray[np.float64]) -> int:
     """Address of `advance`, compiled for such parameters and motions."""
+    return compiled_step(advance, params, motions, lambda: _compile_halves(params))
+
+
+def _compile_halves(params: Params) -> None:
+    """Compile the two large parts of `advance` side by side, unless it is in the cache."""
     if has_room() and not is_kept("kernel.advance"):
         types = (*types_held(params), numba.int64)
         with compiled_meanwhile(sense_agent, types):
             go_to_free_place.compile(types)  # type: ignore[attr-defined]  # numba's
-    return compiled_step(advance, params, motions)
 
 
 @compiled_free

@@ -5,8 +5,11 @@ are never entered: a tenth of the time that the world takes to compile. They are
 same: left to their callers, their loops become slower code.
 """
 
+from collections.abc import Callable
 from typing import Any
 
+import numba
+from numba.core.caching import CompileResultCacheImpl, FunctionCache
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler_machinery import PassManager, register_pass
 
@@ -62,15 +65,39 @@ class LinkedCompiler(WideCompiler):
         return with_lowering(super().define_pipelines(), WideLowering, _LinkedLowering)
 
 
-LINKED: dict[str, Any] = {"no_cpython_wrapper": True, "pipeline_class": LinkedCompiler}
-"""Options of numba's `njit` for such a function."""
+class _LinkedCacheImpl(CompileResultCacheImpl):
+    def rebuild(self, target_context: Any, payload: Any) -> Any:
+        """What was kept, again without machine code."""
+        codegen = target_context.codegen()
+        codegen._library_class = _LinkedLibrary
+        try:
+            return super().rebuild(target_context, payload)  # type: ignore[no-untyped-call]
+        finally:
+            del codegen._library_class  # that of its class counts again
 
 
-def refuse_python(dispatcher: Any) -> None:
-    """Let a call from Python raise: without machine code it would end the process."""
+class _LinkedCache(FunctionCache):
+    _impl_class = _LinkedCacheImpl
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """What was kept for these types: two processes that write at once may have mixed it up."""
+        kept = super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
+        return kept if kept is None or kept.signature.args == tuple(sig) else None
+
+
+def linked(function: Callable[..., Any], **options: Any) -> Any:
+    """Compile it by numba's `njit` with these options, as a part of whoever calls it.
+
+    A call from Python raises: without machine code it would end the process.
+    """
 
     def refuse(*_: object) -> None:
-        raise TypeError(f"{dispatcher.__name__}: only compiled functions can call it")
+        raise TypeError(f"{function.__name__}: only compiled functions can call it")
 
+    njit: Any = numba.njit  # its stub does not know all of its options
+    usual = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "error_model": "numpy"}
+    dispatcher = njit(pipeline_class=LinkedCompiler, _nrt=False, **usual, **options)(function)
+    dispatcher._cache = _LinkedCache(function)  # type: ignore[no-untyped-call]
     dispatcher._insert = lambda *_, **__: None  # Python's table of compiled forms stays empty
     dispatcher._compile_for_args = refuse
+    return dispatcher

@@ -8,10 +8,13 @@ import contextlib
 import os
 import subprocess
 import sys
+import threading
+import time
 from collections.abc import Iterator
 
 _LONGEST_S = 300.0
 """A process that takes longer is stuck."""
+_LOOK_AGAIN_S = 0.5
 
 
 def has_room() -> bool:
@@ -30,13 +33,12 @@ def at_work(module: str, given: bytes) -> Iterator[None]:
     helper = start(module, given)
     try:
         yield
-    except BaseException:
-        _stop(helper)
-        raise
-    if helper:
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            helper.wait(_LONGEST_S)
-        _stop(helper)
+        if helper:
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                helper.wait(_LONGEST_S)
+    finally:
+        if helper:
+            _stop(helper)
 
 
 def start(module: str, given: bytes) -> subprocess.Popen[bytes] | None:
@@ -44,15 +46,25 @@ def start(module: str, given: bytes) -> subprocess.Popen[bytes] | None:
     command, silent = [sys.executable, "-m", module], subprocess.DEVNULL
     try:
         helper = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=silent, stderr=silent)
-        assert helper.stdin is not None, "a pipe was asked for"
-        with helper.stdin as pipe:
-            pipe.write(given)
-    except OSError:  # no such process any more, or none to be had
+    except OSError:
         return None
+    assert helper.stdin is not None, "a pipe was asked for"
+    with contextlib.suppress(BrokenPipeError), helper.stdin as pipe:
+        pipe.write(given)
     return helper
 
 
-def _stop(helper: subprocess.Popen[bytes] | None) -> None:
-    if helper:
-        helper.kill()
-        helper.wait()
+def end_with_parent() -> None:
+    """From now on this process, the second one, ends where the first one does."""
+    threading.Thread(target=_watch, args=(os.getppid(),), daemon=True).start()
+
+
+def _watch(parent: int) -> None:
+    while os.getppid() == parent:
+        time.sleep(_LOOK_AGAIN_S)
+    os._exit(1)
+
+
+def _stop(helper: subprocess.Popen[bytes]) -> None:
+    helper.kill()
+    helper.wait()

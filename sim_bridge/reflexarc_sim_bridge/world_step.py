@@ -6,6 +6,7 @@ world is compiled once for all, and a learner is the same code for every world. 
 on lies at an address, too: a call with all its arrays by value would copy two hundred words.
 """
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numba
@@ -56,7 +57,9 @@ class Held:
         return Held, (self._kept[0], self._kept[2])
 
 
-def compiled_step(step: Any, params: Params, motions: npt.NDArray[np.float64]) -> int:
+def compiled_step(
+    step: Any, params: Params, motions: npt.NDArray[np.float64], prepare: Callable[[], None]
+) -> int:
     """Compile a step, unless that is done for such parameters; returns its address.
 
     Args:
@@ -64,10 +67,12 @@ def compiled_step(step: Any, params: Params, motions: npt.NDArray[np.float64]) -
             numbers: see `kernel.advance`.
         params: the simulation's.
         motions: as for `Held`.
+        prepare: called before it is compiled or loaded.
     """
     typeof: Any = numba.typeof  # untyped
     form = step, _form(params), _form(motions)
     if form not in _addresses:
+        prepare()
         world = Reference(typeof(Kept(params, new_workspace(params), motions)))
         signature = types.void(world, *_ARGUMENTS)
         step.compile(signature.args)

@@ -10,7 +10,7 @@ import pytest
 from reflexarc_sim_bridge import second_process
 from reflexarc_sim_bridge.compile_cache import cache_folder
 from reflexarc_trainer import compile_ahead
-from reflexarc_trainer.compile_ahead import learner_compiled_meanwhile
+from reflexarc_trainer.compile_ahead import compile_side_by_side
 from reflexarc_trainer.presets import PRESETS
 
 CONFIG = PRESETS["online"]
@@ -64,22 +64,25 @@ def test_what_is_no_configuration_is_one_line_and_exit_status_2(
 def test_nothing_is_started_where_all_is_compiled(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(compile_ahead, "is_kept", lambda function: True)
     monkeypatch.setattr(second_process, "start", lambda *_: pytest.fail("started"))
-    with learner_compiled_meanwhile(CONFIG):
-        pass
+    compile_side_by_side(CONFIG)
 
 
 def test_a_helper_that_fails_is_waited_for_and_forgotten(monkeypatch: pytest.MonkeyPatch):
     helpers = helpers_that("raise SystemExit(3)", monkeypatch)
-    with learner_compiled_meanwhile(CONFIG):
-        pass
-    assert [helper.returncode for helper in helpers] == [3]
+    compile_side_by_side(CONFIG)
+    assert {helper.returncode for helper in helpers} == {3}
 
 
 def test_no_helper_outlives_a_world_that_cannot_be_made(monkeypatch: pytest.MonkeyPatch):
     helpers = helpers_that("import time; time.sleep(600)", monkeypatch)
-    with pytest.raises(ValueError, match="no such world"), learner_compiled_meanwhile(CONFIG):
-        raise ValueError("no such world")
+    monkeypatch.setattr(compile_ahead, "Simulation", no_world)
+    with pytest.raises(ValueError, match="no such world"):
+        compile_side_by_side(CONFIG)
     assert [helper.returncode for helper in helpers] == [-9]
+
+
+def no_world(*_: object) -> None:
+    raise ValueError("no such world")
 
 
 def helpers_that(do: str, monkeypatch: pytest.MonkeyPatch) -> list[subprocess.Popen[str]]:

@@ -26,6 +26,7 @@ from reflexarc_trainer.online import AVERAGED_EVERY
 from reflexarc_trainer.online_learner import OnlineLearner, new_learning, rules_for, sizes_of
 from reflexarc_trainer.online_state import LearnerState, Rules, Scratch
 from reflexarc_trainer.online_weights import from_online, to_online
+from reflexarc_trainer.presets import PRESETS
 from reflexarc_trainer.q_network import QNetwork, new_network
 from reflexarc_trainer.reference import Body, learn
 from reflexarc_trainer.weights import pack, unpack
@@ -182,13 +183,14 @@ def test_single_precision_learns_the_same_but_for_rounding(
 
 
 def test_averaged_weights_are_what_is_learned(recorded_body: Callable[..., Body]) -> None:
-    keep, config = 0.99, TrainConfig(steps=100, learner=LearnerConfig(averaged_weights=0.99))
+    keep, config = 0.999, TrainConfig(steps=3000, learner=LearnerConfig(averaged_weights=0.999))
     rules, state, scratch = set_up(config)
     average = state.weights.copy()
-    rows = transitions(recorded_body(7, 100), config, rules, state, scratch)
+    rows = transitions(recorded_body(7, 3000), config, rules, state, scratch)
     for step, _ in enumerate(rows, start=1):
         if step % AVERAGED_EVERY == 0:
-            average += (1 - keep**AVERAGED_EVERY) * (state.weights - average)
+            share = max(1 - keep**AVERAGED_EVERY, 10 / (10 + step / AVERAGED_EVERY))
+            average += share * (state.weights - average)
     assert np.abs(state.weights - average).max() > 1e-3
     np.testing.assert_allclose(state.averaged, average, rtol=0, atol=1e-12)
 
@@ -262,3 +264,28 @@ def test_held_actions_are_repeated_until_a_contact(recorded_body: Callable[..., 
         left = 0 if contact else (explore.held_actions if left == 0 else left) - 1
         previous = action
     assert {action for action, _, _ in rows} == {0, 1, 2}
+
+
+def test_report_counts_every_contact_of_a_repeated_action() -> None:
+    explore = ExplorationConfig(action_repeat=3, epsilon_start=1.0, epsilon_end=1.0)
+    learner = OnlineLearner(TrainConfig(learner=LearnerConfig(exploration=explore)))
+    learner.run(500)
+    learner.mark()
+    before = learner._simulation.contacts[0], learner._simulation.distance_m[0]
+    learner.run(2000)
+    contacts = learner._simulation.contacts[0] - before[0]
+    distance_m = learner._simulation.distance_m[0] - before[1]
+    assert contacts > 100
+    assert learner.report().contacts_per_100m == pytest.approx(100.0 * contacts / distance_m)
+
+
+def test_a_run_that_goes_on_from_its_arrays_has_the_same_bits() -> None:
+    """With everything that the step by RMS, single precision and repeated actions keep."""
+    config = dataclasses.replace(PRESETS["reflex-online"], steps=3000, seed=5)
+    whole, first, second = (OnlineLearner(config) for _ in range(3))
+    whole.run(3000)
+    first.run(1237)
+    second.restore({name: array.copy() for name, array in first.arrays().items()})
+    second.run(3000 - 1237)
+    for name, array in whole.arrays().items():
+        np.testing.assert_array_equal(second.arrays()[name], array, err_msg=name)

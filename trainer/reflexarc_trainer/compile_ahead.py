@@ -4,16 +4,17 @@ That is done once for each state of the sources, and takes either of them many s
 processor. The world's own second process goes first where there is no third processor.
 """
 
-import contextlib
 import json
 import os
 import sys
 import time
-from collections.abc import Iterator
+
+import numpy as np
 
 from reflexarc_runtime.errors import UsageError
 from reflexarc_sim_bridge.compile_cache import is_kept
-from reflexarc_sim_bridge.second_process import at_work, has_room
+from reflexarc_sim_bridge.second_process import at_work, end_with_parent, has_room
+from reflexarc_sim_bridge.simulation import Simulation
 from reflexarc_trainer import batched_learner, online_learner
 from reflexarc_trainer.config import TrainConfig
 
@@ -22,12 +23,15 @@ _LOOKING, _WORLD = "senses.sense_agent", "kernel.advance"
 _LEARNERS = {"batched": "batched.learn", "online": "online_learner.drive"}
 
 
-@contextlib.contextmanager
-def learner_compiled_meanwhile(config: TrainConfig) -> Iterator[None]:
-    """Within it this process makes a world; afterwards the learner of a run is compiled, too."""
-    given = json.dumps(config.resolved()).encode()
-    with at_work(__name__, given) if _is_worth_it(config) else contextlib.nullcontext():
-        yield
+def compile_side_by_side(config: TrainConfig) -> None:
+    """Compile world and learner of a run, unless one of them is in the cache.
+
+    Raises:
+        WorldError: there is no such world, or it cannot give what the eye asks for.
+    """
+    if _is_worth_it(config):
+        with at_work(__name__, json.dumps(config.resolved()).encode()):
+            Simulation(config.worlds[0].source(), config.contract(), np.zeros(1, np.uint64))
 
 
 def compile_learner(config: TrainConfig) -> None:
@@ -51,6 +55,7 @@ def main() -> None:
             f"compile_ahead: expected a configuration on standard input: {error}", file=sys.stderr
         )
         raise SystemExit(2) from None
+    end_with_parent()
     _let_the_world_go_first()
     compile_learner(config)
 

@@ -4,7 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_trainer.batched_learner import BatchedLearner
-from reflexarc_trainer.compile_ahead import learner_compiled_meanwhile
+from reflexarc_trainer.compile_ahead import compile_side_by_side
 from reflexarc_trainer.config import TrainConfig
 from reflexarc_trainer.learner import Learner
 from reflexarc_trainer.online_learner import OnlineLearner
@@ -20,7 +20,7 @@ def new_learner(config: TrainConfig, weights: npt.NDArray[np.float64] | None = N
     Raises:
         WorldError: there is no such world, or it cannot give what the eye asks for.
     """
-    with learner_compiled_meanwhile(config):
-        if config.learner.form == "batched":
-            return BatchedLearner(config, weights)
-        return OnlineLearner(config, weights)
+    compile_side_by_side(config)
+    if config.learner.form == "batched":
+        return BatchedLearner(config, weights)
+    return OnlineLearner(config, weights)

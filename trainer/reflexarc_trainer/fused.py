@@ -13,11 +13,12 @@ from typing import Any, TypeVar
 import numba
 
 from reflexarc_sim_bridge.compile_cache import keyed_by_sources
-from reflexarc_sim_bridge.linked import LINKED, refuse_python
+from reflexarc_sim_bridge.linked import linked
 from reflexarc_sim_bridge.wide import WideCompiler
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
+_LIBERTIES = {"contract", "reassoc"}
 _njit: Any = numba.njit  # its stub does not know `_nrt`
 
 
@@ -31,7 +32,7 @@ def fused_free(function: _Function) -> _Function:
 
 def fused(function: _Function) -> _Function:
     """The same for one that only compiled functions call: Python cannot, which saves a wrapper."""
-    return _fused(function, **LINKED)
+    return _linked(function)
 
 
 def fused_inline(function: _Function) -> _Function:
@@ -39,12 +40,17 @@ def fused_inline(function: _Function) -> _Function:
 
     A call hands over tuples of arrays word by word, which takes longer than a loop over ten units.
     """
-    return _fused(function, **LINKED, forceinline=True)
+    return _linked(function, forceinline=True)
 
 
 def fused_disjoint(function: _Function) -> _Function:
     """The same for a loop over arrays that share no memory; it becomes part of whoever calls it."""
-    return _fused(function, **LINKED, forceinline=True, noalias=True)
+    return _linked(function, forceinline=True, noalias=True)
+
+
+def _linked(function: _Function, **options: Any) -> _Function:
+    with keyed_by_sources():
+        return linked(function, fastmath=_LIBERTIES, **options)  # type: ignore[no-any-return]
 
 
 def _fused(function: _Function, **options: Any) -> _Function:
@@ -52,11 +58,10 @@ def _fused(function: _Function, **options: Any) -> _Function:
         dispatcher: Any = _njit(
             cache=True,
             error_model="numpy",
-            fastmath={"contract", "reassoc"},
+            fastmath=_LIBERTIES,
             _nrt=False,
             no_cfunc_wrapper=True,
-            **{"pipeline_class": WideCompiler, **options},
+            pipeline_class=WideCompiler,
+            **options,
         )(function)
-    if LINKED.items() <= options.items():
-        refuse_python(dispatcher)
     return dispatcher  # type: ignore[no-any-return]  # it is called as the function is

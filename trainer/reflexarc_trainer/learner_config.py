@@ -187,7 +187,7 @@ class LearnerConfig:
     trace_decay: float = 0.9
     """λ: how far back a TD error reaches. 0 keeps no trace."""
     gamma: float = 0.9
-    """Discount γ a step."""
+    """Discount γ a transition."""
     target: Target = "sampled"
     """Value of the next place: that of the action chosen there (`sampled`, SARSA), the mean
     over what ε-greedy may choose (`expected`), or that of the best action (`greedy`, Q(λ) after

@@ -1,6 +1,6 @@
 r"""SARSA(λ), compiled: the same algorithm as `reference.py`, thousands of times as fast.
 
-One agent, one update a step, one hidden layer, float64. The weights are one flat vector in the
+One agent, one update a transition, one hidden layer. The weights are one flat vector in the
 order of `online_weights.py`; what runs over all of them at once (trace, norm, update) is a single
 long loop. Everything that a run needs to go on lies in `LearnerState`, which a checkpoint carries.
 """
@@ -29,7 +29,10 @@ from reflexarc_trainer.units import activate, times_slope
 linear = compiled(schedules.linear)
 
 AVERAGED_EVERY = 16
-"""Updates between two that the average over weights takes in, for all of which it then counts."""
+"""The average over weights takes in those of every so many-th update, and lets them count for all.
+"""
+_LEAST_TENTH = 10.0
+"""Early it reaches back over a tenth of the run so far: the first weights mean nothing."""
 
 
 @fused_inline
@@ -70,7 +73,6 @@ def learn_step(
     _copy(scratch.inputs, state.inputs)
     state.pending[0], state.pending[2] = next_action, step
     state.totals[0] += abs(td_error)
-    state.totals[1] += 1.0 if contact else 0.0
     return td_error
 
 
@@ -124,7 +126,7 @@ def take_step(
             size = bounded_step(alpha, rules.kappa, td_error, norm)
         move(state.weights, state.trace, size * td_error)
     if rules.averaging > 0.0 and step % AVERAGED_EVERY == 0:
-        _average(state.weights, state.averaged, 1.0 - rules.averaging**AVERAGED_EVERY)
+        _average(state.weights, state.averaged, averaged_share(rules.averaging, step))
 
 
 @fused_inline
@@ -179,6 +181,13 @@ def _see(curve: Floats, retina: Bytes, inputs: Floats) -> None:
 def _copy(source: Floats, target: Floats) -> None:
     for i in range(len(source)):
         target[i] = source[i]
+
+
+@fused_inline
+def averaged_share(kept: float, step: int) -> float:
+    """Share of the new weights in their average, which keeps `kept` of itself at each update."""
+    taken = step / AVERAGED_EVERY
+    return max(1.0 - kept**AVERAGED_EVERY, _LEAST_TENTH / (_LEAST_TENTH + taken))
 
 
 @fused_disjoint

@@ -111,6 +111,7 @@ class OnlineLearner:
         """What happened since the last mark."""
         td_errors, contacts, step, distance_m = self._state.totals.tolist()
         world, transitions = self._simulation.world.densest, self.step - step
+        contacts = float(self._simulation.contacts[0]) - contacts
         distance_m = float(self._simulation.distance_m[0]) - distance_m
         driven = driven_m(self.config, world, transitions, distance_m)
         return Report(
@@ -120,7 +121,8 @@ class OnlineLearner:
 
     def mark(self) -> None:
         """The next report begins here."""
-        self._state.totals[:] = 0.0, 0.0, self.step, self._simulation.distance_m[0]
+        world = self._simulation
+        self._state.totals[:] = 0.0, world.contacts[0], self.step, world.distance_m[0]
 
     def arrays(self) -> Arrays:
         """Everything that the rest of the run depends on, by name."""
@@ -146,7 +148,9 @@ class OnlineLearner:
         check_finite(self._state.weights, self.step, self.config)
         stage = stage_at(self._ends, self.step)
         if stage != self._stage:
-            self._state.totals[3] -= self._simulation.distance_m[0]  # the new one counts from zero
+            # The new one counts from zero.
+            self._state.totals[1] -= self._simulation.contacts[0]
+            self._state.totals[3] -= self._simulation.distance_m[0]
             self._enter(stage)
             self._begin()
 

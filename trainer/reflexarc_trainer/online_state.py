@@ -73,7 +73,7 @@ class LearnerState(NamedTuple):
     running: npt.NDArray[np.float64]
     """Average reward, mean square of δ: (2,)."""
     totals: npt.NDArray[np.float64]
-    """Since the last report Σ|δ| and contacts; at it the steps done and the distance_m: (4,)."""
+    """Σ|δ| since the last report; at it contacts, transitions and distance_m: (4,)."""
 
 
 class Scratch(NamedTuple):

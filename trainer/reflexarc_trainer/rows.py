@@ -5,7 +5,7 @@ import numpy.typing as npt
 
 from reflexarc_trainer.fused import fused_disjoint
 
-Floats = npt.NDArray[np.float64]
+Floats = npt.NDArray[np.floating]
 
 
 @fused_disjoint
@@ -31,12 +31,12 @@ def dot(row: Floats, x: Floats) -> float:
     total = row.dtype.type(0)
     for h in range(len(row)):
         total += row[h] * x[h]
-    return total
+    return float(total)
 
 
 @fused_disjoint
 def scale(factor: float, row: Floats, out: Floats) -> None:
     """Do out = factor · row; (m,) each."""
-    factor = out.dtype.type(factor)
+    number = out.dtype.type(factor)
     for h in range(len(out)):
-        out[h] = factor * row[h]
+        out[h] = number * row[h]
