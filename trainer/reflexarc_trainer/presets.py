@@ -140,7 +140,8 @@ HELP: Mapping[str, str] = MappingProxyType(
             "One agent and one update a step, as on a robot that learns while it drives, with "
             "what serves best: each action repeated for three steps, squared inputs, a step "
             "divided by each weight's running RMS, averaged weights, single precision. Network "
-            "16-63-3. Reaches PLACEHOLDER contacts per 100 m in a million transitions."
+            "16-63-3. Reaches 1.9 to 2.1 contacts per 100 m in a million transitions (test worlds, "
+            "six seeds)."
         ),
         "online": (
             "One agent and one update a step: the paper's "
