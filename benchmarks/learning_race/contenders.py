@@ -1,11 +1,12 @@
 """Who races, with which settings; `tuning.md` says what was tried to find them.
 
-Everybody has the reference field's eye and worlds. Ours have one hidden layer of 64 units, but for
-`reflex-deep-60s`, which has two as the rivals have by default. The tuned rivals have our input
-curve (the square), our repeated actions (while learning, three steps of the world an action), our
-discount, a falling learning rate and one thread of torch: two were no faster in the one trial. The
-matched ones are the tuned ones with our 16–10–3. The default ones have their library's settings;
-how many worlds at once is not among these, and four served PPO best.
+Everybody has the reference field's eye and worlds. Ours have one hidden layer of 64 units, or 63,
+but for `reflex-deep-60s`, which has two as the rivals have by default. The tuned rivals have our
+input curve (the square), our repeated actions (while learning, three steps of the world an action),
+our discount (`online-3s` has a longer one), a falling learning rate and one thread of torch: two
+were no faster in the one trial. The matched ones are the tuned ones with our 16–10–3. The default
+ones have their library's settings; how many worlds at once is not among these, and four served PPO
+best.
 """
 
 import hashlib

@@ -9,10 +9,11 @@ r"""The trace and the four sizes of a step; compiled, over vectors of any networ
                                         Lecture 6.5, COURSERA: Neural Networks for ML, 2012)
 
 The intentional step removes the share α of the TD error where the trace is the gradient (λ = 0);
-its δ is cut at 20 times its running RMS. The one by RMS takes s anew at every sixteenth update, for
-roots and divisions take longer than all the rest; at each of the first 64, the very first of which
-has none and moves nothing. What a weight's δe has grown to since is cut at a
-hundred times its RMS.
+its δ is cut at 20 times its running RMS.
+
+The step by RMS takes s anew at every sixteenth update, for roots and divisions take longer than all
+the rest, and at each of the first 64, of which the very first has none and moves nothing. What a
+weight's δe has grown to since is cut at a hundred times its RMS.
 """
 
 import math
