@@ -194,6 +194,7 @@ def _require_equal(found: dict[str, int]) -> None:
 
 
 def main() -> None:
+    """Compare both, time them in turns, and print what was found."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )

@@ -16,6 +16,8 @@ from reflexarc_trainer.traces import (
     BOUNDED,
     INTENTIONAL,
     RMSPROP,
+    SCALED_AT_FIRST,
+    SCALED_EVERY,
     SQUARES_KEPT,
     accumulate,
     bounded_step,
@@ -23,6 +25,7 @@ from reflexarc_trainer.traces import (
     move,
     move_by_rms,
     move_intentionally,
+    rescale,
 )
 from reflexarc_trainer.units import activate, times_slope
 
@@ -119,7 +122,9 @@ def take_step(
         move_intentionally(state.weights, state.trace, state.squares, gradient, alpha * cut)
     elif rules.step == RMSPROP:
         trace, squares, scales = state.trace, state.squares, state.scales
-        move_by_rms(state.weights, trace, squares, scales, td_error, alpha, step)
+        move_by_rms(state.weights, trace, squares, scales, td_error, alpha)
+        if step <= SCALED_AT_FIRST or step % SCALED_EVERY == 0:
+            rescale(squares, scales, 1.0 - SQUARES_KEPT**step)
     else:
         size = alpha
         if rules.step == BOUNDED:

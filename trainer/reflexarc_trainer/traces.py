@@ -98,7 +98,7 @@ def move_intentionally(
         weights[k] += share * trace[k] / (np.sqrt(squares[k]) + least)
 
 
-@fused_inline
+@fused_disjoint
 def move_by_rms(
     weights: Floats,
     trace: Floats,
@@ -106,23 +106,8 @@ def move_by_rms(
     scales: Floats,
     td_error: float,
     alpha: float,
-    step: int,
 ) -> None:
-    """Do w ← w + α s δe at step number `step`; updates the running mean of (δe)², and s from it."""
-    _move_scaled(weights, trace, squares, scales, td_error, alpha)
-    if step <= SCALED_AT_FIRST or step % SCALED_EVERY == 0:
-        _scale(squares, scales, 1.0 - SQUARES_KEPT**step)
-
-
-@fused_disjoint
-def _move_scaled(
-    weights: Floats,
-    trace: Floats,
-    squares: Floats,
-    scales: Floats,
-    td_error: float,
-    alpha: float,
-) -> None:
+    """Do w ← w + α s δe; updates the running mean of (δe)². All arrays are (parameters,)."""
     number = weights.dtype.type
     error, size, largest = number(td_error), number(alpha), number(LARGEST_RATIO)
     keep, take, least = number(SQUARES_KEPT), number(1.0 - SQUARES_KEPT), number(_FORGOTTEN)
@@ -133,7 +118,8 @@ def _move_scaled(
 
 
 @fused_disjoint
-def _scale(squares: Floats, scales: Floats, known: float) -> None:
+def rescale(squares: Floats, scales: Floats, known: float) -> None:
+    """Take s anew from the running means, which hold the share `known` of what they will."""
     number = squares.dtype.type
     one, per_known, least = number(1), number(1.0 / known), number(LEAST_RMS)
     for k in range(len(squares)):
