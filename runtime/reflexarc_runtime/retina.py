@@ -24,14 +24,14 @@ def ray_bearing_rad(ray: int, rays: int, fov_rad: float) -> float:
     return fov_rad * (0.5 - (ray + 0.5) / rays)
 
 
-def brightness(colour: float, distance_m: float, range_m: float, nearness: bool) -> float:
-    """How bright something of `colour` (0 to 1) looks at `distance_m`, 0 to 1.
+def brightness(colour: float, share: float, nearness: bool) -> float:
+    """How bright something of `colour` (0 to 1) looks at this share of the range, 0 to 1.
 
-    Nothing within range (`distance_m` ≥ `range_m`, +inf or NaN) is background: 0.
+    Nothing within range (a share of 1 and more, +inf or NaN) is background: 0.
     """
-    if not distance_m < range_m:
+    if not share < 1.0:
         return 0.0
-    return colour * (1.0 - distance_m / range_m) if nearness else colour
+    return colour * (1.0 - share) if nearness else colour
 
 
 def value(bright: float) -> int:
@@ -41,7 +41,7 @@ def value(bright: float) -> int:
 
 def shade(colour: float, distance_m: float, range_m: float, nearness: bool) -> int:
     """Value of a ray that meets something of `colour` (0 to 1) at `distance_m`."""
-    return value(brightness(colour, distance_m, range_m, nearness))
+    return value(brightness(colour, distance_m / range_m, nearness))
 
 
 def nearest_beam(bearing_rad: float, start_rad: float, step_rad: float) -> int:
@@ -103,7 +103,7 @@ def retina_from_scan(scan: Scan, spec: RetinaSpec) -> Retina:
         )
     nearness = spec.shading is Shading.NEARNESS
     bright = [
-        0.0 if is_unknown(d) else brightness(1.0, float(d), spec.range_m, nearness)
+        0.0 if is_unknown(d) else brightness(1.0, float(d) / spec.range_m, nearness)
         for d in distances
     ]
     n = spec.samples

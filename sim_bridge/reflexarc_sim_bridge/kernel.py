@@ -69,13 +69,15 @@ def advance(
     params, work, motions = held.params, held.work, held.motions
     for i in range(first, end):
         if i + 1 < end:
-            foresee(params, i + 1)
+            foresee(params, i + 1, 0)
         if tasks & PLACE:
             forget_near(params.agents, i)
             go_to_free_place(params, work, i)
         if tasks & MOVE:
             motion = motions[actions[i]]
             met_out[i] = step_agent(params, work, i, motion[0], motion[1], motion[2])
+        if i + 1 < end:
+            foresee(params, i + 1, 1)
         if tasks & LOOK:
             sense_agent(params, work, i)
 

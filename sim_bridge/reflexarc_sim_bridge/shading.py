@@ -10,6 +10,7 @@ import numpy.typing as npt
 from reflexarc_runtime import retina
 from reflexarc_sim_bridge.compiled import compiled_disjoint, compiled_inline, compiled_part
 from reflexarc_sim_bridge.params import TILE_RAYS, EyeParams, Floats32
+from reflexarc_sim_bridge.quotient import quotient
 from reflexarc_sim_bridge.workspace import Workspace
 
 _ZERO = np.float32(0.0)
@@ -17,6 +18,7 @@ _BYTE, _FULL = 0xFF, 255.0
 _RED, _GREEN, _BLUE, _GREY = 299.0, 587.0, 114.0, 255_000.0
 """Shares of the colours in a grey value (ITU-R BT.601), in thousandths, and what white adds up to.
 """
+_PER_FULL, _PER_GREY = 1.0 / _FULL, 1.0 / _GREY
 
 
 brightness = compiled_inline(retina.brightness)
@@ -42,8 +44,9 @@ def _shade_tile(
     background: float,
     values: npt.NDArray[np.uint8],
 ) -> None:
+    per_range = 1.0 / eye.range_m
     for ray in range(TILE_RAYS):
-        bright = _grey_brightness(eye, distance_m[ray], paint[ray], background)
+        bright = _grey_brightness(eye, per_range, distance_m[ray], paint[ray], background)
         values[ray] = value(bright) if alive[ray] else 0
 
 
@@ -92,23 +95,32 @@ def _shade_subrays(
     background: float,
     bright: npt.NDArray[np.float64],
 ) -> None:
+    per_range = 1.0 / eye.range_m
     if eye.channels == 1:
         for k in range(bright.size):
-            bright[k] = _grey_brightness(eye, distance_m[k], paint[k], background)
+            bright[k] = _grey_brightness(eye, per_range, distance_m[k], paint[k], background)
         return
     shift = 16 - 8 * channel
     for k in range(bright.size):
-        tint = np.int32((np.int32(paint[k]) >> shift) & _BYTE) / _FULL
-        shade = brightness(tint, np.float64(distance_m[k]), eye.range_m, eye.nearness)
+        byte = np.float64((np.int32(paint[k]) >> shift) & _BYTE)
+        tint = quotient(byte, _FULL, _PER_FULL)
+        share = quotient(np.float64(distance_m[k]), eye.range_m, per_range)
+        shade = brightness(tint, share, eye.nearness)
         bright[k] = shade if paint[k] >= _ZERO else background
 
 
 @compiled_inline
 def _grey_brightness(
-    eye: EyeParams, distance_m: np.float32, paint: np.float32, background: float
+    eye: EyeParams,
+    per_range: float,
+    distance_m: np.float32,
+    paint: np.float32,
+    background: float,
 ) -> float:
     bits = np.int32(paint)
     red, green = np.int32((bits >> 16) & _BYTE), np.int32((bits >> 8) & _BYTE)
-    tint = (_RED * red + _GREEN * green + _BLUE * np.int32(bits & _BYTE)) / _GREY
-    bright = brightness(tint, np.float64(distance_m), eye.range_m, eye.nearness)
+    white = _RED * red + _GREEN * green + _BLUE * np.int32(bits & _BYTE)
+    tint = quotient(white, _GREY, _PER_GREY)
+    share = quotient(np.float64(distance_m), eye.range_m, per_range)
+    bright = brightness(tint, share, eye.nearness)
     return bright if paint >= _ZERO else background
