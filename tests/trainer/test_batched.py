@@ -158,13 +158,11 @@ def online_sum(
     for t, (contact, reward) in enumerate(
         zip(rollout.contacts[0, :, 0], rollout.rewards[0, :, 0], strict=True)
     ):
-        see = np.ascontiguousarray(inputs[t + 1])
-        forward(rules, scratch.weights, see, scratch.next_hidden, scratch.next_q_values)
-        see = np.ascontiguousarray(inputs[t])
-        forward(rules, scratch.weights, see, scratch.hidden, scratch.q_values)
-        target = reward + rules.gamma * scratch.next_q_values[actions[t + 1]]
-        td_error = target - scratch.q_values[actions[t]]
-        fill_gradient(rules, scratch, see, actions[t])
+        scratch.inputs[:] = inputs[t : t + 2]
+        forward(rules, scratch)
+        target = reward + rules.gamma * scratch.q_values[1, actions[t + 1]]
+        td_error = target - scratch.q_values[0, actions[t]]
+        fill_gradient(rules, scratch, actions[t])
         accumulate(state.trace, scratch.gradient, rules.gamma * rules.trace_decay)
         total += td_error * state.trace
         state.trace[:] *= not contact

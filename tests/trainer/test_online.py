@@ -89,16 +89,16 @@ def test_compiled_value_and_gradient_are_those_of_autograd(units: Any, output: A
         units=units, output=output, initial_weights="normal", input_power=3
     )
     config = TrainConfig(network=network_config)
-    rules, state, scratch = set_up(config)
+    rules, _, scratch = set_up(config)
     network = new_network(CONTRACT, config.network, config.seed)
     for seed in range(20):
-        retina = np.random.default_rng(seed).integers(0, 256, 16, np.uint8)
-        state.inputs[:] = (retina / 255) ** 3
-        forward(rules, scratch.weights, state.inputs, scratch.hidden, scratch.q_values)
-        q_values = network(torch.from_numpy(retina.reshape(1, 1, 1, 16, 1))).detach().numpy()[0]
-        np.testing.assert_allclose(scratch.q_values[:3], q_values, rtol=0, atol=1e-12)
-        fill_gradient(rules, scratch, state.inputs, seed % 3)
-        expected = gradient_of(network, retina, seed % 3)
+        retinas = np.random.default_rng(seed).integers(0, 256, (2, 16), np.uint8)
+        scratch.inputs[:] = (retinas / 255) ** 3
+        forward(rules, scratch)
+        q_values = network(torch.from_numpy(retinas.reshape(2, 1, 1, 16, 1))).detach().numpy()
+        np.testing.assert_allclose(scratch.q_values[:, :3], q_values, rtol=0, atol=1e-12)
+        fill_gradient(rules, scratch, seed % 3)
+        expected = gradient_of(network, retinas[0], seed % 3)
         mine = from_online(scratch.gradient, *SIZES)
         np.testing.assert_allclose(mine, expected, rtol=0, atol=1e-12)
 

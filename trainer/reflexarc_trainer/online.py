@@ -10,8 +10,7 @@ from reflexarc_trainer import schedules
 from reflexarc_trainer.choice import choose, expected_value
 from reflexarc_trainer.fused import fused_disjoint, fused_inline
 from reflexarc_trainer.online_state import Bytes, Floats, LearnerState, Rules, Scratch
-from reflexarc_trainer.online_weights import Matrices
-from reflexarc_trainer.rows import dot, scale, weigh
+from reflexarc_trainer.rows import dot, scale, weigh_two
 from reflexarc_trainer.traces import (
     BOUNDED,
     INTENTIONAL,
@@ -31,6 +30,9 @@ from reflexarc_trainer.units import activate, times_slope
 
 linear = compiled(schedules.linear)
 
+_HERE, _THERE = 0, 1
+"""Where the agent stood, and where its action has led."""
+
 AVERAGED_EVERY = 16
 """The average over weights takes in those of every so many-th update, and lets them count for all.
 """
@@ -41,11 +43,11 @@ _LEAST_TENTH = 10.0
 @fused_inline
 def begin(rules: Rules, state: LearnerState, scratch: Scratch, retina: Bytes) -> None:
     """Choose the first action in a world for a retina (inputs,)."""
-    _see(scratch.curve, retina, scratch.inputs)
-    _look_ahead(rules, scratch)
+    _see(state, scratch, retina)
+    forward(rules, scratch)
     step = state.pending[2]
     state.pending[0] = _next_action(rules, state, scratch.choices, step, True)
-    _copy(scratch.inputs, state.inputs)
+    _copy(scratch.inputs[_THERE], state.inputs)
 
 
 @fused_inline
@@ -63,41 +65,48 @@ def learn_step(
         The TD error δ.
     """
     action, step = state.pending[0], state.pending[2] + 1
-    _see(scratch.curve, retina, scratch.inputs)
-    _look_ahead(rules, scratch)
-    forward(rules, scratch.weights, state.inputs, scratch.hidden, scratch.q_values)
+    _see(state, scratch, retina)
+    forward(rules, scratch)
     next_action = _next_action(rules, state, scratch.choices, step, contact)
     target = _target(rules, state, scratch.choices, next_action, step, contact, reward)
-    td_error: float = target - scratch.q_values[action]
-    fill_gradient(rules, scratch, state.inputs, action)
+    td_error: float = target - scratch.q_values[_HERE, action]
+    fill_gradient(rules, scratch, action)
     take_step(rules, state, scratch.gradient, td_error, step)
     if contact:
         state.trace[:] = 0.0
-    _copy(scratch.inputs, state.inputs)
+    _copy(scratch.inputs[_THERE], state.inputs)
     state.pending[0], state.pending[2] = next_action, step
     state.totals[0] += abs(td_error)
     return td_error
 
 
 @fused_inline
-def forward(rules: Rules, weights: Matrices, inputs: Floats, hidden: Floats, q: Floats) -> None:
-    """Fill `hidden` and `q` for `inputs`."""
-    weigh(weights.first, weights.first_bias, inputs, hidden)
-    activate(rules.units, hidden)
-    hidden[rules.hidden] = 1.0
-    for h in range(rules.hidden + 1, len(hidden)):
-        hidden[h] = 0.0
+def forward(rules: Rules, scratch: Scratch) -> None:
+    """Fill hidden units and values for the inputs, here and there.
+
+    Both at once: one alone is a long chain of which each link waits for the one before.
+    """
+    weights, hidden, q = scratch.weights, scratch.hidden, scratch.q_values
+    here, there = scratch.inputs[_HERE], scratch.inputs[_THERE]
+    weigh_two(weights.first, weights.first_bias, here, there, hidden[_HERE], hidden[_THERE])
+    activate(rules.units, hidden.reshape(hidden.size))
+    for place in range(2):
+        hidden[place, rules.hidden] = 1.0
+        for h in range(rules.hidden + 1, hidden.shape[1]):
+            hidden[place, h] = 0.0
     for a in range(len(weights.second)):
-        q[a] = dot(weights.second[a], hidden)
-    activate(rules.output, q)
+        q[_HERE, a] = dot(weights.second[a], hidden[_HERE])
+        q[_THERE, a] = dot(weights.second[a], hidden[_THERE])
+    activate(rules.output, q.reshape(q.size))
 
 
 @fused_inline
-def fill_gradient(rules: Rules, scratch: Scratch, inputs: Floats, action: int) -> None:
-    """∇Q(s, a), where `forward` has just filled the buffers for s = `inputs`."""
-    into, hidden, back, slope = scratch.gradients, scratch.hidden, scratch.back, scratch.slope
+def fill_gradient(rules: Rules, scratch: Scratch, action: int) -> None:
+    """∇Q(s, a), where the agent stood; `forward` has just filled the buffers."""
+    into, back, slope = scratch.gradients, scratch.back, scratch.slope
+    inputs, hidden = scratch.inputs[_HERE], scratch.hidden[_HERE]
     slope[0] = 1.0
-    times_slope(rules.output, scratch.q_values[action : action + 1], slope)
+    times_slope(rules.output, scratch.q_values[_HERE, action : action + 1], slope)
     scale(slope[0], scratch.weights.second[action], back)
     times_slope(rules.units, hidden, back)
     back[rules.hidden] = 0.0
@@ -172,14 +181,11 @@ def _epsilon(rules: Rules, step: int) -> float:
 
 
 @fused_inline
-def _look_ahead(rules: Rules, scratch: Scratch) -> None:
-    forward(rules, scratch.weights, scratch.inputs, scratch.next_hidden, scratch.next_q_values)
-
-
-@fused_inline
-def _see(curve: Floats, retina: Bytes, inputs: Floats) -> None:
+def _see(state: LearnerState, scratch: Scratch, retina: Bytes) -> None:
+    here, there = scratch.inputs[_HERE], scratch.inputs[_THERE]
+    _copy(state.inputs, here)
     for i in range(len(retina)):
-        inputs[i] = curve[retina[i]]
+        there[i] = scratch.curve[retina[i]]
 
 
 @fused_inline

@@ -88,21 +88,17 @@ class Scratch(NamedTuple):
     curve: Floats
     """What the network sees of each byte: (256,)."""
     inputs: Floats
-    """Of the next place: (inputs,)."""
+    """Where the agent stood, and of the next place: (2, inputs); so the two below."""
     hidden: Floats
-    """Hidden units where the agent stood, the constant 1, zeros: (padded,)."""
-    next_hidden: Floats
-    """The same for the next place."""
+    """Hidden units, the constant 1, zeros: (2, padded)."""
+    q_values: Floats
+    """Values of the actions, and what fills up the vector: (2, padded)."""
+    choices: Floats
+    """Those in the next place as choices: the same memory: (actions, 1)."""
     back: Floats
     """∂Q/∂(weighted sum of each hidden unit): (padded,)."""
     slope: Floats
     """∂Q/∂(weighted sum of the chosen action's unit): (1,)."""
-    q_values: Floats
-    """Where the agent stood, and what fills up the vector: (padded,)."""
-    next_q_values: Floats
-    """The same in the next place."""
-    choices: Floats
-    """The latter as choices: the same memory: (actions, 1)."""
     met: npt.NDArray[np.bool_]
     """Whether the step ended in a contact: (1,)."""
 
@@ -135,19 +131,17 @@ def new_scratch(state: LearnerState, hidden: int, actions: int, curve: Floats) -
     views = matrices(state.weights, inputs, hidden)
     padded = views.second.shape[1]
     dtype = state.weights.dtype
-    next_q_values = np.zeros(math.ceil(actions / _VECTOR) * _VECTOR, dtype)
+    q_values = np.zeros((2, math.ceil(actions / _VECTOR) * _VECTOR), dtype)
     return Scratch(
         weights=views,
         gradient=gradient,
         gradients=matrices(gradient, inputs, hidden),
         curve=curve,
-        inputs=np.zeros(inputs, dtype),
-        hidden=np.zeros(padded, dtype),
-        next_hidden=np.zeros(padded, dtype),
+        inputs=np.zeros((2, inputs), dtype),
+        hidden=np.zeros((2, padded), dtype),
+        q_values=q_values,
+        choices=q_values[1, :actions, np.newaxis],
         back=np.zeros(padded, dtype),
         slope=np.zeros(1, dtype),
-        q_values=np.zeros_like(next_q_values),
-        next_q_values=next_q_values,
-        choices=next_q_values[:actions, np.newaxis],
         met=np.zeros(1, np.bool_),
     )
