@@ -18,6 +18,7 @@ from reflexarc_trainer.online_learner import new_learning, rules_for, sizes_of
 from reflexarc_trainer.online_weights import from_online, to_online
 from reflexarc_trainer.rollout import Rollout, new_rollout
 from support.compiled_calls import from_python
+from support.precision import in_double
 
 batch_forward = from_python(block.forward)
 shard_gradient = from_python(batched.shard_gradient)
@@ -116,6 +117,7 @@ def recorded_rollout(layers: Layers, steps: int) -> Rollout:
 def test_gradient_is_the_sum_of_td_errors_times_traces(small_batched_config: TrainConfig) -> None:
     """The oracle that ties both forms: Σ δ_t e_t = Σ (G_t − Q_t) ∇Q_t with frozen weights."""
     config = with_batched(small_batched_config, agents=1, shard_agents=1, minibatches=1)
+    config = in_double(config)
     layers = layers_for(config.network, config.contract())
     rollout = recorded_rollout(layers, 100)
     weights = np.random.default_rng(9).normal(size=layers.parameters)

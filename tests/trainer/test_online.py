@@ -31,6 +31,7 @@ from reflexarc_trainer.q_network import QNetwork, new_network
 from reflexarc_trainer.reference import Body, learn
 from reflexarc_trainer.weights import pack, unpack
 from support.compiled_calls import from_python
+from support.precision import in_double
 
 begin = from_python(online.begin)
 fill_gradient = from_python(online.fill_gradient)
@@ -88,7 +89,7 @@ def test_compiled_value_and_gradient_are_those_of_autograd(units: Any, output: A
     network_config = NetworkConfig(
         units=units, output=output, initial_weights="normal", input_power=3
     )
-    config = TrainConfig(network=network_config)
+    config = in_double(TrainConfig(network=network_config))
     rules, _, scratch = set_up(config)
     network = new_network(CONTRACT, config.network, config.seed)
     for seed in range(20):
@@ -135,7 +136,7 @@ CASES: dict[str, TrainConfig] = {
 def test_compiled_learner_equals_the_reference_on_the_same_stream(
     name: str, recorded_body: Callable[..., Body]
 ) -> None:
-    config = dataclasses.replace(CASES[name], steps=500, seed=1)
+    config = in_double(dataclasses.replace(CASES[name], steps=500, seed=1))
     rules, state, scratch = set_up(config)
     compiled = list(transitions(recorded_body(7, 500), config, rules, state, scratch))
 
@@ -153,9 +154,8 @@ def test_compiled_learner_equals_the_reference_on_the_same_stream(
 @pytest.mark.parametrize("action_repeat", [1, 3])
 def test_compiled_learner_equals_the_reference_in_a_world(action_repeat: int) -> None:
     explore = ExplorationConfig(action_repeat=action_repeat)
-    config = TrainConfig(
-        steps=600, seed=11, learner=LearnerConfig(exploration=explore, reward_centring=0.01)
-    )
+    learner_config = LearnerConfig(exploration=explore, reward_centring=0.01)
+    config = in_double(TrainConfig(steps=600, seed=11, learner=learner_config))
     learner = OnlineLearner(config)
     learner.run(config.steps)
 
@@ -183,7 +183,8 @@ def test_single_precision_learns_the_same_but_for_rounding(
 
 
 def test_averaged_weights_are_what_is_learned(recorded_body: Callable[..., Body]) -> None:
-    keep, config = 0.999, TrainConfig(steps=3000, learner=LearnerConfig(averaged_weights=0.999))
+    keep, learner = 0.999, LearnerConfig(averaged_weights=0.999)
+    config = in_double(TrainConfig(steps=3000, learner=learner))
     rules, state, scratch = set_up(config)
     average = state.weights.copy()
     rows = transitions(recorded_body(7, 3000), config, rules, state, scratch)
@@ -199,7 +200,8 @@ def test_td_errors_times_traces_sum_to_the_lambda_returns(
     recorded_body: Callable[..., Body],
 ) -> None:
     """With frozen weights Σ δ_t e_t = Σ (G_t − Q_t) ∇Q_t, where a contact ends λ's reach."""
-    config = TrainConfig(steps=60, learner=LearnerConfig(online=OnlineConfig(step="literal")))
+    learner = LearnerConfig(online=OnlineConfig(step="literal"))
+    config = in_double(TrainConfig(steps=60, learner=learner))
     rules, state, scratch = set_up(config)
     rules, body = rules._replace(alpha=0.0, alpha_end=0.0), recorded_body(3, 60, 0.1)
     network = new_network(CONTRACT, config.network, config.seed)

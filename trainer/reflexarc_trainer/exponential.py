@@ -32,7 +32,7 @@ _C5F, _C6F, _C7F = np.float32(_C5), np.float32(_C6), np.float32(_C7)
 
 def _bitcast(_: Any, bits: Any) -> Any:
     """The floating-point number that a pattern of as many bits stands for."""
-    real = {types.int32: types.float32, types.int64: types.float64}[bits]
+    real: Any = {types.int32: types.float32, types.int64: types.float64}[bits]
 
     def emit(context: Any, builder: Any, __: Any, args: Any) -> Any:
         return builder.bitcast(args[0], context.get_value_type(real))

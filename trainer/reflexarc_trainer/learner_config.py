@@ -111,7 +111,7 @@ class OnlineConfig:
     running RMS; `literal`: α as it is (diverges with linear outputs)."""
     kappa: float = 2.0
     """κ of the bounded step: 1/κ of the TD error is the most that one update may remove."""
-    precision: Precision = "float64"
+    precision: Precision = "float32"
     """Of weights, traces and values while learning."""
 
     def __post_init__(self) -> None:
