@@ -7,6 +7,8 @@ stack, took 150 ns.
 
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
 from numba.core import cgutils, types
 from numba.core.datamodel import models
 from numba.core.typing.templates import AttributeTemplate
@@ -44,6 +46,26 @@ def _load_part(context: Any, builder: Any, reference: Reference, address: Any, n
     if isinstance(part, Reference):
         return at
     return context.data_model_manager[part].load_from_data_pointer(builder, at)
+
+
+def laid_out(value: Any) -> npt.NDArray[np.void]:
+    """A named tuple as compiled code has it in memory: by the rules of C, ().
+
+    It shares the memory of its arrays and does not keep them.
+    """
+    form, parts = _layout(value)
+    return np.array(parts, form)
+
+
+def _layout(value: Any) -> tuple[np.dtype[Any], Any]:
+    if isinstance(value, np.ndarray):
+        # Behind two addresses for counting references, which borrowed arrays do without.
+        words = [0, 0, value.size, value.itemsize, value.ctypes.data, *value.shape, *value.strides]
+        return np.dtype((np.int64, len(words))), words
+    if hasattr(value, "_fields"):
+        forms, parts = zip(*map(_layout, value), strict=True)
+        return np.dtype(list(zip(value._fields, forms, strict=True)), align=True), parts
+    return np.dtype(type(value)), value
 
 
 _gep: Any = cgutils.gep_inbounds

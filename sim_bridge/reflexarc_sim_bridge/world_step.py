@@ -12,17 +12,12 @@ from typing import Any, NamedTuple
 import numba
 import numpy as np
 import numpy.typing as npt
-from llvmlite import ir  # type: ignore[import-untyped]  # it has no stubs
 from numba.core import types
 from numba.extending import intrinsic
 
-from reflexarc_sim_bridge.compiled import compiled
 from reflexarc_sim_bridge.params import Params
-from reflexarc_sim_bridge.reference import Reference
+from reflexarc_sim_bridge.reference import Reference, laid_out
 from reflexarc_sim_bridge.workspace import Workspace, new_workspace
-
-_WORDS = 2048
-"""Room for what one thread holds: the shapes and places of some 30 arrays."""
 
 
 class Kept(NamedTuple):
@@ -47,9 +42,7 @@ class Held:
             motions: linear, lateral and angular speed of each action: (actions, 3).
         """
         self._kept = Kept(params, new_workspace(params), motions)
-        self._memory = np.empty(_WORDS, np.int64)
-        if _put(*self._kept, self._memory) > self._memory.nbytes:
-            raise AssertionError(f"world_step: a simulation takes more than {_WORDS} words")
+        self._memory = laid_out(self._kept)
         self.address = self._memory.ctypes.data
         """Where they lie."""
 
@@ -102,21 +95,6 @@ _addresses: dict[Any, int] = {}
 _ARGUMENTS = types.int64[::1], types.boolean[::1], types.int64, types.int64, types.int64
 
 
-def _store(_: Any, world: Any, memory: Any) -> Any:
-    """Put a tuple down in an array, if there is room; returns how many bytes it takes."""
-
-    def emit(context: Any, builder: Any, __: Any, args: Any) -> Any:
-        data = context.data_model_manager[world].as_data(builder, args[0])
-        array = context.make_array(memory)(context, builder, args[1])
-        size = ir.Constant(ir.IntType(64), context.get_abi_sizeof(data.type))
-        room = builder.mul(array.nitems, array.itemsize)
-        with builder.if_then(builder.icmp_signed("<=", size, room)):
-            builder.store(data, builder.bitcast(array.data, data.type.as_pointer()))
-        return size
-
-    return types.int64(world, memory), emit
-
-
 def _call(
     _: Any, step: Any, held: Any, actions: Any, met: Any, tasks: Any, first: Any, end: Any
 ) -> Any:
@@ -133,16 +111,4 @@ def _call(
     return types.void(types.int64, types.int64, *_ARGUMENTS), emit
 
 
-stored: Any = intrinsic(_store)  # its stub says that a call returns nothing
-call: Any = intrinsic(_call)
-
-
-@compiled
-def _put(
-    params: Params,
-    work: Workspace,
-    motions: npt.NDArray[np.float64],
-    memory: npt.NDArray[np.int64],
-) -> int:
-    size: int = stored(Kept(params, work, motions), memory)
-    return size
+call: Any = intrinsic(_call)  # its stub says that a call returns nothing

@@ -1,6 +1,5 @@
 """Tuples by their address: the parts are those of the tuple, and its arrays are shared."""
 
-import ctypes
 from typing import Any, NamedTuple
 
 import numba
@@ -10,23 +9,26 @@ from numba.core import types
 from numba.extending import intrinsic
 
 from reflexarc_sim_bridge.compiled import compiled
-from reflexarc_sim_bridge.reference import Reference
-from reflexarc_sim_bridge.world_step import stored
+from reflexarc_sim_bridge.reference import Reference, laid_out
 
 
 class Inner(NamedTuple):
-    """A part that is a tuple itself."""
+    """A part that is a tuple itself, which takes up less than whole words."""
 
     numbers: npt.NDArray[np.float64]
     factor: float
+    is_small: bool
 
 
 class Outer(NamedTuple):
     """Parts of several kinds."""
 
     count: int
-    inner: Inner
     is_on: bool
+    share: np.float32
+    inner: Inner
+    table: npt.NDArray[np.float32]
+    is_last: bool
 
 
 def _refer(_: Any, address: Any, like: Any) -> Any:
@@ -42,13 +44,6 @@ refer: Any = intrinsic(_refer)
 
 
 @compiled
-def put(outer: Outer, memory: npt.NDArray[np.int64]) -> int:
-    """Put it down; returns its bytes."""
-    size: int = stored(outer, memory)
-    return size
-
-
-@compiled
 def double_all(address: int, like: Outer) -> float:
     """Read every part by reference, and write through the array."""
     outer = refer(address, like)
@@ -56,27 +51,36 @@ def double_all(address: int, like: Outer) -> float:
     for k in range(outer.count):
         inner.numbers[k] *= inner.factor
         total += inner.numbers[k]
-    return total if outer.is_on else 0.0
+    if outer.is_on and not inner.is_small and outer.is_last:
+        return total * outer.share * outer.table[1, 2]
+    return 0.0
+
+
+def outer_of(numbers: npt.NDArray[np.float64], factor: float = 2.0) -> Outer:
+    table = np.zeros((3, 8), np.float32)[:, ::2]
+    table[1, 2] = 10.0
+    inner = Inner(numbers, factor, False)
+    return Outer(len(numbers), True, np.float32(0.5), inner, table, True)
 
 
 def test_parts_are_read_where_they_lie() -> None:
-    numbers = np.array([1.0, 2.0, 3.0, 4.0])
-    outer, memory = Outer(3, Inner(numbers, 2.0), True), np.zeros(64, np.int64)
-    assert put(outer, memory) <= memory.nbytes
-    assert double_all(memory.ctypes.data, outer) == 12.0
-    np.testing.assert_array_equal(numbers, [2.0, 4.0, 6.0, 4.0])
+    numbers = np.array([1.0, 2.0, 3.0])
+    outer = outer_of(numbers)
+    memory = laid_out(outer)
+    assert double_all(memory.ctypes.data, outer) == 60.0
+    np.testing.assert_array_equal(numbers, [2.0, 4.0, 6.0])
 
 
 def test_a_change_at_the_address_is_seen_at_the_next_call() -> None:
-    outer, memory = Outer(1, Inner(np.ones(2), 1.0), True), np.zeros(64, np.int64)
-    put(outer, memory)
-    assert double_all(memory.ctypes.data, outer) == 1.0
-    ctypes.c_int64.from_address(memory.ctypes.data).value = 2  # `count` comes first
-    assert double_all(memory.ctypes.data, outer) == 2.0
+    outer = outer_of(np.ones(2), factor=1.0)
+    memory = laid_out(outer)
+    assert double_all(memory.ctypes.data, outer) == 10.0
+    memory["count"] = 1
+    assert double_all(memory.ctypes.data, outer) == 5.0
 
 
 def test_parts_have_their_types_and_tuples_are_references_again() -> None:
     typeof: Any = numba.typeof
-    reference = Reference(typeof(Outer(1, Inner(np.ones(1), 1.0), True)))
+    reference = Reference(typeof(outer_of(np.ones(1))))
     assert isinstance(reference.part("inner"), Reference)
     assert reference.part("count") is types.int64
