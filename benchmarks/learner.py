@@ -33,7 +33,7 @@ from reflexarc_trainer.online import learn_step
 from reflexarc_trainer.online_learner import new_learning, rules_for
 from reflexarc_trainer.online_state import LearnerState, Rules, Scratch
 from reflexarc_trainer.presets import PRESETS
-from reflexarc_trainer.weights import NetworkPolicy
+from reflexarc_trainer.weights import NetworkPolicy, network_of
 
 STEPS = 262_144
 REPETITIONS = 5
@@ -174,7 +174,7 @@ def score(config: Any, agents: int) -> dict[str, Any]:
     start_s = time.perf_counter()
     learner.run(config.steps)
     seconds = time.perf_counter() - start_s
-    field = measure(NetworkPolicy(learner.network()), config.contract(), agents=agents)
+    field = measure(NetworkPolicy(network_of(learner)), config.contract(), agents=agents)
     return {
         "preset": config.preset,
         "seed": config.seed,

@@ -19,8 +19,9 @@ from reflexarc_sim_bridge.reference_field import reference_contract
 from reflexarc_sim_bridge.seeds import TRAINING_SEEDS
 from reflexarc_sim_bridge.simulation import Simulation
 from reflexarc_sim_bridge.world_files import world_named
+from reflexarc_trainer.initial_weights import initial_weights
 from reflexarc_trainer.presets import PRESETS
-from reflexarc_trainer.weights import NetworkPolicy, initial_weights, unpack
+from reflexarc_trainer.weights import NetworkPolicy, unpack
 
 AGENTS, STEPS = 6, 120
 STACK = reference_contract().retina.stack_shape

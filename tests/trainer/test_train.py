@@ -26,7 +26,7 @@ from reflexarc_trainer.forms import new_learner
 from reflexarc_trainer.learner import Learner
 from reflexarc_trainer.presets import preset_named
 from reflexarc_trainer.train import Progress
-from reflexarc_trainer.weights import NetworkPolicy
+from reflexarc_trainer.weights import NetworkPolicy, network_of
 
 WITHOUT_A_POINT = {
     *("policy.onnx", "config.json", "metrics.csv", "checkpoint.npz"),
@@ -100,7 +100,7 @@ def test_policy_is_that_of_the_last_weights(
 ) -> None:
     result, folder = whole_run, whole_run.policy_path.parent
     retinas = np.random.default_rng(0).integers(0, 256, (50, 1, 1, 16, 1), np.uint8)
-    network = checkpoint.load(folder / "checkpoint.npz").learner().network().float().double()
+    network = network_of(checkpoint.load(folder / "checkpoint.npz").learner()).float().double()
     from_torch, _ = NetworkPolicy(network).decide(retinas)
     for backend in ("numpy", "onnxruntime"):
         q_values, _ = load_policy(result.policy_path, backend).decide(retinas)

@@ -7,7 +7,8 @@ Start reading at `reference.py` (the algorithm) and `train.py` (a run); a file a
     online online_state online_weights traces compiled, one agent: traces, an update a step
     batched rollout returns block optimiser   compiled, many agents: λ-returns, gradients
     choice units fused                        what both of them use
-    learner forms online_learner batched_learner weights   their faces in Python
+    learner forms online_learner batched_learner          their faces in Python
+    initial_weights weights                   vectors of weights, and networks
     validation train checkpoint curve          a run and what it leaves
     study/ statistics edge_index              many runs: a grid × seeds, what they say together
     export translate parity delivery provenance   the policy file

@@ -12,9 +12,10 @@ from reflexarc_sim_bridge.simulation import Simulation
 from reflexarc_sim_bridge.threads import thread_count, together
 from reflexarc_trainer.batched import Learning, Pace, Sums, learn
 from reflexarc_trainer.block import input_curve, layers_for
-from reflexarc_trainer.choice import choose, new_streams
+from reflexarc_trainer.choice import new_streams
 from reflexarc_trainer.config import TrainConfig
 from reflexarc_trainer.gate import new_gate
+from reflexarc_trainer.initial_weights import initial_weights
 from reflexarc_trainer.learner import (
     WORLD,
     Arrays,
@@ -25,11 +26,9 @@ from reflexarc_trainer.learner import (
     world_arrays,
 )
 from reflexarc_trainer.optimiser import new_moments
-from reflexarc_trainer.q_network import QNetwork
-from reflexarc_trainer.rollout import Manner, Pending, Place, new_rollout
+from reflexarc_trainer.rollout import NOT_CHOSEN, Manner, Pending, Place, new_rollout
 from reflexarc_trainer.schedules import linear
 from reflexarc_trainer.training_world import stage_at, stage_ends
-from reflexarc_trainer.weights import NetworkPolicy, initial_weights, unpack
 
 
 class BatchedLearner:
@@ -67,10 +66,6 @@ class BatchedLearner:
     def weights(self) -> npt.NDArray[np.float64]:
         """What has been learned, in the order of `weights.py`: (parameters,)."""
         return self._learning.sums.averaged.astype(np.float64)
-
-    def network(self) -> QNetwork:
-        """What has been learned, as a network."""
-        return unpack(self.weights, self.contract, self.config.network)
 
     def run(self, steps: int) -> None:
         """Learn from the roll-outs that fit into `steps` transitions, from one at least.
@@ -159,16 +154,11 @@ class BatchedLearner:
         }
 
     def _begin(self) -> None:
-        """Look for the first time in a world, and choose the first actions."""
-        pending, held = self._learning.pending, self._learning.manner.held_actions - 1
+        """Look for the first time in a world."""
+        pending = self._learning.pending
         self._simulation.sense()
         pending.seen[:] = self._simulation.stacks.reshape(pending.seen.shape)
-        network = unpack(self._learning.sums.weights, self.contract, self.config.network)
-        q_values = NetworkPolicy(network).decide(self._simulation.stacks)[0].T
-        epsilon = self.epsilon
-        for i in range(len(pending.action)):
-            pending.action[i] = choose(q_values, i, epsilon, pending.streams, i)
-            pending.held[i] = held
+        pending.held[:] = NOT_CHOSEN
 
 
 def compile_learner(config: TrainConfig) -> None:

@@ -10,6 +10,7 @@ from reflexarc_trainer.history import Row
 from reflexarc_trainer.provenance import provenance_of
 from reflexarc_trainer.q_network import QNetwork
 from reflexarc_trainer.validation import drive_and_record
+from reflexarc_trainer.weights import network_of
 
 
 def deliver(
@@ -43,4 +44,4 @@ def export_checkpoint(source: Path, out: Path) -> PolicyContract:
     """
     saved = checkpoint.load(source)
     learner, last = saved.learner(), saved.history[-1] if saved.history else None
-    return deliver(learner.network(), learner.config, learner.step, last, out)
+    return deliver(network_of(learner), learner.config, learner.step, last, out)

@@ -10,7 +10,6 @@ import numpy.typing as npt
 from reflexarc_runtime.errors import UsageError
 from reflexarc_sim_bridge.worlds import World
 from reflexarc_trainer.config import TrainConfig
-from reflexarc_trainer.q_network import QNetwork
 
 Arrays = dict[str, npt.NDArray[Any]]
 
@@ -48,10 +47,6 @@ class Learner(Protocol):
     @property
     def weights(self) -> npt.NDArray[np.float64]:
         """What has been learned, in the order of `weights.py`: (parameters,)."""
-        ...
-
-    def network(self) -> QNetwork:
-        """What has been learned, as a network."""
         ...
 
     def run(self, steps: int) -> None:

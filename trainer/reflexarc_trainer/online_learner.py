@@ -21,6 +21,7 @@ from reflexarc_trainer.block import input_curve
 from reflexarc_trainer.choice import new_streams
 from reflexarc_trainer.config import TrainConfig
 from reflexarc_trainer.fused import fused_free
+from reflexarc_trainer.initial_weights import initial_weights
 from reflexarc_trainer.learner import (
     WORLD,
     Arrays,
@@ -41,12 +42,10 @@ from reflexarc_trainer.online_state import (
     new_state,
 )
 from reflexarc_trainer.online_weights import from_online, to_online
-from reflexarc_trainer.q_network import QNetwork
 from reflexarc_trainer.schedules import linear
 from reflexarc_trainer.traces import STEP_RULES
 from reflexarc_trainer.training_world import stage_at, stage_ends
 from reflexarc_trainer.units import UNITS
-from reflexarc_trainer.weights import initial_weights, unpack
 
 SIZES = "sizes"
 """Name, in a checkpoint, of the numbers of inputs, hidden units and actions."""
@@ -90,10 +89,6 @@ class OnlineLearner:
         averaged = self.config.learner.averaged_weights > 0.0
         chosen = self._state.averaged if averaged else self._state.weights
         return from_online(chosen, *self._sizes).astype(np.float64)
-
-    def network(self) -> QNetwork:
-        """What has been learned, as a network."""
-        return unpack(self.weights, self.contract, self.config.network)
 
     def run(self, steps: int) -> None:
         """Learn from `steps` more transitions.

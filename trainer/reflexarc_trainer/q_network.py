@@ -4,17 +4,15 @@ With one hidden layer Q(s, ·) = W₂ σ(W₁ xᵖ + b₁) + b₂, where x is in
 power, or σ of it where the output units are sigmoid.
 """
 
-import math
 from itertools import pairwise
 
-import numpy as np
-import numpy.typing as npt
 import torch
 from torch import Tensor, nn
 from torch.nn.utils import vector_to_parameters
 
 from reflexarc_runtime.contract import PolicyContract
 from reflexarc_runtime.retina import FULL_SCALE
+from reflexarc_trainer.initial_weights import drawn_weights
 from reflexarc_trainer.learner_config import NetworkConfig
 
 _UNITS: dict[str, type[nn.Module]] = {
@@ -88,20 +86,3 @@ def empty_network(contract: PolicyContract, config: NetworkConfig) -> QNetwork:
     """A float64 network of the right shape, for weights to be put in."""
     sizes = config.sizes(contract)
     return QNetwork(sizes[0], sizes[-1], config)
-
-
-def drawn_weights(
-    contract: PolicyContract, config: NetworkConfig, seed: int
-) -> npt.NDArray[np.float64]:
-    """The initial weights of a seed, for each layer W by rows, then its biases: (parameters,).
-
-    Drawn with NumPy, whose streams are promised to stay; torch's are not.
-    """
-    sizes = config.sizes(contract)
-    generator = np.random.default_rng([seed, *sizes])
-    normal, parts = config.initial_weights == "normal", []
-    for below, here in pairwise(sizes):
-        scale = 1.0 if normal else 1.0 / math.sqrt(below)
-        parts += [scale * generator.normal(size=here * below)]
-        parts += [generator.normal(size=here) * float(normal)]
-    return np.concatenate(parts)

@@ -17,6 +17,9 @@ from reflexarc_trainer.choice import Streams, choose, expected_value, winner
 from reflexarc_trainer.fused import fused
 from reflexarc_trainer.returns import lambda_returns
 
+NOT_CHOSEN = -1
+"""In the place of how long an action is still held."""
+
 
 class Place(NamedTuple):
     """The world as one thread calls it."""
@@ -54,7 +57,7 @@ class Pending(NamedTuple):
     action: npt.NDArray[np.int64]
     """The action chosen for it."""
     held: npt.NDArray[np.int64]
-    """Steps for which that action is still held after the next."""
+    """Steps for which that action is still held after the next; before the first NOT_CHOSEN."""
     met: npt.NDArray[np.bool_]
     """Whether the last step ended in a contact."""
     streams: Streams
@@ -117,6 +120,8 @@ def roll_out(
     for c in range(columns):
         _see(manner.curve, pending.seen[first + c], rollout.inputs[shard, 0], c)
         rollout.actions[shard, 0, c] = pending.action[first + c]
+    if pending.held[first] == NOT_CHOSEN:
+        choose_all(layers, weights, manner, pending, rollout, shard, 0, epsilon)
     for t in range(steps):
         contacts, rewards = rollout.contacts[shard, t], rollout.rewards[shard, t]
         contacts[:], rewards[:] = False, 0

@@ -26,7 +26,7 @@ from reflexarc_trainer.learner import Learner
 from reflexarc_trainer.occupancy import draw_occupancy
 from reflexarc_trainer.provenance import commit, versions
 from reflexarc_trainer.report import write_report
-from reflexarc_trainer.weights import Weights, unpack
+from reflexarc_trainer.weights import Weights, network_of, unpack
 
 POLICY, BEST, CONFIG, METRICS = "policy.onnx", "policy-best.onnx", "config.json", "metrics.csv"
 CURVE, CHECKPOINT = "curve.png", "checkpoint.npz"
@@ -82,7 +82,7 @@ class RunFolder:
         Raises:
             PolicyError: a policy could not be exported faithfully.
         """
-        config, network = learner.config, learner.network()
+        config, network = learner.config, network_of(learner)
         last, best_point = history[-1] if history else None, best_of(history)
         deliver(network, config, learner.step, last, self.policy)
         if best_point is not None:

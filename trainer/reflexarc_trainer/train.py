@@ -19,7 +19,7 @@ from reflexarc_trainer.learner import Learner
 from reflexarc_trainer.run_folder import RunFolder
 from reflexarc_trainer.validation import validate
 from reflexarc_trainer.warm_start import weights_of
-from reflexarc_trainer.weights import Weights
+from reflexarc_trainer.weights import Weights, network_of
 
 CHUNK_STEPS = 20_000
 """Transitions between two looks at `should_stop`."""
@@ -180,7 +180,7 @@ class _Run:
 
     def _measure(self) -> None:
         """A validation point; kept at once, for a killed run to go on from."""
-        score, report = validate(self.learner.network(), self.config), self.learner.report()
+        score, report = validate(network_of(self.learner), self.config), self.learner.report()
         self.learner.mark()
         row = Row(
             step=self.learner.step,

@@ -11,9 +11,9 @@ from torch.nn.utils import parameters_to_vector, vector_to_parameters
 from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
 from reflexarc_runtime.contract import PolicyContract
 from reflexarc_runtime.policy import Policy
-from reflexarc_trainer.config import TrainConfig
+from reflexarc_trainer.learner import Learner
 from reflexarc_trainer.learner_config import NetworkConfig
-from reflexarc_trainer.q_network import QNetwork, drawn_weights, empty_network
+from reflexarc_trainer.q_network import QNetwork, empty_network
 
 Weights = npt.NDArray[np.float64]
 """Of a whole network: (parameters,)."""
@@ -33,9 +33,9 @@ def unpack(
     return network
 
 
-def initial_weights(config: TrainConfig) -> npt.NDArray[np.float64]:
-    """What a run's seed gives its network to begin with: (parameters,)."""
-    return drawn_weights(config.contract(), config.network, config.seed)
+def network_of(learner: Learner) -> QNetwork:
+    """What has been learned, as a network."""
+    return unpack(learner.weights, learner.config.contract(), learner.config.network)
 
 
 class NetworkPolicy(Policy):

@@ -25,6 +25,7 @@ from reflexarc_trainer.study.unit import Evaluation, Measure, Result, Unit, code
 from reflexarc_trainer.train import CHUNK_STEPS
 from reflexarc_trainer.training_world import TrainingWorld
 from reflexarc_trainer.validation import GreedyPolicy
+from reflexarc_trainer.weights import network_of
 
 
 def measure(unit: Unit) -> Result:
@@ -82,7 +83,7 @@ def _learn(learner: Learner) -> bool:
 
 def _figures(unit: Unit, learner: Learner) -> dict[str, float | None]:
     """What the greedy policy scores, by the names of a result's fields."""
-    policy, contract = GreedyPolicy(learner.network(), unit.config), unit.config.contract()
+    policy, contract = GreedyPolicy(network_of(learner), unit.config), unit.config.contract()
     assert unit.world is not None  # filled in
     contacts = _contacts(policy, contract, unit.world, unit.evaluation)
     blind = _blind_contacts(contract.actions, unit.world, unit.evaluation)
