@@ -146,14 +146,14 @@ HELP: Mapping[str, str] = MappingProxyType(
         "online": (
             "One agent and one update a step: the paper's "
             "network and learner (16-10-3, alpha 0.5, lambda 0.9, gamma 0.9) behind the "
-            "eye of the reference field. Reaches about 4 contacts per 100 m in 500,000 steps (3.2 "
-            "to 5.4 over 30 seeds), where a blind agent has 36.0."
+            "eye of the reference field. Reaches about 4 contacts per 100 m in 500,000 steps (3.1 "
+            "to 5.7 over 30 seeds), where a blind agent has 36.0."
         ),
         "paper": (
             "For comparison with the paper: the same network and learner behind its literal eye: "
             "a ray shows the colour of the first thing within the immediate proximity (1.5 m) "
-            "and says nothing of its distance. Reaches about 6.6 contacts per 100 m in 500,000 "
-            "steps (6.1 to 7.9 over 30 seeds), where a blind agent has 36.0. Two things are not "
+            "and says nothing of its distance. Reaches about 6.5 contacts per 100 m in 500,000 "
+            "steps (6.1 to 7.5 over 30 seeds), where a blind agent has 36.0. Two things are not "
             "in the paper: the bounded step, and what follows a contact."
         ),
         "paper-literal": (
