@@ -1,7 +1,8 @@
 """From distances to a retina: one definition for simulator, bus and replay.
 
-The functions on single numbers are plain Python. The simulator compiles these same functions, so
-that a simulated eye, a real scan and a replayed one agree to the bit.
+The functions on single numbers are plain Python. The simulator compiles these same functions and
+makes their arguments to the same bits, so that a simulated eye, a real scan and a replayed one
+agree.
 """
 
 import math

@@ -1,6 +1,6 @@
-"""The quotient a / b to the bit, from 1 / b that is known: five cheap instructions for a dear one.
+"""The float64 nearest to a / b by five multiplications, where 1 / b is known.
 
-A vector of eight divisions takes a processor as long as thirty multiplications. With y the float64
+A division takes a processor many times as long as a multiplication. With y the float64
 nearest to 1 / b, q = a·y is less than two units in its last place off. What a − q·b leaves takes it
 to the float64 nearest to a / b or to the one beside it, and once more to the nearest (Markstein,
 "Computation of elementary functions on the IBM RISC System/6000 processor", IBM J. R&D, 1990).

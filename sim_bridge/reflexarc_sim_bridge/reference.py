@@ -65,6 +65,8 @@ def _layout(value: Any) -> tuple[np.dtype[Any], Any]:
     if hasattr(value, "_fields"):
         forms, parts = zip(*map(_layout, value), strict=True)
         return np.dtype(list(zip(value._fields, forms, strict=True)), align=True), parts
+    if not isinstance(value, bool | int | float | np.generic):
+        raise TypeError(f"laid_out: expected arrays, numbers and named tuples, got {type(value)}")
     return np.dtype(type(value)), value
 
 

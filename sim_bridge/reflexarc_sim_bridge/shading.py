@@ -1,7 +1,7 @@
 """From what the sub-rays of an eye met to the values of its rays.
 
-The formula is `reflexarc_runtime.retina`'s, compiled: a simulated eye and a real scan cannot
-differ.
+The formula is `reflexarc_runtime.retina`'s, compiled; the share of the range that it takes is made
+without a division, to the same bit (`quotient.py`). A simulated eye and a real scan cannot differ.
 """
 
 import numpy as np

@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 import numba
 import numpy as np
 import numpy.typing as npt
+import pytest
 from numba.core import types
 from numba.extending import intrinsic
 
@@ -77,6 +78,12 @@ def test_a_change_at_the_address_is_seen_at_the_next_call() -> None:
     assert double_all(memory.ctypes.data, outer) == 10.0
     memory["count"] = 1
     assert double_all(memory.ctypes.data, outer) == 5.0
+
+
+@pytest.mark.parametrize("part", [None, "text", (1, 2), [1.0]])
+def test_what_compiled_code_would_read_wrongly_is_refused(part: object) -> None:
+    with pytest.raises(TypeError, match="laid_out: expected"):
+        laid_out(outer_of(np.ones(1))._replace(count=part))  # type: ignore[arg-type]  # the point
 
 
 def test_parts_have_their_types_and_tuples_are_references_again() -> None:

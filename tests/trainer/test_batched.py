@@ -17,6 +17,7 @@ from reflexarc_trainer.config import BatchedConfig, ExplorationConfig, TrainConf
 from reflexarc_trainer.online_learner import new_learning, rules_for, sizes_of
 from reflexarc_trainer.online_weights import from_online, to_online
 from reflexarc_trainer.rollout import Rollout, new_rollout
+from reflexarc_trainer.weights import NetworkPolicy, network_of
 from support.compiled_calls import from_python
 from support.precision import in_double
 
@@ -31,6 +32,30 @@ accumulate = from_python(traces.accumulate)
 def with_batched(config: TrainConfig, **changes: object) -> TrainConfig:
     batched = dataclasses.replace(config.learner.batched, **changes)  # type: ignore[arg-type]  # by name
     return dataclasses.replace(config, learner=dataclasses.replace(config.learner, batched=batched))
+
+
+def first_actions(learner: BatchedLearner) -> npt.NDArray[np.int64]:
+    """Of the roll-out that was done last, all agents' in a row: (agents,)."""
+    return learner._learning.rollout.actions[:, 0].ravel()
+
+
+def test_first_actions_are_chosen_by_the_network_for_what_is_seen(
+    small_batched_config: TrainConfig,
+) -> None:
+    greedy = ExplorationConfig(epsilon_start=0.0, epsilon_end=0.0)
+    learner = dataclasses.replace(small_batched_config.learner, exploration=greedy)
+    config = dataclasses.replace(small_batched_config, learner=learner, seed=5)
+    agents = BatchedLearner(config)
+    best = NetworkPolicy(network_of(agents)).decide(agents._simulation.stacks.copy())[1]
+    agents.run(160)
+    assert len(set(best.tolist())) > 1
+    np.testing.assert_array_equal(first_actions(agents), best)
+
+
+def test_first_actions_explore(small_batched_config: TrainConfig) -> None:
+    agents = BatchedLearner(with_batched(small_batched_config, agents=64))
+    agents.run(640)
+    assert set(first_actions(agents).tolist()) == {0, 1, 2}
 
 
 def test_same_bits_on_one_thread_and_on_two(small_batched_config: TrainConfig) -> None:

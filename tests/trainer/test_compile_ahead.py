@@ -45,6 +45,12 @@ def test_another_process_finds_what_one_has_compiled(
     assert asked.stdout == "True 1\n", asked.stderr
 
 
+def test_the_other_process_loads_no_torch() -> None:
+    script = "import sys, reflexarc_trainer.compile_ahead; print('torch' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert done.stdout == "False\n", done.stderr
+
+
 def pretend_that_the_world_has_gone_first(cache: Path) -> None:
     folder = cache / cache_folder().name / "there"
     folder.mkdir(parents=True)

@@ -38,6 +38,7 @@ fill_gradient = from_python(online.fill_gradient)
 forward = from_python(online.forward)
 learn_step = from_python(online.learn_step)
 bounded_step = from_python(traces.bounded_step)
+move_intentionally = from_python(traces.move_intentionally)
 
 CONTRACT = TrainConfig().contract()
 SIZES = sizes_of(TrainConfig())
@@ -165,10 +166,11 @@ def test_compiled_learner_equals_the_reference_in_a_world(action_repeat: int) ->
     np.testing.assert_allclose(learner.weights, pack(network), rtol=0, atol=1e-9)
 
 
+@pytest.mark.parametrize("name", CASES)
 def test_single_precision_learns_the_same_but_for_rounding(
-    recorded_body: Callable[..., Body],
+    name: str, recorded_body: Callable[..., Body]
 ) -> None:
-    case = dataclasses.replace(CASES["rmsprop"], steps=40, seed=1)
+    case = dataclasses.replace(CASES[name], steps=40, seed=1)
     runs = []
     for precision in ("float64", "float32"):
         online = dataclasses.replace(case.learner.online, precision=precision)
@@ -180,6 +182,15 @@ def test_single_precision_learns_the_same_but_for_rounding(
         runs.append((errors, state.weights, state.averaged))
     for double, single in zip(*runs, strict=True):
         np.testing.assert_allclose(single, double, rtol=0, atol=1e-4)
+
+
+def test_a_vanishing_trace_moves_nothing() -> None:
+    """The intentional step divides by Σ s e², which single precision would lose."""
+    weights, trace = np.ones(32, np.float32), np.full(32, 1e-21, np.float32)
+    trace[16:] = 0.0
+    nothing = np.zeros_like(weights)
+    move_intentionally(weights, trace, nothing.copy(), nothing, 0.5)
+    np.testing.assert_array_equal(weights, 1.0)
 
 
 def test_averaged_weights_are_what_is_learned(recorded_body: Callable[..., Body]) -> None:

@@ -55,6 +55,20 @@ def test_sigmoid_and_tanh_are_right_in_single_precision_too(x: float) -> None:
     assert activated(TANH, x, np.float32) == pytest.approx(math.tanh(x), rel=0, abs=2e-7)
 
 
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+def test_whole_vectors_and_their_rest_are_what_single_numbers_are(dtype: npt.DTypeLike) -> None:
+    values = np.linspace(-30.0, 30.0, 37).astype(dtype)
+    for kind, exact in ((SIGMOID, 1.0 / (1.0 + np.exp(-values))), (TANH, np.tanh(values))):
+        mine = values.copy()
+        activate(kind, mine)
+        np.testing.assert_allclose(mine, exact, rtol=4 * np.finfo(dtype).eps, atol=0)
+
+
+def test_single_precision_is_computed_in_single_precision() -> None:
+    found = [exp_of_negative(np.float32(x)) for x in np.linspace(-20.0, 0.0, 50)]
+    assert all(value == np.float32(value) for value in found)
+
+
 def test_numbers_that_are_none_stay_none() -> None:
     values = np.array([math.nan, -1.0, 2.0])
     activate(RELU, values)

@@ -6,7 +6,7 @@ Start reading at `reference.py` (the algorithm) and `train.py` (a run); a file a
     q_network reference                       torch: the network, the algorithm to be read
     online online_state online_weights traces compiled, one agent: traces, an update a step
     batched rollout returns block optimiser   compiled, many agents: λ-returns, gradients
-    choice units fused                        what both of them use
+    choice units exponential rows fused       what both of them use
     learner forms online_learner batched_learner          their faces in Python
     initial_weights weights                   vectors of weights, and networks
     validation train checkpoint curve          a run and what it leaves

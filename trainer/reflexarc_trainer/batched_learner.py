@@ -187,7 +187,7 @@ def new_learning(config: TrainConfig, weights: npt.NDArray[np.float64] | None = 
         pending=Pending(
             seen=np.zeros((batched.agents, int(layers.sizes[0])), np.uint8),
             action=np.zeros(batched.agents, np.int64),
-            held=np.zeros(batched.agents, np.int64),
+            held=np.full(batched.agents, NOT_CHOSEN),
             met=np.zeros(batched.agents, np.bool_),
             streams=new_streams(config.seed, batched.agents),
         ),

@@ -88,7 +88,7 @@ class Scratch(NamedTuple):
     curve: Floats
     """What the network sees of each byte: (256,)."""
     inputs: Floats
-    """Where the agent stood, and of the next place: (2, inputs); so the two below."""
+    """Of the place where the agent stood, and of the next: (2, inputs); so the two below."""
     hidden: Floats
     """Hidden units, the constant 1, zeros: (2, padded)."""
     q_values: Floats

@@ -1,7 +1,7 @@
 """The named starting points of a run.
 
-Figures in the help are contacts per 100 m on validation worlds of the reference field, seeds 0 to
-19; `python benchmarks/learner.py --presets` measures the same on test worlds.
+Figures in the help are contacts per 100 m on test worlds. Those over 30 seeds are of `reflexarc
+study thirty`; `python benchmarks/learner.py --presets` measures the others.
 """
 
 from collections.abc import Mapping

@@ -50,6 +50,7 @@ from reflexarc_trainer.traces import (
     LARGEST_RATIO,
     LARGEST_TD_ERROR,
     LEAST_RMS,
+    LEAST_TOTAL,
     SCALED_AT_FIRST,
     SCALED_EVERY,
     SQUARES_KEPT,
@@ -155,7 +156,7 @@ class SarsaLambda:
             v.mul_(SQUARES_KEPT).add_((1.0 - SQUARES_KEPT) * g**2)
         scaled = [e / (v.sqrt() + 1e-12) for e, v in zip(self.trace, self.squares, strict=True)]
         total = sum(float((e * se).sum()) for e, se in zip(self.trace, scaled, strict=True))
-        share = alpha * min(max(td_error, -limit), limit) / total if total > 0.0 else 0.0
+        share = alpha * min(max(td_error, -limit), limit) / total if total > LEAST_TOTAL else 0.0
         return [share * se for se in scaled]
 
     def _rmsprop_change(self, alpha: float, td_error: float) -> list[Tensor]:

@@ -57,7 +57,7 @@ class Pending(NamedTuple):
     action: npt.NDArray[np.int64]
     """The action chosen for it."""
     held: npt.NDArray[np.int64]
-    """Steps for which that action is still held after the next; before the first NOT_CHOSEN."""
+    """Steps for which that action is still held after the next; NOT_CHOSEN where there is none."""
     met: npt.NDArray[np.bool_]
     """Whether the last step ended in a contact."""
     streams: Streams
@@ -72,7 +72,7 @@ class Rollout(NamedTuple):
     actions: npt.NDArray[np.int64]
     """What was chosen for it: (shards, T + 1, columns)."""
     taken: npt.NDArray[Any]
-    """Q of that action; that of t = 0 is not filled: (shards, T + 1, columns)."""
+    """Q of that action; that of t = 0 is not used: (shards, T + 1, columns)."""
     bootstraps: npt.NDArray[Any]
     """Value of the place: Q of the action, or its expectation; likewise."""
     rewards: npt.NDArray[Any]
@@ -114,7 +114,10 @@ def roll_out(
     epsilon: float,
     average_reward: float,
 ) -> None:
-    """Fill the shard's rows of `rollout` from where its agents stand, and leave them behind it."""
+    """Fill the shard's rows of `rollout` from where its agents stand, and leave them behind it.
+
+    In a new world they choose their first actions before.
+    """
     steps, columns = rollout.rewards.shape[1], rollout.rewards.shape[2]
     first, end = shard * columns, (shard + 1) * columns
     for c in range(columns):

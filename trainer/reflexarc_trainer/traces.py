@@ -46,6 +46,10 @@ LARGEST_RATIO = 100.0
 transitions, at 30 to 2.2, at 100 and 300 to 2.1 and 2.2 (validation worlds, three to eight seeds).
 """
 LEAST_RMS = 1e-8
+LEAST_TOTAL = 1e-12
+"""A trace whose Σ s e² is no more moves nothing: the intentional step, of which that is the
+divisor, has no bound. Where units saturate it would end in numbers that are none.
+"""
 _LEAST = 1e-12
 _FORGOTTEN = 1e-30
 """A smaller trace is none. Left to decay, it would end among the subnormal numbers, on which every
@@ -93,7 +97,7 @@ def move_intentionally(
         square = keep * squares[k] + take * gradient[k] * gradient[k]
         squares[k] = square
         total += trace[k] * trace[k] / (np.sqrt(square) + least)
-    share = number(change / total if total > 0.0 else 0.0)
+    share = number(change / total if total > LEAST_TOTAL else 0.0)
     for k in range(len(weights)):
         weights[k] += share * trace[k] / (np.sqrt(squares[k]) + least)
 
