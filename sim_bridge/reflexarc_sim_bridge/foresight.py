@@ -1,9 +1,9 @@
 """Asking the memory for an agent's near lists while another one is still at work.
 
 Thousands of agents have megabytes of them, each read for the first time at every step. They are
-short rows in many places, which a processor does not foresee by itself. It can
-have about a dozen such reads under way, and a further one waits; so they come in two halves, one
-before an agent moves and one before it looks.
+short rows in many places, which a processor does not foresee by itself. It can have about
+a dozen such reads under way, and a further one waits; so they come in two halves, one before an
+agent moves and one before it looks.
 """
 
 from typing import Any

@@ -120,11 +120,7 @@ def roll_out(
     """
     steps, columns = rollout.rewards.shape[1], rollout.rewards.shape[2]
     first, end = shard * columns, (shard + 1) * columns
-    for c in range(columns):
-        _see(manner.curve, pending.seen[first + c], rollout.inputs[shard, 0], c)
-        rollout.actions[shard, 0, c] = pending.action[first + c]
-    if pending.held[first] == NOT_CHOSEN:
-        choose_all(layers, weights, manner, pending, rollout, shard, 0, epsilon)
+    _stand(layers, weights, manner, pending, rollout, shard, epsilon)
     for t in range(steps):
         contacts, rewards = rollout.contacts[shard, t], rollout.rewards[shard, t]
         contacts[:], rewards[:] = False, 0
@@ -147,6 +143,26 @@ def roll_out(
         manner.terminal,
         rollout.returns[shard],
     )
+
+
+@fused
+def _stand(
+    layers: Layers,
+    weights: npt.NDArray[Any],
+    manner: Manner,
+    pending: Pending,
+    rollout: Rollout,
+    shard: int,
+    epsilon: float,
+) -> None:
+    """Fill in what the agents see at t = 0 and what they have chosen for it, or choose it now."""
+    actions = rollout.actions[shard, 0]
+    first = shard * len(actions)
+    for c in range(len(actions)):
+        _see(manner.curve, pending.seen[first + c], rollout.inputs[shard, 0], c)
+        actions[c] = pending.action[first + c]
+    if pending.held[first] == NOT_CHOSEN:
+        choose_all(layers, weights, manner, pending, rollout, shard, 0, epsilon)
 
 
 @fused
