@@ -5,8 +5,8 @@ What is near it is picked from there: aside, or after a contact, it finds nothin
 to be drawn. Only where it enters another column of chunks a belt loses one and gains one.
 
 Places on a belt are 32-bit integers that wrap: along x 1/2²⁴ of a chunk, across 1/2³² of the
-period. The difference of two is right whichever way round it is, and the same after a metre or a
-thousand kilometres. The boxes are those that `near.py` would list, but for rounding (0.2 µm).
+period. The difference of two is right whichever way round it is, up to half a period, and the same
+after a metre or a thousand kilometres. The boxes are those that `near.py` would list, but for rounding (0.2 µm).
 
 All work is in phases over flat arrays, each of which the compiler turns into vector instructions.
 """

@@ -18,8 +18,8 @@ from numba.core.cpu import CPUTargetOptions
 from numba.core.options import TargetOptions
 
 from reflexarc_sim_bridge.compile_cache import keyed_by_sources
+from reflexarc_sim_bridge.lean import LeanCompiler
 from reflexarc_sim_bridge.linked import linked
-from reflexarc_sim_bridge.wide import WideCompiler
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
@@ -79,10 +79,9 @@ def compiled_free(function: _Function) -> _Function:
 
 
 def compiled_called(function: _Function) -> _Function:
-    """For a large function that other compiled ones call by its address (`world_step.py`).
+    """For a large function that other compiled ones call by its address (`by_address.py`).
 
-    A compiled function that is called by name becomes part of every caller, and is optimised anew
-    with each. It allocates nothing.
+    It allocates nothing and returns nothing.
     """
     return _compiled(function, _nrt=False, no_cpython_wrapper=True)
 
@@ -99,7 +98,7 @@ def _compiled(function: _Function, **options: Any) -> _Function:
             cache=True,
             error_model="numpy",
             no_cfunc_wrapper=True,
-            pipeline_class=WideCompiler,
+            pipeline_class=LeanCompiler,
             **options,
         )
         return compile_later(function)  # type: ignore[no-any-return]  # called as the function is

@@ -6,39 +6,20 @@ are the same on any number of threads.
 
 from typing import Any
 
-import numba
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_sim_bridge.compile_ahead import compiled_meanwhile
-from reflexarc_sim_bridge.compile_cache import is_kept
-from reflexarc_sim_bridge.compiled import (
-    compiled,
-    compiled_called,
-    compiled_free,
-)
+from reflexarc_sim_bridge import by_address
+from reflexarc_sim_bridge.compiled import compiled_called, compiled_free
 from reflexarc_sim_bridge.foresight import foresee
 from reflexarc_sim_bridge.motion import step_agent
 from reflexarc_sim_bridge.near import forget_near, keep_near
 from reflexarc_sim_bridge.overlap import touches
-from reflexarc_sim_bridge.params import Params
-from reflexarc_sim_bridge.places import go_to_free_place, set_place
-from reflexarc_sim_bridge.second_process import has_room
-from reflexarc_sim_bridge.senses import sense_agent
+from reflexarc_sim_bridge.places import set_place
 from reflexarc_sim_bridge.vision import look
-from reflexarc_sim_bridge.workspace import Workspace
-from reflexarc_sim_bridge.world_step import call, compiled_step, types_held
+from reflexarc_sim_bridge.world_step import call
 
-__all__ = [
-    "LOOK",
-    "MOVE",
-    "PLACE",
-    "advance",
-    "call_step",
-    "cast",
-    "cover",
-    "step_of",
-]
+__all__ = ["LOOK", "MOVE", "PLACE", "advance", "call_cast", "call_cover", "call_step"]
 
 PLACE, MOVE, LOOK = 1, 2, 4
 """What `advance` does, in this order; their sum for several."""
@@ -55,9 +36,6 @@ def advance(
 ) -> None:
     """Let the agents from `first` to `end` take their places, move and look.
 
-    One function for all of it, as each that holds a whole step takes its time to compile; called
-    by its address (`step_of`).
-
     Args:
         held: address of the simulation's parameters, workspace and motions: a `Held`.
         actions: one an agent: (n,).
@@ -66,33 +44,38 @@ def advance(
         first: first agent.
         end: agent behind the last.
     """
-    params, work, motions = held.params, held.work, held.motions
+    params, work, motions, parts = held.params, held.work, held.motions, held.work.parts
     for i in range(first, end):
         if i + 1 < end:
             foresee(params, i + 1, 0)
         if tasks & PLACE:
             forget_near(params.agents, i)
-            go_to_free_place(params, work, i)
+            by_address.call(parts.put, (params, work, i))
         if tasks & MOVE:
             motion = motions[actions[i]]
             met_out[i] = step_agent(params, work, i, motion[0], motion[1], motion[2])
         if i + 1 < end:
             foresee(params, i + 1, 1)
         if tasks & LOOK:
-            sense_agent(params, work, i)
+            by_address.call(parts.look, (params, work, i))
 
 
-def step_of(params: Params, motions: npt.NDArray[np.float64]) -> int:
-    """Address of `advance`, compiled for such parameters and motions."""
-    return compiled_step(advance, params, motions, lambda: _compile_halves(params))
+@compiled_called
+def cover(held: Any, places_m: npt.NDArray[np.float64], found_out: npt.NDArray[np.bool_]) -> None:
+    """Whether agent 0 would cover or touch an obstacle: at (x, y): (n, 2); filled: (n,)."""
+    params = held.params
+    state = params.agents.state[0]
+    forget_near(params.agents, 0)
+    for k in range(len(places_m)):
+        set_place(params.world.planes[state.world], state, 0, places_m[k, 0], 0, places_m[k, 1])
+        keep_near(params, held.work, 0)
+        found_out[k] = touches(params, 0)
 
 
-def _compile_halves(params: Params) -> None:
-    """Compile the two large parts of `advance` side by side, unless it is in the cache."""
-    if has_room() and not is_kept("kernel.advance"):
-        types = (*types_held(params), numba.int64)
-        with compiled_meanwhile(sense_agent, types):
-            go_to_free_place.compile(types)  # type: ignore[attr-defined]  # numba's
+@compiled_called
+def cast(held: Any) -> None:
+    """What the sub-rays of agent 0's first eye meet is in `work.distance_m` (subrays,)."""
+    look(held.params, held.work, 0, 0)
 
 
 @compiled_free
@@ -109,23 +92,15 @@ def call_step(
     call(step, held, actions, met_out, tasks, first, end)
 
 
-@compiled
-def cover(
-    params: Params,
-    work: Workspace,
-    places_m: npt.NDArray[np.float64],
-    found_out: npt.NDArray[np.bool_],
+@compiled_free
+def call_cover(
+    at: int, held: int, places_m: npt.NDArray[np.float64], found_out: npt.NDArray[np.bool_]
 ) -> None:
-    """Whether agent 0 would cover or touch an obstacle: at (x, y): (n, 2); filled: (n,)."""
-    state = params.agents.state[0]
-    forget_near(params.agents, 0)
-    for k in range(len(places_m)):
-        set_place(params.world.planes[state.world], state, 0, places_m[k, 0], 0, places_m[k, 1])
-        keep_near(params, work, 0)
-        found_out[k] = touches(params, 0)
+    """The same of `cover`."""
+    by_address.call(at, (by_address.pointer(held), places_m, found_out))
 
 
-@compiled
-def cast(params: Params, work: Workspace) -> None:
-    """What the sub-rays of agent 0's first eye meet is in `work.distance_m` (subrays,)."""
-    look(params, work, 0, 0)
+@compiled_free
+def call_cast(at: int, held: int) -> None:
+    """The same of `cast`."""
+    by_address.call(at, (by_address.pointer(held),))

@@ -11,9 +11,10 @@ from typing import Any
 import numba
 from numba.core.caching import CompileResultCacheImpl, FunctionCache
 from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler_machinery import PassManager, register_pass
+from numba.core.compiler_machinery import register_pass
 
-from reflexarc_sim_bridge.wide import WideCompiler, WideLowering, with_lowering
+from reflexarc_sim_bridge.lean import LeanCompiler
+from reflexarc_sim_bridge.wide import WideLowering
 
 _registered: Any = register_pass(mutates_CFG=True, analysis_only=False)  # type: ignore[no-untyped-call]
 
@@ -57,12 +58,10 @@ class _LinkedLowering(WideLowering):
         return super().run_pass(state)  # type: ignore[no-untyped-call]
 
 
-class LinkedCompiler(WideCompiler):
+class LinkedCompiler(LeanCompiler):
     """Numba's compiler (an argument `pipeline_class` of its), for functions within others."""
 
-    def define_pipelines(self) -> list[PassManager]:
-        """The usual passes, but for the one that writes LLVM's code."""
-        return with_lowering(super().define_pipelines(), WideLowering, _LinkedLowering)
+    lowering = _LinkedLowering
 
 
 class _LinkedCacheImpl(CompileResultCacheImpl):

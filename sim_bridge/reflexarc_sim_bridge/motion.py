@@ -11,13 +11,14 @@ obstacle, and can touch again once they are clear.
 
 import math
 
+from reflexarc_sim_bridge.by_address import call
 from reflexarc_sim_bridge.chunks import Row
 from reflexarc_sim_bridge.compiled import compiled_inline, compiled_part
 from reflexarc_sim_bridge.contact import free_share
 from reflexarc_sim_bridge.near import keep_near
 from reflexarc_sim_bridge.overlap import touches
 from reflexarc_sim_bridge.params import GHOST, OPEN, Params
-from reflexarc_sim_bridge.places import draw, go_to_free_place, set_place
+from reflexarc_sim_bridge.places import draw, set_place
 from reflexarc_sim_bridge.random_numbers import normal
 from reflexarc_sim_bridge.workspace import Workspace
 
@@ -52,7 +53,7 @@ def step_agent(
     state.contacts += met
     set_place(plane, state, state.cell_x, state.x_m + ahead_m, state.cell_y, state.y_m + left_m)
     if met and not goes_on:
-        go_to_free_place(params, work, i)
+        call(work.parts.put, (params, work, i))
     else:
         keep_near(params, work, i)
     if goes_on and (met or state.is_inside):

@@ -64,8 +64,8 @@ LAYER_DTYPE = np.dtype(
         # Drift: metres a second; swing: metres, and the period.
         *((name, np.float64) for name in ("moves_ahead", "moves_left", "period_s")),
         # `is_plain`: one kind of shape, none of them turned at random.
-        # `has_belt`: nothing but white boxes of one kind, even and unthinned, around a period that
-        # is wider than what is near (the common case).
+        # `has_belt`: nothing but white boxes of one kind, even and unthinned, around a period of
+        # which what is near takes up less than half to either side (the common case).
         ("has_belt", np.int64),
         *((name, np.int64) for name in ("is_plain", "is_white", "channels", "spacing_chunks")),
         *((f"{c}_{end}", np.float64) for c in ("red", "green", "blue") for end in ("low", "high")),
@@ -121,6 +121,10 @@ class WorldTables(NamedTuple):
     counts: npt.NDArray[np.float64]
     """Probability that a chunk of a section has at most so many obstacles:
     (worlds, layers, sections, counts)."""
+    belts: npt.NDArray[np.bool_]
+    """Which layers may have a belt, in any world that takes a row: (layers,)."""
+    across: int
+    """Chunks from side to side of the widest world that may take a row."""
 
 
 class EyeParams(NamedTuple):

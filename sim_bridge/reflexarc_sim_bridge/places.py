@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from reflexarc_sim_bridge.chunks import Row, agent_number, layer_key
-from reflexarc_sim_bridge.compiled import compiled_inline, compiled_inner
+from reflexarc_sim_bridge.compiled import compiled_called, compiled_inline, compiled_inner
 from reflexarc_sim_bridge.layers import CHUNK_M
 from reflexarc_sim_bridge.near import keep_near
 from reflexarc_sim_bridge.overlap import touches
@@ -32,7 +32,7 @@ def draw(plane: Row, state: Row) -> np.uint64:
     return bits
 
 
-@compiled_inner
+@compiled_called
 def go_to_free_place(params: Params, work: Workspace, i: int) -> None:
     """Put an agent at a free y of its x, all free places being equally likely.
 

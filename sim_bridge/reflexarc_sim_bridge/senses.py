@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_sim_bridge.chunks import Row
-from reflexarc_sim_bridge.compiled import compiled_inner, compiled_part
+from reflexarc_sim_bridge.compiled import compiled_called, compiled_inner, compiled_part
 from reflexarc_sim_bridge.params import Params
 from reflexarc_sim_bridge.places import draw
 from reflexarc_sim_bridge.random_numbers import normal, uniform
@@ -19,7 +19,7 @@ from reflexarc_sim_bridge.workspace import Workspace
 _FULL = 255.0
 
 
-@compiled_inner
+@compiled_called
 def sense_agent(params: Params, work: Workspace, i: int) -> None:
     """Look: agent `i`'s stack of retinas advances by what it sees now. Once a step."""
     eye, agents = params.eye, params.agents

@@ -12,12 +12,12 @@ from reflexarc_runtime.contract import PolicyContract
 from reflexarc_runtime.errors import WorldError
 from reflexarc_sim_bridge import kernel
 from reflexarc_sim_bridge.agents import agents_at_zero
+from reflexarc_sim_bridge.compiled_step import cast_for, cover_for, step_for
 from reflexarc_sim_bridge.eyes import eye_params
 from reflexarc_sim_bridge.layers import CHUNK_M
 from reflexarc_sim_bridge.params import Params
 from reflexarc_sim_bridge.scene import Outline, outlines_near
 from reflexarc_sim_bridge.threads import shared
-from reflexarc_sim_bridge.workspace import new_workspace
 from reflexarc_sim_bridge.world_step import Held
 from reflexarc_sim_bridge.world_tables import world_tables, write_world
 from reflexarc_sim_bridge.worlds import World, WorldSource
@@ -46,7 +46,9 @@ def covered(
     """
     simulation = Simulation(world, contract, np.array([seed], np.uint64))
     found = np.empty(len(places_m), np.bool_)
-    kernel.cover(simulation.params, new_workspace(simulation.params), places_m, found)
+    at = cover_for(simulation.params, motions_of(contract))
+    held = simulation.held_step()[1]
+    kernel.call_cover(at, held.address, np.ascontiguousarray(places_m, np.float64), found)
     return found
 
 
@@ -113,7 +115,7 @@ class Simulation:
         self._find_step()
 
     def _find_step(self) -> None:
-        self._step = kernel.step_of(self._params, self._motions)
+        self._step = step_for(self.world, self._params, self._motions)
         self._held: dict[int, Held] = {}  # one a thread
 
     def __len__(self) -> int:
@@ -171,13 +173,16 @@ class Simulation:
         """
         thread = get_ident()
         if thread not in self._held:
-            self._held[thread] = Held(self.params, self._motions)
-        step, held = self._step, self._held[thread].address
+            self._held[thread] = self._new_held(self._motions)
+        step, held = self._step.advance, self._held[thread].address
         kernel.call_step(step, held, actions, met, tasks, first, end)
+
+    def _new_held(self, motions: npt.NDArray[np.float64]) -> Held:
+        return Held(self.params, motions, self._step.parts)
 
     def held_step(self) -> tuple[int, Held]:
         """For other compiled functions: address of `kernel.advance`, and what one thread holds."""
-        return self._step, Held(self.params, self._motions)
+        return self._step.advance, self._new_held(self._motions)
 
     def sense(self) -> npt.NDArray[np.uint8]:
         """Let every agent look, once a step: (n, eyes, rays, channels), a new array."""
@@ -227,8 +232,8 @@ class Simulation:
         """Move the first agent at any speeds; whether it met an obstacle."""
         motions = np.array([[linear_mps, lateral_mps, angular_radps]])
         action, met = np.zeros(1, np.int64), np.empty(1, np.bool_)
-        held = Held(self.params, motions)
-        kernel.call_step(self._step, held.address, action, met, kernel.MOVE, 0, 1)
+        held = self._new_held(motions)
+        kernel.call_step(self._step.advance, held.address, action, met, kernel.MOVE, 0, 1)
         return bool(met[0])
 
     def place(self, agents: npt.NDArray[np.int64], seeds: npt.NDArray[np.uint64]) -> None:
@@ -259,9 +264,9 @@ class Simulation:
 
         The range where it would meet nothing. No look: nothing is remembered, nothing disturbed.
         """
-        work, spec = new_workspace(self.params), self.contract.retina
-        kernel.cast(self.params, work)
-        return work.distance_m[: spec.rays * spec.samples]
+        held, spec = self._new_held(self._motions), self.contract.retina
+        kernel.call_cast(cast_for(self.params, self._motions), held.address)
+        return held.work.distance_m[: spec.rays * spec.samples]
 
     def outlines_near(self, agent: int) -> list[Outline]:
         """Obstacles near an agent, where it sees them (y may leave the period), for drawing.

@@ -10,13 +10,16 @@ from reflexarc_sim_bridge.automaton import MAX_ROWS
 from reflexarc_sim_bridge.belt import EIGHT, Draws, Picks
 from reflexarc_sim_bridge.faces import Faces
 from reflexarc_sim_bridge.params import TILE_RAYS, TURNED_ROWS, Floats32, Params, WorldTables
+from reflexarc_sim_bridge.parts import Parts
 from reflexarc_sim_bridge.pick import Sieve
 from reflexarc_sim_bridge.sieve import LANES
 
 
 class Workspace(NamedTuple):
-    """What an eye needs while it looks."""
+    """What an eye needs while it looks, and an agent while it moves."""
 
+    parts: Parts
+    """What they call."""
     sieve: Sieve
     """For picking what a tile of rays can meet."""
     seen: Floats32
@@ -52,7 +55,7 @@ class Workspace(NamedTuple):
     """Of both eyes: (values,)."""
 
 
-def new_workspace(params: Params) -> Workspace:
+def new_workspace(params: Params, parts: Parts) -> Workspace:
     """The scratch that a thread needs for these worlds, eyes and agents."""
     world, eye, agents = params
     layers, boxes, discs = agents.layer_cells.shape[1], agents.boxes.shape[3], agents.discs.shape[3]
@@ -62,6 +65,7 @@ def new_workspace(params: Params) -> Workspace:
     tiles = rays // TILE_RAYS
     everything = np.arange(max(columns, faces) + LANES, dtype=np.uint32)
     return Workspace(
+        parts=parts,
         sieve=Sieve(np.empty(len(everything), np.bool_), everything, everything.copy()),
         seen=np.empty((TURNED_ROWS, columns + LANES), np.float32),
         faces=Faces(*np.empty((len(Faces._fields), faces), np.float32)),
@@ -86,7 +90,7 @@ def new_workspace(params: Params) -> Workspace:
 
 
 def _new_draws(world: WorldTables) -> Draws:
-    chunks = max(1, int(world.planes["across"].max()))
+    chunks = max(1, world.across)
     entries = chunks * world.counts.shape[3] + EIGHT
     return Draws(
         np.empty(chunks, np.uint64),

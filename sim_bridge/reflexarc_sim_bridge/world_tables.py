@@ -6,7 +6,6 @@ shape.
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -56,7 +55,8 @@ def world_tables(worlds: Sequence[World], contract: PolicyContract, densest: Wor
     Args:
         worlds: one for all agents, or one for each.
         contract: what the agents see and do.
-        densest: a world that needs as much room as any which may take a row later.
+        densest: a world that needs as much room as any which may take a row later; where it has
+            no belt, none has.
 
     Raises:
         WorldError: the worlds differ in their layers or shapes.
@@ -65,11 +65,14 @@ def world_tables(worlds: Sequence[World], contract: PolicyContract, densest: Wor
     if len(forms) != 1:
         raise WorldError("worlds: expected the same layers in every world of a family, got others")
     layers, shapes = max(1, len(worlds[0].layers)), max((*forms.pop(), 1))
+    belts = [_has_belt(layer, densest, contract) for layer in densest.layers]
     tables = WorldTables(
         np.zeros(len(worlds), PLANE_DTYPE),
         np.zeros((len(worlds), layers), LAYER_DTYPE),
         np.zeros((len(worlds), layers, shapes), SHAPE_DTYPE),
         np.ones((len(worlds), layers, MAX_SECTIONS, _most_counts((*worlds, densest)))),
+        np.array(belts or [False]),
+        max(_across(world) for world in (*worlds, densest)),
     )
     for w, world in enumerate(worlds):
         write_world(tables, w, world, contract)
@@ -90,7 +93,7 @@ def write_world(tables: WorldTables, w: int, world: World, contract: PolicyContr
                 _write_scatter(row, layer)
                 _write_shapes(tables.shapes[w, number], layer.shapes)
                 chunk_m2 = CHUNK_M * chunk_width_m(world)
-                row["has_belt"] = _has_belt(row, layer, tables.planes[w])
+                row["has_belt"] = tables.belts[number] and _has_belt(layer, world, contract)
                 tables.counts[w, number] = _cumulative_counts(layer, chunk_m2, tables.counts)
             case Gates():
                 _write_gates(row, layer, world)
@@ -112,17 +115,16 @@ def _across(world: World) -> int:
 
 def _write_plane(row: Table, world: World, contract: PolicyContract) -> None:
     chassis, senses = world.chassis, world.senses
-    range_m = contract.retina.range_m + contract.retina.baseline_m / 2
-    step_m = _fastest_mps(contract, world) * world.dt_s * (1 + 6 * chassis.slip) + chassis.radius_m
-    behind_m = range_m if turns(contract) else seen_behind_m(contract.retina)
+    aside_m = _aside_m(contract, world)
+    behind_m = _range_m(contract) if turns(contract) else seen_behind_m(contract.retina)
     row["dt_s"], row["width_m"], row["chunk_width_m"] = (
         world.dt_s,
         world.width_m,
         chunk_width_m(world),
     )
     row["reach_m"] = world.reach_m
-    row["ahead_m"], row["aside_m"] = max(range_m, step_m), max(range_m, step_m)
-    row["behind_m"] = max(behind_m, step_m)
+    row["ahead_m"], row["aside_m"] = aside_m, aside_m
+    row["behind_m"] = max(behind_m, _step_m(contract, world))
     row["radius_m"], row["slip"] = chassis.radius_m, chassis.slip
     row["follow"] = -math.expm1(-world.dt_s / chassis.lag_s) if chassis.lag_s > 0.0 else 1.0
     row["most_linear_mps"] = chassis.acceleration_mps2 * world.dt_s
@@ -137,10 +139,25 @@ def _write_plane(row: Table, world: World, contract: PolicyContract) -> None:
     row["after_contact"] = list(AfterContact).index(chassis.after_contact)
 
 
+def _aside_m(contract: PolicyContract, world: World) -> float:
+    """How far from an agent's cell anything can be seen or met."""
+    return max(_range_m(contract), _step_m(contract, world))
+
+
+def _range_m(contract: PolicyContract) -> float:
+    return contract.retina.range_m + contract.retina.baseline_m / 2
+
+
+def _step_m(contract: PolicyContract, world: World) -> float:
+    """How far a body reaches within a step, slipping as much as six standard deviations."""
+    slipping = 1 + 6 * world.chassis.slip
+    return _fastest_mps(contract, world) * world.dt_s * slipping + world.chassis.radius_m
+
+
 def _write_colour(row: Table, layer: Layer) -> None:
     spans = layer.colour * 3 if len(layer.colour) == 1 else layer.colour
     row["channels"] = len(layer.colour)
-    row["is_white"] = all(span == (1.0, 1.0) for span in spans)
+    row["is_white"] = _is_white(layer)
     for name, (low, high) in zip(("red", "green", "blue"), spans, strict=True):
         row[f"{name}_low"], row[f"{name}_high"] = low, high
 
@@ -163,12 +180,18 @@ def _write_scatter(row: Table, layer: Scatter) -> None:
     row["section_chunks"] = max(1, round(layer.section_m / CHUNK_M))
 
 
-def _has_belt(row: Table, layer: Scatter, plane: Any) -> bool:
+def _has_belt(layer: Layer, world: World, contract: PolicyContract) -> bool:
+    """Nothing but white boxes of one kind, none of them farther than half a period when near."""
+    if not isinstance(layer, Scatter) or world.edges is not Edges.PERIODIC:
+        return False
     boxes = len(layer.shapes) == 1 and isinstance(layer.shapes[0], Rectangles)
     even = layer.gap_m == 0.0 and not layer.sections
-    near_m = plane["chunk_width_m"] + 2 * (plane["aside_m"] + row["reach_m"][0])
-    fits = plane["edges"] == PERIODIC and near_m <= plane["width_m"]
-    return boxes and even and bool(row["is_white"][0]) and bool(fits)
+    farthest_m = chunk_width_m(world) + _aside_m(contract, world) + layer.reach_m
+    return boxes and even and _is_white(layer) and farthest_m <= 0.5 * world.width_m
+
+
+def _is_white(layer: Layer) -> bool:
+    return all(span == (1.0, 1.0) for span in layer.colour)
 
 
 def _write_gates(row: Table, layer: Gates, world: World) -> None:

@@ -117,7 +117,7 @@ def is_same(outline: Outline, listed: Outline) -> bool:
 
 @pytest.mark.parametrize("motion", [None, Drift(-3.0, 0.7)])
 @pytest.mark.parametrize("edges", [Edges.PERIODIC, Edges.UNBOUNDED])
-@pytest.mark.parametrize("width_m", [1.3, 20.0])
+@pytest.mark.parametrize("width_m", [1.3, 10.2, 12.1, 20.0])
 def test_fields_of_white_boxes_hold_the_same_as_those_of_grey_ones(
     width_m: float, edges: Edges, motion: Motion | None
 ) -> None:

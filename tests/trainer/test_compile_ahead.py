@@ -3,7 +3,6 @@ import json
 import os
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -86,18 +85,6 @@ def test_no_helper_outlives_a_world_that_cannot_be_made(monkeypatch: pytest.Monk
     with pytest.raises(ValueError, match="no such world"):
         compile_side_by_side(CONFIG)
     assert [helper.returncode for helper in helpers] == [-9]
-
-
-@pytest.mark.parametrize(("processors", "waits"), [({0, 1}, 2), ({0, 1, 2}, 0)])
-def test_a_learner_waits_for_the_world_where_there_is_no_third_processor(
-    processors: set[int], waits: int, monkeypatch: pytest.MonkeyPatch
-):
-    looks, slept = iter([False, False, True]), list[float]()
-    monkeypatch.setattr(compile_ahead, "is_kept", lambda function: next(looks))
-    monkeypatch.setattr(os, "sched_getaffinity", lambda pid: processors)
-    monkeypatch.setattr(time, "sleep", slept.append)
-    compile_ahead._let_the_world_go_first()
-    assert len(slept) == waits
 
 
 def no_world(*_: object) -> None:

@@ -1,13 +1,11 @@
 """A learner's code is compiled by a second process while this one compiles its world.
 
 That is done once for each state of the sources, and takes either of them many seconds of one
-processor. The world's own second process goes first where there is no third processor.
+processor.
 """
 
 import json
-import os
 import sys
-import time
 
 import numpy as np
 
@@ -18,8 +16,7 @@ from reflexarc_sim_bridge.simulation import Simulation
 from reflexarc_trainer import batched_learner, online_learner
 from reflexarc_trainer.config import TrainConfig
 
-_LONGEST_S, _LOOK_AGAIN_S = 120.0, 0.1
-_LOOKING, _WORLD = "senses.sense_agent", "kernel.advance"
+_WORLD = "kernel.advance"
 _LEARNERS = {"batched": "batched.learn", "online": "online_learner.drive"}
 
 
@@ -56,14 +53,7 @@ def main() -> None:
         )
         raise SystemExit(2) from None
     end_with_parent()
-    _let_the_world_go_first()
     compile_learner(config)
-
-
-def _let_the_world_go_first() -> None:
-    until_s = time.monotonic() + _LONGEST_S
-    while len(os.sched_getaffinity(0)) < 3 and not is_kept(_LOOKING) and time.monotonic() < until_s:
-        time.sleep(_LOOK_AGAIN_S)
 
 
 if __name__ == "__main__":

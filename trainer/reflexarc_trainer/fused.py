@@ -13,8 +13,8 @@ from typing import Any, TypeVar
 import numba
 
 from reflexarc_sim_bridge.compile_cache import keyed_by_sources
+from reflexarc_sim_bridge.lean import LeanCompiler
 from reflexarc_sim_bridge.linked import linked
-from reflexarc_sim_bridge.wide import WideCompiler
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
@@ -61,7 +61,7 @@ def _fused(function: _Function, **options: Any) -> _Function:
             fastmath=_LIBERTIES,
             _nrt=False,
             no_cfunc_wrapper=True,
-            pipeline_class=WideCompiler,
+            pipeline_class=LeanCompiler,
             **options,
         )(function)
     return dispatcher  # type: ignore[no-any-return]  # it is called as the function is

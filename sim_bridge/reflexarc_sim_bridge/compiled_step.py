@@ -1,0 +1,94 @@
+"""Compiling the world's step, part by part; what no world of a process needs is never compiled."""
+
+from contextlib import nullcontext
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from numba.core import types
+
+from reflexarc_sim_bridge.by_address import address_of
+from reflexarc_sim_bridge.compile_ahead import compiled_meanwhile
+from reflexarc_sim_bridge.compile_cache import is_kept
+from reflexarc_sim_bridge.gather import gather_belt, gather_scatter, gather_structure
+from reflexarc_sim_bridge.kernel import advance, cast, cover
+from reflexarc_sim_bridge.params import SCATTER, Params, WorldTables
+from reflexarc_sim_bridge.parts import Parts
+from reflexarc_sim_bridge.places import go_to_free_place
+from reflexarc_sim_bridge.second_process import has_room
+from reflexarc_sim_bridge.senses import sense_agent
+from reflexarc_sim_bridge.world_step import types_held, types_stepped
+from reflexarc_sim_bridge.worlds import World, WorldSource
+
+Motions = npt.NDArray[np.float64]
+
+
+class Step(NamedTuple):
+    """A step, ready to be called."""
+
+    advance: int
+    """Address of `kernel.advance`."""
+    parts: Parts
+    """What that calls."""
+
+
+def step_for(source: WorldSource, params: Params, motions: Motions) -> Step:
+    """The step of such a world, compiled unless that is done.
+
+    Args:
+        source: the world, or family of worlds.
+        params: its simulation's.
+        motions: linear, lateral and angular speed of each action: (actions, 3).
+    """
+    ways = _ways(source, params.world)
+    form = _form(params), _form(motions), ways
+    if form not in _steps:
+        _steps[form] = _compile(params, motions, ways)
+    return _steps[form]
+
+
+def cover_for(params: Params, motions: Motions) -> int:
+    """Address of `kernel.cover`, compiled unless that is done."""
+    held = types_stepped(params, motions)[0]
+    return address_of(cover, (held, types.float64[:, ::1], types.boolean[::1]))
+
+
+def cast_for(params: Params, motions: Motions) -> int:
+    """Address of `kernel.cast`, compiled unless that is done."""
+    return address_of(cast, (types_stepped(params, motions)[0],))
+
+
+def _ways(source: WorldSource, world: WorldTables) -> frozenset[str]:
+    """How layers are gathered; in a family a scatter may have a belt in one world of many."""
+    scattered, is_family = world.layers["kind"] == SCATTER, not isinstance(source, World)
+    has_belt = world.layers["has_belt"][scattered] == 1
+    needed = {
+        "belt": has_belt.any() or (is_family and world.belts.any()),
+        "scatter": not has_belt.all() or (is_family and scattered.any()),
+        "structure": not scattered.all(),
+    }
+    return frozenset(way for way, is_needed in needed.items() if is_needed)
+
+
+def _compile(params: Params, motions: Motions, ways: frozenset[str]) -> Step:
+    on_agent = (*types_held(params), types.int64)
+    is_worth_it = has_room() and not is_kept("kernel.advance")
+    with compiled_meanwhile(sense_agent, on_agent) if is_worth_it else nullcontext():
+        stepped = address_of(advance, types_stepped(params, motions))
+        put = address_of(go_to_free_place, on_agent)
+        in_cell = (*on_agent, types.int64, types.int64, types.int64)
+        gathered = {way: address_of(_GATHERERS[way], in_cell) for way in ways}
+    return Step(stepped, Parts(address_of(sense_agent, on_agent), put, **gathered))
+
+
+def _form(value: Any) -> Any:
+    """What the type of a value in compiled code depends on; to ask Numba for it takes 4 ms."""
+    if isinstance(value, tuple):
+        return tuple(map(_form, value))
+    if isinstance(value, np.ndarray):
+        return value.dtype, value.ndim, value.flags.c_contiguous, value.flags.writeable
+    return type(value)
+
+
+_GATHERERS = {"belt": gather_belt, "scatter": gather_scatter, "structure": gather_structure}
+_steps: dict[Any, Step] = {}
