@@ -6,7 +6,8 @@ to be drawn. Only where it enters another column of chunks a belt loses one and 
 
 Places on a belt are 32-bit integers that wrap: along x 1/2²⁴ of a chunk, across 1/2³² of the
 period. The difference of two is right whichever way round it is, up to half a period, and the same
-after a metre or a thousand kilometres. The boxes are those that `near.py` would list, but for rounding (0.2 µm).
+after a metre or a thousand kilometres. The boxes are those that `gather_scatter` would list, but
+for rounding (0.2 µm).
 
 All work is in phases over flat arrays, each of which the compiler turns into vector instructions.
 """

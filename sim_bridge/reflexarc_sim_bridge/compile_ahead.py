@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from importlib import import_module
 from typing import Any
 
+from reflexarc_sim_bridge.lean import uncollected
 from reflexarc_sim_bridge.second_process import at_work, end_with_parent
 
 
@@ -35,7 +36,8 @@ def main() -> None:
         print(f"compile_ahead: expected a pickled call on standard input: {error}", file=sys.stderr)
         raise SystemExit(2) from None
     end_with_parent()
-    function.compile(types)
+    with uncollected():
+        function.compile(types)
 
 
 if __name__ == "__main__":

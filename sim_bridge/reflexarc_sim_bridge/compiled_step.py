@@ -12,6 +12,7 @@ from reflexarc_sim_bridge.compile_ahead import compiled_meanwhile
 from reflexarc_sim_bridge.compile_cache import is_kept
 from reflexarc_sim_bridge.gather import gather_belt, gather_scatter, gather_structure
 from reflexarc_sim_bridge.kernel import advance, cast, cover
+from reflexarc_sim_bridge.lean import uncollected
 from reflexarc_sim_bridge.params import SCATTER, Params, WorldTables
 from reflexarc_sim_bridge.parts import Parts
 from reflexarc_sim_bridge.places import go_to_free_place
@@ -43,7 +44,8 @@ def step_for(source: WorldSource, params: Params, motions: Motions) -> Step:
     ways = _ways(source, params.world)
     form = _form(params), _form(motions), ways
     if form not in _steps:
-        _steps[form] = _compile(params, motions, ways)
+        with uncollected():
+            _steps[form] = _compile(params, motions, ways)
     return _steps[form]
 
 

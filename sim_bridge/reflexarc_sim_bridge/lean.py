@@ -6,6 +6,9 @@ every `+`, some thirty rules which of them adds two integers. Without these two 
 learner compile in three quarters of the time, to the same code.
 """
 
+import gc
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import BuiltinFunctionType
 from typing import Any, ClassVar
 
@@ -83,3 +86,18 @@ class _Remembered:
                 return None
             self._found[key] = found
         return self._found[key]
+
+
+@contextmanager
+def uncollected() -> Iterator[None]:
+    """Within it nobody looks for garbage: a compiler makes millions of objects that are none.
+
+    It takes a fifteenth less time, and 100 MB more until it is left.
+    """
+    was_on = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_on:
+            gc.enable()

@@ -1,5 +1,6 @@
 """The compiler without the passes that nothing here needs, and with a memory for rules of types."""
 
+import gc
 from collections.abc import Callable
 from typing import Any
 
@@ -10,7 +11,7 @@ import pytest
 from numba.core import types
 from numba.core.compiler import Compiler
 
-from reflexarc_sim_bridge.lean import LeanCompiler
+from reflexarc_sim_bridge.lean import LeanCompiler, uncollected
 
 _njit: Any = numba.njit  # its stub does not know `pipeline_class`
 
@@ -97,3 +98,15 @@ def test_arguments_that_no_rule_fits_are_refused_each_time() -> None:
         add = _njit(pipeline_class=LeanCompiler, _nrt=False)(lambda x, y: x + y)
         with pytest.raises(numba.TypingError, match="No implementation of function"):
             add.compile((types.int64, types.unicode_type))
+
+
+@pytest.mark.parametrize("was_on", [True, False])
+def test_garbage_is_looked_for_again_if_it_was_before(was_on: bool) -> None:
+    before = gc.isenabled()
+    try:
+        (gc.enable if was_on else gc.disable)()
+        with uncollected():
+            assert not gc.isenabled()
+        assert gc.isenabled() == was_on
+    finally:
+        (gc.enable if before else gc.disable)()

@@ -11,6 +11,7 @@ import numpy as np
 
 from reflexarc_runtime.errors import UsageError
 from reflexarc_sim_bridge.compile_cache import is_kept
+from reflexarc_sim_bridge.lean import uncollected
 from reflexarc_sim_bridge.second_process import at_work, end_with_parent, has_room
 from reflexarc_sim_bridge.simulation import Simulation
 from reflexarc_trainer import batched_learner, online_learner
@@ -53,7 +54,8 @@ def main() -> None:
         )
         raise SystemExit(2) from None
     end_with_parent()
-    compile_learner(config)
+    with uncollected():
+        compile_learner(config)
 
 
 if __name__ == "__main__":
