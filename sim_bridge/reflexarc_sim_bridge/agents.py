@@ -37,7 +37,7 @@ def agents_at_zero(
     room: WorldTables,
     contract: PolicyContract,
 ) -> Agents:
-    """Agents that are nowhere yet; `kernel.place_all` puts them into their worlds.
+    """Agents that are nowhere yet; `kernel.advance` puts them into their worlds.
 
     Args:
         seeds: one an agent: (n,).

@@ -6,6 +6,7 @@ sources has a folder of its own; the newest few stay.
 """
 
 import contextlib
+import fcntl
 import hashlib
 import shutil
 import tempfile
@@ -59,6 +60,19 @@ def is_kept(function: str) -> bool:
     if not folder.name.startswith(_PREFIX):
         return True
     return any(folder.glob(f"*/{function}-*.nbi"))
+
+
+@contextlib.contextmanager
+def compiling_alone(what: str) -> Iterator[None]:
+    """Within it no other process compiles the same; who comes later finds it done.
+
+    Whoever dies lets the next one in. Where files cannot be locked, all of them compile.
+    """
+    with contextlib.ExitStack() as stack:
+        with contextlib.suppress(OSError):
+            file = stack.enter_context((cache_folder() / f"{what}.lock").open("w"))
+            fcntl.flock(file, fcntl.LOCK_EX)
+        yield
 
 
 def source_key() -> str:

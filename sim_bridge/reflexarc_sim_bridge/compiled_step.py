@@ -9,7 +9,7 @@ from numba.core import types
 
 from reflexarc_sim_bridge.by_address import address_of
 from reflexarc_sim_bridge.compile_ahead import compiled_meanwhile
-from reflexarc_sim_bridge.compile_cache import is_kept
+from reflexarc_sim_bridge.compile_cache import compiling_alone, is_kept
 from reflexarc_sim_bridge.gather import gather_belt, gather_scatter, gather_structure
 from reflexarc_sim_bridge.kernel import advance, cast, cover
 from reflexarc_sim_bridge.lean import uncollected
@@ -44,7 +44,7 @@ def step_for(source: WorldSource, params: Params, motions: Motions) -> Step:
     ways = _ways(source, params.world)
     form = _form(params), _form(motions), ways
     if form not in _steps:
-        with uncollected():
+        with compiling_alone("world"), uncollected():
             _steps[form] = _compile(params, motions, ways)
     return _steps[form]
 

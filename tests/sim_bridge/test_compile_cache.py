@@ -1,4 +1,8 @@
+import fcntl
 import os
+import select
+import subprocess
+import sys
 from importlib.machinery import ModuleSpec
 from pathlib import Path
 
@@ -6,7 +10,13 @@ import numba
 import pytest
 
 from reflexarc_sim_bridge import compile_cache
-from reflexarc_sim_bridge.compile_cache import cache_folder, is_kept, keyed_by_sources, source_key
+from reflexarc_sim_bridge.compile_cache import (
+    cache_folder,
+    compiling_alone,
+    is_kept,
+    keyed_by_sources,
+    source_key,
+)
 
 
 @pytest.fixture
@@ -93,3 +103,52 @@ def test_where_nothing_can_be_kept_no_other_process_is_asked_to_compile(
         cache_folder().rmdir()
     finally:
         cache_folder.cache_clear()
+
+
+HOLD = """
+import sys, time
+from reflexarc_sim_bridge.compile_cache import compiling_alone
+with compiling_alone("world"):
+    print("in", flush=True)
+    sys.stdin.readline()
+"""
+
+
+def holder(cache: Path) -> "subprocess.Popen[str]":
+    """Another process that compiles, until it is told to stop."""
+    return subprocess.Popen(
+        [sys.executable, "-c", HOLD],
+        env={**os.environ, "NUMBA_CACHE_DIR": str(cache)},
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+
+
+@pytest.mark.parametrize("end", ["it is done", "it dies"])
+def test_who_comes_later_waits_until_the_first_one_has_compiled(tmp_path: Path, end: str):
+    with holder(tmp_path) as first, holder(tmp_path) as second:
+        outputs = [first.stdout, second.stdout]
+        ready, _, _ = select.select(outputs, [], [], 60.0)
+        [inside] = [one for one in (first, second) if one.stdout in ready]
+        waiting = second if inside is first else first
+        assert not select.select([waiting.stdout], [], [], 1.0)[0], "both are in"
+        if end == "it dies":
+            inside.kill()
+        else:
+            inside.communicate("\n")
+        assert waiting.communicate("\n", timeout=60.0)[0] == "in\n"
+
+
+def test_where_nothing_can_be_locked_everybody_compiles(monkeypatch: pytest.MonkeyPatch):
+    def no_lock(*_: object) -> None:
+        raise OSError("no locks here")
+
+    monkeypatch.setattr(fcntl, "flock", no_lock)
+    with compiling_alone("world"), compiling_alone("world"):
+        pass
+
+
+def test_an_error_within_is_no_lock_that_fails():
+    with pytest.raises(PermissionError), compiling_alone("world"):
+        raise PermissionError

@@ -10,7 +10,7 @@ import sys
 import numpy as np
 
 from reflexarc_runtime.errors import UsageError
-from reflexarc_sim_bridge.compile_cache import is_kept
+from reflexarc_sim_bridge.compile_cache import compiling_alone, is_kept
 from reflexarc_sim_bridge.lean import uncollected
 from reflexarc_sim_bridge.second_process import at_work, end_with_parent, has_room
 from reflexarc_sim_bridge.simulation import Simulation
@@ -54,7 +54,7 @@ def main() -> None:
         )
         raise SystemExit(2) from None
     end_with_parent()
-    with uncollected():
+    with compiling_alone(_LEARNERS[config.learner.form]), uncollected():
         compile_learner(config)
 
 

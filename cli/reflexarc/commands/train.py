@@ -65,10 +65,10 @@ class Train:
         """Train, and say what was learned."""
         if self.presets:
             return _tell_presets()
+        config = self._config()  # before torch is loaded, which takes seconds
         from reflexarc.training_progress import show_progress
         from reflexarc_trainer.train import resume, train
 
-        config = self._config()
         out = self.out or Path("runs") / f"{self.preset}-{self.seed}"
         with self._events(out) as measured, StopFlag() as stop, show_progress() as progress:
             if self.resume:
