@@ -5,6 +5,7 @@ calls, in another file, has changed: it would go on running the old world. So ea
 sources has a folder of its own; the newest few stay.
 """
 
+import atexit
 import contextlib
 import fcntl
 import hashlib
@@ -47,8 +48,14 @@ def cache_folder() -> Path:
         folder.touch()
         _forget_old_states(home)
     except OSError:
-        return Path(tempfile.mkdtemp(prefix="reflexarc-compiled-"))
+        return _folder_of_this_process()
     return folder
+
+
+def _folder_of_this_process() -> Path:
+    folder = tempfile.mkdtemp(prefix="reflexarc-compiled-")
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return Path(folder)
 
 
 def is_kept(function: str) -> bool:

@@ -65,17 +65,20 @@ def test_only_the_newest_states_are_kept(
     assert kept == {newest.name, "compiled-5", "compiled-4", "compiled-3"}
 
 
-def test_without_a_place_to_write_it_compiles_into_a_temporary_folder(
-    monkeypatch: pytest.MonkeyPatch,
-):
-    monkeypatch.setattr(numba.config, "CACHE_DIR", "/proc/self/none")
-    cache_folder.cache_clear()
-    try:
-        folder = cache_folder()
-        assert folder.is_dir()
-        folder.rmdir()
-    finally:
-        cache_folder.cache_clear()
+NOWHERE = """
+from reflexarc_sim_bridge.compile_cache import cache_folder
+(cache_folder() / "compiled").write_text("by one process")
+print(cache_folder())
+"""
+
+
+def test_without_a_place_to_write_it_compiles_into_a_folder_that_ends_with_the_process():
+    nowhere = {**os.environ, "NUMBA_CACHE_DIR": "/proc/self/none"}
+    asked = subprocess.run(
+        [sys.executable, "-c", NOWHERE], env=nowhere, capture_output=True, text=True
+    )
+    assert "reflexarc-compiled-" in asked.stdout, asked.stderr
+    assert not Path(asked.stdout.strip()).exists()
 
 
 def test_a_function_is_kept_once_it_has_been_compiled(
