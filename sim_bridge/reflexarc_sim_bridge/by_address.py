@@ -17,10 +17,16 @@ def address_of(function: Any, arguments: tuple[Any, ...]) -> int:
     Args:
         function: made by `compiled_called`.
         arguments: their types, Numba's.
+
+    Raises:
+        TypeError: it has no machine code. Numba's: it returns something.
     """
     function.compile(arguments)
     result = function.get_compile_result(types.void(*arguments))
-    return int(result.library.get_pointer_to_function(result.fndesc.llvm_func_name))
+    address = int(result.library.get_pointer_to_function(result.fndesc.llvm_func_name))
+    if address == 0:
+        raise TypeError(f"{function.__name__}: expected a function that is `compiled_called`")
+    return address
 
 
 def _call(_: Any, address: Any, arguments: Any) -> Any:

@@ -11,16 +11,18 @@ import fcntl
 import hashlib
 import shutil
 import tempfile
+import time
 from collections.abc import Iterator
 from functools import lru_cache
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numba
 
 KEPT_STATES = 4
 _PREFIX = "compiled-"
+_LONGEST_S, _LOOK_AGAIN_S = 300.0, 0.1
 
 _config: Any = numba.config  # its stub names no settings
 
@@ -73,13 +75,24 @@ def is_kept(function: str) -> bool:
 def compiling_alone(what: str) -> Iterator[None]:
     """Within it no other process compiles the same; who comes later finds it done.
 
-    Whoever dies lets the next one in. Where files cannot be locked, all of them compile.
+    Whoever dies lets the next one in. Where files cannot be locked, or one that compiles seems
+    stuck, all of them compile. Not to be nested.
     """
     with contextlib.ExitStack() as stack:
         with contextlib.suppress(OSError):
             file = stack.enter_context((cache_folder() / f"{what}.lock").open("w"))
-            fcntl.flock(file, fcntl.LOCK_EX)
+            _wait_for(file)
         yield
+
+
+def _wait_for(file: IO[str]) -> None:
+    until_s = time.monotonic() + _LONGEST_S
+    while time.monotonic() < until_s:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            break
+        except BlockingIOError:
+            time.sleep(_LOOK_AGAIN_S)
 
 
 def source_key() -> str:

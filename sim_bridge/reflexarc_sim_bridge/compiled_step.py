@@ -65,7 +65,7 @@ def _ways(source: WorldSource, world: WorldTables) -> frozenset[str]:
     scattered, is_family = world.layers["kind"] == SCATTER, not isinstance(source, World)
     has_belt = world.layers["has_belt"][scattered] == 1
     needed = {
-        "belt": has_belt.any() or (is_family and world.belts.any()),
+        "belt": has_belt.any() or (is_family and (world.belts > 0).any()),
         "scatter": not has_belt.all() or (is_family and scattered.any()),
         "structure": not scattered.all(),
     }
@@ -76,10 +76,11 @@ def _compile(params: Params, motions: Motions, ways: frozenset[str]) -> Step:
     on_agent = (*types_held(params), types.int64)
     is_worth_it = has_room() and not is_kept("kernel.advance")
     with compiled_meanwhile(sense_agent, on_agent) if is_worth_it else nullcontext():
-        stepped = address_of(advance, types_stepped(params, motions))
         put = address_of(go_to_free_place, on_agent)
         in_cell = (*on_agent, types.int64, types.int64, types.int64)
         gathered = {way: address_of(_GATHERERS[way], in_cell) for way in ways}
+        # The last: where it is kept, a world is compiled.
+        stepped = address_of(advance, types_stepped(params, motions))
     return Step(stepped, Parts(address_of(sense_agent, on_agent), put, **gathered))
 
 

@@ -1,4 +1,4 @@
-"""Listing anew what is near an agent, one function for each way in which a layer is made.
+"""Listing anew what is near an agent, one function for each way of finding it.
 
 Each is compiled apart and called by its address (`parts.py`): a world of boxes has no use for the
 code of corridors, and an agent enters another cell once in ten steps or more. All take the same:
@@ -145,7 +145,7 @@ def _reaches_into(box: _Box, obstacle: Obstacle, x_m: float, y_m: float, reach_m
 
 @compiled_called
 def gather_structure(params: Params, work: Workspace, i: int, number: int, x: int, y: int) -> None:
-    """The same for gates, corridors and automata: boxes, or polygons."""
+    """List what is near of gates, corridors and automata: boxes, or polygons."""
     world, agents, state = params.world, params.agents, params.agents.state[i]
     plane, layer = world.planes[state.world], world.layers[state.world, number]
     cell, key = agents.layer_cells[i, number], layer_key(plane.stream, state.seed, number)

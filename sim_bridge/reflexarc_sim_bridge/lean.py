@@ -51,7 +51,7 @@ class LeanCompiler(CompilerBase):
         passes: tuple[type, ...] = (
             *(TranslateByteCode, FixupArgs, IRProcessing, GenericRewrites),
             *(InlineInlinables, ReconstructSSA, NopythonTypeInference, PreLowerStripPhis),
-            # Only what allocates has expressions over whole arrays.
+            # Only what allocates has expressions over whole arrays, and none has texts as indices.
             *([NopythonRewrites] if self.state.flags.nrt else []),
             *(IRLegalization, self.lowering, NoPythonBackend),
         )
@@ -70,7 +70,10 @@ class _Remembered:
     def __init__(self, rules: Any) -> None:
         self._rules = rules
         self.allocates = False
-        """Part of the key: a rule may compile a function to fit, which does as its caller does."""
+        """Part of the key: a rule may compile a function to fit, which counts arrays or does not.
+
+        In its other flags such a function (`min`, `max`) may be as another of its callers asked.
+        """
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._rules, name)

@@ -121,8 +121,9 @@ class WorldTables(NamedTuple):
     counts: npt.NDArray[np.float64]
     """Probability that a chunk of a section has at most so many obstacles:
     (worlds, layers, sections, counts)."""
-    belts: npt.NDArray[np.bool_]
-    """Which layers may have a belt, in any world that takes a row: (layers,)."""
+    belts: npt.NDArray[np.int64]
+    """Columns of chunks that a belt of each layer may have, in any world that takes a row; 0 where
+    none has one: (layers,)."""
     across: int
     """Chunks from side to side of the widest world that may take a row."""
 

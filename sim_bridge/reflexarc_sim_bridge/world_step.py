@@ -31,8 +31,7 @@ class Kept(NamedTuple):
 class Held:
     """Parameters, workspace and motions of a simulation, put down for one thread.
 
-    It shares the simulation's memory; a copy of it is bound to a copy of the simulation, and to be
-    used in this process only, where the parts lie.
+    It shares the simulation's memory, and cannot be copied: it is what lies at its address.
     """
 
     def __init__(self, params: Params, motions: npt.NDArray[np.float64], parts: Parts) -> None:

@@ -65,13 +65,13 @@ def world_tables(worlds: Sequence[World], contract: PolicyContract, densest: Wor
     if len(forms) != 1:
         raise WorldError("worlds: expected the same layers in every world of a family, got others")
     layers, shapes = max(1, len(worlds[0].layers)), max((*forms.pop(), 1))
-    belts = [_has_belt(layer, densest, contract) for layer in densest.layers]
+    belts = [_belt_columns(layer, densest, contract) for layer in densest.layers]
     tables = WorldTables(
         np.zeros(len(worlds), PLANE_DTYPE),
         np.zeros((len(worlds), layers), LAYER_DTYPE),
         np.zeros((len(worlds), layers, shapes), SHAPE_DTYPE),
         np.ones((len(worlds), layers, MAX_SECTIONS, _most_counts((*worlds, densest)))),
-        np.array(belts or [False]),
+        np.array(belts or [0]),
         max(_across(world) for world in (*worlds, densest)),
     )
     for w, world in enumerate(worlds):
@@ -93,7 +93,7 @@ def write_world(tables: WorldTables, w: int, world: World, contract: PolicyContr
                 _write_scatter(row, layer)
                 _write_shapes(tables.shapes[w, number], layer.shapes)
                 chunk_m2 = CHUNK_M * chunk_width_m(world)
-                row["has_belt"] = tables.belts[number] and _has_belt(layer, world, contract)
+                row["has_belt"] = 0 < _belt_columns(layer, world, contract) <= tables.belts[number]
                 tables.counts[w, number] = _cumulative_counts(layer, chunk_m2, tables.counts)
             case Gates():
                 _write_gates(row, layer, world)
@@ -116,7 +116,6 @@ def _across(world: World) -> int:
 def _write_plane(row: Table, world: World, contract: PolicyContract) -> None:
     chassis, senses = world.chassis, world.senses
     aside_m = _aside_m(contract, world)
-    behind_m = _range_m(contract) if turns(contract) else seen_behind_m(contract.retina)
     row["dt_s"], row["width_m"], row["chunk_width_m"] = (
         world.dt_s,
         world.width_m,
@@ -124,7 +123,7 @@ def _write_plane(row: Table, world: World, contract: PolicyContract) -> None:
     )
     row["reach_m"] = world.reach_m
     row["ahead_m"], row["aside_m"] = aside_m, aside_m
-    row["behind_m"] = max(behind_m, _step_m(contract, world))
+    row["behind_m"] = _behind_m(contract, world)
     row["radius_m"], row["slip"] = chassis.radius_m, chassis.slip
     row["follow"] = -math.expm1(-world.dt_s / chassis.lag_s) if chassis.lag_s > 0.0 else 1.0
     row["most_linear_mps"] = chassis.acceleration_mps2 * world.dt_s
@@ -142,6 +141,11 @@ def _write_plane(row: Table, world: World, contract: PolicyContract) -> None:
 def _aside_m(contract: PolicyContract, world: World) -> float:
     """How far from an agent's cell anything can be seen or met."""
     return max(_range_m(contract), _step_m(contract, world))
+
+
+def _behind_m(contract: PolicyContract, world: World) -> float:
+    seen_m = _range_m(contract) if turns(contract) else seen_behind_m(contract.retina)
+    return max(seen_m, _step_m(contract, world))
 
 
 def _range_m(contract: PolicyContract) -> float:
@@ -188,6 +192,14 @@ def _has_belt(layer: Layer, world: World, contract: PolicyContract) -> bool:
     even = layer.gap_m == 0.0 and not layer.sections
     farthest_m = chunk_width_m(world) + _aside_m(contract, world) + layer.reach_m
     return boxes and even and _is_white(layer) and farthest_m <= 0.5 * world.width_m
+
+
+def _belt_columns(layer: Layer, world: World, contract: PolicyContract) -> int:
+    """Columns of chunks that a belt may have; 0 where there is none."""
+    if not _has_belt(layer, world, contract):
+        return 0
+    beyond_m = _aside_m(contract, world) + _behind_m(contract, world) + 2 * layer.reach_m
+    return math.ceil((CHUNK_M + beyond_m) / CHUNK_M) + 1
 
 
 def _is_white(layer: Layer) -> bool:

@@ -8,9 +8,9 @@ import pytest
 from numba.core import types
 
 from reflexarc_sim_bridge import by_address
-from reflexarc_sim_bridge.compiled import compiled, compiled_called
+from reflexarc_sim_bridge.compiled import compiled, compiled_called, compiled_inner
 from reflexarc_sim_bridge.compiled_step import Step, step_for
-from reflexarc_sim_bridge.layers import Automaton, Corridor, Drift, Gates, Layer, Scatter
+from reflexarc_sim_bridge.layers import CHUNK_M, Automaton, Corridor, Drift, Gates, Layer, Scatter
 from reflexarc_sim_bridge.reference_field import reference_contract
 from reflexarc_sim_bridge.shapes import Discs, Rectangles
 from reflexarc_sim_bridge.simulation import Simulation, motions_of
@@ -19,6 +19,12 @@ from reflexarc_sim_bridge.worlds import Edges, World, WorldSource
 
 Numbers = npt.NDArray[np.int64]
 ARRAY = types.int64[::1]
+
+
+@compiled_inner
+def note_one(noted: Numbers) -> None:
+    """Part of its callers."""
+    noted[0] = 1
 
 
 @compiled_called
@@ -50,6 +56,11 @@ def test_what_lies_at_an_address_gets_its_arguments() -> None:
     assert noted.tolist() == [3, 10, 20]
     note(0, four, noted, factors)
     assert noted.tolist() == [4, 70, 140]
+
+
+def test_what_has_no_machine_code_has_no_address() -> None:
+    with pytest.raises(TypeError, match="note_one: expected a function that is `compiled_called`"):
+        by_address.address_of(note_one, (ARRAY,))
 
 
 def test_a_part_lies_in_one_place() -> None:
@@ -132,6 +143,8 @@ def test_an_agent_goes_on_where_its_next_world_has_no_belt() -> None:
     simulation = Simulation(family, reference_contract(), np.zeros(1, np.uint64))
     for seed in range(1, 12):
         simulation.place(np.zeros(1, np.int64), np.array([seed], np.uint64))
+        scratch = simulation.held_step()[1].work.draws.keys
+        assert len(scratch) >= simulation.params.world.planes["across"].max()
         fresh = Simulation(family, reference_contract(), np.array([seed], np.uint64))
         assert simulation.sense().tobytes() == fresh.sense().tobytes()
 
@@ -162,6 +175,28 @@ def test_where_the_densest_world_has_no_room_for_a_belt_no_world_has_one() -> No
         assert len(near) == len(wanted) > 0
         middles_m = [sorted((o.x_m, o.y_m) for o in found) for found in (near, wanted)]
         np.testing.assert_allclose(middles_m[0], middles_m[1], atol=1e-5)
+
+
+SLOW_OR_FAST = """
+name = "slow or fast"
+[[layers]]
+kind = "scatter"
+density_per_m2 = 0.2
+motion = { kind = "drift", ahead_mps = { from = -20.0, to = -1.0 } }
+"""
+
+
+def test_a_world_that_needs_a_longer_belt_than_the_densest_one_has_none() -> None:
+    """The upper end of a speed towards the agents is the slowest: it keeps less behind them."""
+    seeds = np.arange(40, dtype=np.uint64)
+    simulation = Simulation(parse_world(SLOW_OR_FAST), reference_contract(), seeds)
+    world, room = simulation.params.world, simulation.params.agents.belt_counts.shape[2]
+    needed = np.floor(1.0 + (world.planes["ahead_m"] + world.layers["reach_m"][:, 0]) / CHUNK_M)
+    needed += 1.0 - np.floor(-(world.planes["behind_m"] + world.layers["reach_m"][:, 0]) / CHUNK_M)
+    has_belt = world.layers["has_belt"][:, 0] == 1
+    assert needed.max() > room
+    assert has_belt.any()
+    assert (needed[has_belt] <= room).all()
 
 
 def test_what_holds_addresses_is_not_copied() -> None:

@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 from reflexarc_sim_bridge import second_process
-from reflexarc_sim_bridge.compile_cache import cache_folder
 from reflexarc_trainer import compile_ahead
 from reflexarc_trainer.compile_ahead import compile_side_by_side
 from reflexarc_trainer.presets import PRESETS
@@ -34,7 +33,6 @@ def empty_cache(tmp_path: Path) -> dict[str, str]:
 def test_another_process_finds_what_one_has_compiled(
     empty_cache: dict[str, str],
 ):
-    pretend_that_the_world_has_gone_first(Path(empty_cache["NUMBA_CACHE_DIR"]))
     config = json.dumps(CONFIG.resolved())
     ahead = [sys.executable, "-m", "reflexarc_trainer.compile_ahead"]
     subprocess.run(ahead, input=config, text=True, env=empty_cache, check=True)
@@ -48,12 +46,6 @@ def test_the_other_process_loads_no_torch() -> None:
     script = "import sys, reflexarc_trainer.compile_ahead; print('torch' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
     assert done.stdout == "False\n", done.stderr
-
-
-def pretend_that_the_world_has_gone_first(cache: Path) -> None:
-    folder = cache / cache_folder().name / "there"
-    folder.mkdir(parents=True)
-    (folder / "senses.sense_agent-1.nbi").touch()
 
 
 @pytest.mark.parametrize("given", ["", "garbage", "[]", "null", '{"steps": 1}'])
