@@ -76,6 +76,16 @@ def _box_of(plane: Row) -> _Box:
     return _Box(-plane.behind_m, CHUNK_M + plane.ahead_m, -plane.aside_m, side_m + plane.aside_m)
 
 
+@compiled_inline
+def _chunks_around(box: _Box, plane: Row, layer: Row) -> tuple[int, int, int, int]:
+    """First and last chunk, along x and along y, of which an obstacle may reach into a box."""
+    reach_m = layer.reach_m
+    along = chunks_between(box.back_m - reach_m, box.front_m + reach_m, CHUNK_M)
+    side_m = plane.chunk_width_m
+    across = chunks_between(box.right_m - reach_m, box.left_m + reach_m, side_m)
+    return along[0], along[1], across[0], across[1]
+
+
 @compiled_called
 def gather_scatter(params: Params, _: Workspace, i: int, number: int, x: int, y: int) -> None:
     """List all obstacles of a scatter layer that reach into the box around an agent's cell."""
@@ -83,11 +93,9 @@ def gather_scatter(params: Params, _: Workspace, i: int, number: int, x: int, y:
     plane, layer = world.planes[state.world], world.layers[state.world, number]
     shapes, counts = world.shapes[state.world, number], world.counts[state.world, number]
     cell, key = agents.layer_cells[i, number], layer_key(plane.stream, state.seed, number)
-    near, box, reach_m = near_of(agents, i, number), _box_of(plane), layer.reach_m
+    near, box = near_of(agents, i, number), _box_of(plane)
     _enter(cell, x, y, near)
-    first_i, last_i = chunks_between(box.back_m - reach_m, box.front_m + reach_m, CHUNK_M)
-    side_m = plane.chunk_width_m
-    first_j, last_j = chunks_between(box.right_m - reach_m, box.left_m + reach_m, side_m)
+    first_i, last_i, first_j, last_j = _chunks_around(box, plane, layer)
     for di in range(first_i, last_i + 1):
         for dj in range(first_j, last_j + 1):
             if _is_in_reach(plane, layer, y + dj, di, dj):
@@ -149,17 +157,15 @@ def gather_structure(params: Params, work: Workspace, i: int, number: int, x: in
     world, agents, state = params.world, params.agents, params.agents.state[i]
     plane, layer = world.planes[state.world], world.layers[state.world, number]
     cell, key = agents.layer_cells[i, number], layer_key(plane.stream, state.seed, number)
-    near, box, reach_m = near_of(agents, i, number), _box_of(plane), layer.reach_m
+    near = near_of(agents, i, number)
     _enter(cell, x, y, near)
-    first_i, last_i = chunks_between(box.back_m - reach_m, box.front_m + reach_m, CHUNK_M)
-    side_m = plane.chunk_width_m
-    first_j, last_j = chunks_between(box.right_m - reach_m, box.left_m + reach_m, side_m)
+    first_i, last_i, first_j, last_j = _chunks_around(_box_of(plane), plane, layer)
     for di in range(first_i, last_i + 1):
         for dj in range(first_j, last_j + 1):
             chunk_i, chunk_j = x + di, y + dj
             for k in range(structure_count(plane, layer, key, chunk_i, chunk_j, work.cells)):
                 obstacle = structure_at(plane, layer, key, chunk_i, chunk_j, k, work.cells)
-                x_m, y_m = obstacle.x_m + di * CHUNK_M, obstacle.y_m + dj * side_m
+                x_m, y_m = obstacle.x_m + di * CHUNK_M, obstacle.y_m + dj * plane.chunk_width_m
                 list_obstacle(near, key, obstacle, x_m, y_m)
 
 

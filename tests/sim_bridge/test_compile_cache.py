@@ -109,8 +109,9 @@ def test_where_nothing_can_be_kept_no_other_process_is_asked_to_compile(
 
 
 HOLD = """
-import sys, time
+import sys
 from reflexarc_sim_bridge.compile_cache import compiling_alone
+print("here", file=sys.stderr, flush=True)
 with compiling_alone("world"):
     print("in", flush=True)
     sys.stdin.readline()
@@ -124,6 +125,7 @@ def holder(cache: Path) -> "subprocess.Popen[str]":
         env={**os.environ, "NUMBA_CACHE_DIR": str(cache)},
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
         text=True,
     )
 
@@ -132,6 +134,7 @@ def holder(cache: Path) -> "subprocess.Popen[str]":
 def test_who_comes_later_waits_until_the_first_one_has_compiled(tmp_path: Path, end: str):
     with holder(tmp_path) as first, holder(tmp_path) as second:
         outputs = [first.stdout, second.stdout]
+        assert [one.stderr and one.stderr.readline() for one in (first, second)] == ["here\n"] * 2
         ready, _, _ = select.select(outputs, [], [], 60.0)
         [inside] = [one for one in (first, second) if one.stdout in ready]
         waiting = second if inside is first else first
