@@ -25,7 +25,7 @@ from reflexarc_sim_bridge.reference_field import WORLD_NAME, reference_contract
 from reflexarc_sim_bridge.simulation import Simulation
 from reflexarc_sim_bridge.threads import set_thread_count
 from reflexarc_sim_bridge.world_files import world_named
-from reflexarc_sim_bridge.world_step import call
+from reflexarc_sim_bridge.world_step import step_world
 
 AGENTS = (1, 64, 1024, 4096)
 ROUNDS = 9
@@ -55,7 +55,7 @@ def bare_way(agents: int) -> Way:
 def bare(step: int, held: int, actions: Actions, met: npt.NDArray[np.bool_]) -> None:
     """Steps and looks of all agents; actions are (steps, agents)."""
     for k in range(len(actions)):
-        call(step, held, actions[k], met, MOVE + LOOK, 0, len(met))
+        step_world(step, held, actions[k], met, MOVE + LOOK, 0, len(met))
 
 
 def one_by_one(environment: gymnasium.Env[Any, Any]) -> Way:

@@ -25,14 +25,12 @@ from reflexarc_sim_bridge.params import (
     WorldTables,
 )
 from reflexarc_sim_bridge.sieve import LANES, whole
-from reflexarc_sim_bridge.worlds import World
 
 _CACHE_LINE = 64
 
 
 def agents_at_zero(
     seeds: npt.NDArray[np.uint64],
-    world: World,
     tables: WorldTables,
     room: WorldTables,
     contract: PolicyContract,
@@ -41,9 +39,8 @@ def agents_at_zero(
 
     Args:
         seeds: one an agent: (n,).
-        world: the densest of the worlds.
         tables: one world for all, or one for each agent.
-        room: that of `world`, which says how much room to make.
+        room: the fullest of the worlds, which say how much room to make.
         contract: what the agents see and do.
     """
     spec, n, layers = contract.retina, len(seeds), tables.layers.shape[1]
@@ -51,7 +48,8 @@ def agents_at_zero(
     state["seed"], state["lane"] = seeds, _lanes(seeds)
     state["world"] = np.arange(n) if len(tables.planes) > 1 else 0
     boxes, turned, discs, sides = _near_capacities(room)
-    columns, belt = _belt_capacity(room)
+    columns, belt = np.max([_belt_capacity(room, w) for w in range(len(room.planes))], axis=0)
+    latency_steps = int(tables.planes["latency_steps"][0])
     return Agents(
         state,
         np.zeros((n, layers, 2), np.int64),
@@ -63,7 +61,7 @@ def agents_at_zero(
         _zeros((n, layers, 2, belt), np.int32),
         _zeros((n, layers, 4, belt), np.float32),
         np.zeros((n, layers, columns), np.int64),
-        np.zeros((n, world.senses.latency_steps + 1, spec.size), np.uint8),
+        np.zeros((n, latency_steps + 1, spec.size), np.uint8),
         np.zeros((n, spec.frames * spec.size), np.uint8),
     )
 
@@ -77,14 +75,14 @@ def _near_capacities(tables: WorldTables) -> list[int]:
     return [whole(int(need) + 1 + LANES) if need else LANES for need in needs]
 
 
-def _belt_capacity(tables: WorldTables) -> tuple[int, int]:
-    """Columns of chunks of a belt, and boxes that it has room for."""
-    plane, layers = tables.planes[0], tables.layers[0]
+def _belt_capacity(tables: WorldTables, w: int) -> tuple[int, int]:
+    """Columns of chunks of a belt in a world, and boxes that it has room for."""
+    plane, layers = tables.planes[w], tables.layers[w]
     reach_m = 2 * float(layers["reach_m"].max())
     length_m = CHUNK_M + float(plane["ahead_m"] + plane["behind_m"]) + reach_m
     columns = math.ceil(length_m / CHUNK_M) + 1
     means = [
-        columns * int(plane["across"]) * float((1.0 - tables.counts[0, number, 0]).sum())
+        columns * int(plane["across"]) * float((1.0 - tables.counts[w, number, 0]).sum())
         for number in np.flatnonzero(layers["has_belt"])
     ]
     return columns, whole(max((_room_for(mean) for mean in means), default=0))

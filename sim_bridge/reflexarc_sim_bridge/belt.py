@@ -6,26 +6,26 @@ to be drawn. Only where it enters another column of chunks a belt loses one and 
 
 Places on a belt are 32-bit integers that wrap: along x 1/2²⁴ of a chunk, across 1/2³² of the
 period. The difference of two is right whichever way round it is, up to half a period, and the same
-after a metre or a thousand kilometres. The boxes are those that `gather_scatter` would list, but
-for rounding (0.2 µm).
+after a metre or a thousand kilometres. What can be seen or met is here as `gather_scatter` lists
+it, but for rounding (0.2 µm); beyond that it leaves out chunks, which a belt does not.
 
 All work is in phases over flat arrays, each of which the compiler turns into vector instructions.
 """
 
-import math
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_sim_bridge.chunks import (
-    BLOCK,
-    PLACE,
-    Row,
-    chunk_key,
-    chunks_between,
-    column_key,
+from reflexarc_sim_bridge.belt_draws import (
+    CHUNK_BITS,
+    TURN,
+    Draws,
+    draw_boxes,
+    place_boxes,
+    turn_boxes,
 )
+from reflexarc_sim_bridge.chunks import Row, chunks_between, column_key
 from reflexarc_sim_bridge.compiled import compiled_disjoint, compiled_inline, compiled_inner
 from reflexarc_sim_bridge.layers import CHUNK_M
 from reflexarc_sim_bridge.params import (
@@ -49,37 +49,9 @@ from reflexarc_sim_bridge.params import (
     Floats32,
     Integers32,
 )
-from reflexarc_sim_bridge.random_numbers import (
-    advanced,
-    between,
-    first_half,
-    mixed,
-    number,
-    second_half,
-    uniform,
-)
 from reflexarc_sim_bridge.sieve import LANES, keep, whole
 
-EIGHT = 8
-"""Entries are written so many at a time: how many a chunk has, no branch foresees."""
 WHITE = np.float32(0xFFFFFF)
-
-_CHUNK_BITS = 24
-_TURN = 2.0**32
-
-
-class Draws(NamedTuple):
-    """Scratch: the chunks of a column, and one entry for each of their boxes."""
-
-    keys: npt.NDArray[np.uint64]
-    """Key of each chunk: (chunks,)."""
-    draws: npt.NDArray[np.float64]
-    counts: npt.NDArray[np.int64]
-    """Boxes of each chunk: (chunks,)."""
-    numbers: npt.NDArray[np.uint64]
-    """Where each box's random numbers begin: (entries,)."""
-    chunks: npt.NDArray[np.float64]
-    """Which chunk of the column each box is in: (entries,)."""
 
 
 class Picks(NamedTuple):
@@ -130,11 +102,11 @@ def move_belt(
         kept, end = columns - 1, _drop_first(columns, rows, belt, picks)
     for k in range(kept, columns):
         i, begun = column + first + k, end
-        boxes = _place_boxes(plane.across, counts, column_key(key, i), draws)
+        boxes = place_boxes(plane.across, counts, column_key(key, i), draws)
         end = min(begun + boxes, int(belt.places.shape[1]))
-        _draw_boxes(plane, shape, i, draws, belt, begun, end)
+        draw_boxes(plane, shape, i, draws, belt, begun, end)
         if shape.kind == TURNED_BOX:
-            _turn_boxes(shape, draws, belt, begun, end)
+            turn_boxes(shape, draws, belt, begun, end)
         belt.counts[k] = end - begun
 
 
@@ -200,79 +172,6 @@ def _copy(values: npt.NDArray[Any], count: int, copies: npt.NDArray[Any]) -> Non
         copies[k] = values[k]
 
 
-@compiled_inline
-def _place_boxes(
-    across: int, counts: npt.NDArray[np.float64], column: np.uint64, draws: Draws
-) -> int:
-    """Begin an entry for every box of a column of chunks; returns how many."""
-    for j in range(across):
-        draws.keys[j] = chunk_key(column, j, across)
-    _count(counts, across, draws.keys, draws.draws, draws.counts)
-    end = 0
-    for j in range(across):
-        key, chunk = draws.keys[j], np.float64(j)
-        for first in range(0, draws.counts[j], EIGHT):
-            for k in range(first, first + EIGHT):
-                at = np.uintp(end + k)
-                draws.numbers[at] = advanced(key, np.uint64(k) * BLOCK + PLACE)
-                draws.chunks[at] = chunk
-        end += draws.counts[j]
-    return end
-
-
-@compiled_disjoint
-def _count(
-    counts: npt.NDArray[np.float64],
-    chunks: int,
-    keys: npt.NDArray[np.uint64],
-    draws: npt.NDArray[np.float64],
-    found: npt.NDArray[np.int64],
-) -> None:
-    """Poisson: as many boxes as there are counts whose probability the draw has passed.
-
-    All chunks are compared at once, until none has so many.
-    """
-    for c in range(chunks):
-        draws[c] = uniform(number(keys[c], np.uint64(0)))
-        found[c] = 0
-    for k in range(counts.size):
-        probability, passed = counts[k], 0
-        for c in range(chunks):
-            found[c] += draws[c] >= probability
-            passed += draws[c] >= probability
-        if passed == 0:
-            return
-
-
-@compiled_inline
-def _draw_boxes(
-    plane: Row, shape: Row, i: int, draws: Draws, belt: Belt, begun: int, end: int
-) -> None:
-    """Draw places and sizes of the boxes of column i: entries `begun` to `end` of a belt."""
-    x, y = belt.places[BELT_X, begun:end], belt.places[BELT_Y, begun:end]
-    half_length, half_width = belt.sizes[HALF_LENGTH, begun:end], belt.sizes[HALF_WIDTH, begun:end]
-    numbers, chunks = draws.numbers, draws.chunks
-    corner, per_chunk = i << _CHUNK_BITS, _TURN / plane.across
-    width_low, width_high = shape.size_low, shape.size_high
-    length_low, length_high = shape.length_low, shape.length_high
-    for k in range(end - begun):
-        place, size = mixed(numbers[k]), mixed(advanced(numbers[k], np.uint64(0)))
-        x[k] = np.int32(corner + np.int64(first_half(place) * (1 << _CHUNK_BITS)))
-        y[k] = np.int32(np.int64((chunks[k] + second_half(place)) * per_chunk))
-        half_width[k] = 0.5 * between(width_low, width_high, first_half(size))
-        half_length[k] = 0.5 * between(length_low, length_high, second_half(size))
-
-
-@compiled_inline
-def _turn_boxes(shape: Row, draws: Draws, belt: Belt, begun: int, end: int) -> None:
-    """Draw how far they are turned."""
-    for k in range(end - begun):
-        turn = second_half(mixed(advanced(draws.numbers[k], np.uint64(1))))
-        turned_rad = between(shape.turned_low, shape.turned_high, turn)
-        belt.sizes[COS, begun + k] = math.cos(turned_rad)
-        belt.sizes[SIN, begun + k] = math.sin(turned_rad)
-
-
 @compiled_disjoint
 def _judge(
     plane: Row,
@@ -289,10 +188,10 @@ def _judge(
     length_m, width_m = CHUNK_M + plane.ahead_m + plane.behind_m, plane.chunk_width_m
     middle_x, half_x = np.float32(0.5 * length_m - plane.behind_m), np.float32(0.5 * length_m)
     middle_y, half_y = np.float32(0.5 * width_m), np.float32(0.5 * width_m + plane.aside_m)
-    unit_x = np.float32(CHUNK_M / (1 << _CHUNK_BITS))
-    unit_y = np.float32(plane.chunk_width_m * plane.across / _TURN)
-    corner_x = np.int32(cell[0] << _CHUNK_BITS)
-    corner_y = np.int32(np.int64((cell[1] % plane.across) * (_TURN / plane.across)))
+    unit_x = np.float32(CHUNK_M / (1 << CHUNK_BITS))
+    unit_y = np.float32(plane.chunk_width_m * plane.across / TURN)
+    corner_x = np.int32(cell[0] << CHUNK_BITS)
+    corner_y = np.int32(np.int64((cell[1] % plane.across) * (TURN / plane.across)))
     for k in range(whole(end)):
         x = np.float32(np.int32(places[BELT_X, k] - corner_x)) * unit_x
         y = np.float32(np.int32(places[BELT_Y, k] - corner_y)) * unit_y

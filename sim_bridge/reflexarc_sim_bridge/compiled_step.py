@@ -8,8 +8,8 @@ import numpy.typing as npt
 from numba.core import types
 
 from reflexarc_sim_bridge.by_address import address_of
-from reflexarc_sim_bridge.compile_ahead import compiled_meanwhile
 from reflexarc_sim_bridge.compile_cache import compiling_alone, is_kept
+from reflexarc_sim_bridge.compile_meanwhile import compiled_meanwhile
 from reflexarc_sim_bridge.gather import gather_belt, gather_scatter, gather_structure
 from reflexarc_sim_bridge.kernel import advance, cast, cover
 from reflexarc_sim_bridge.lean import uncollected
@@ -51,13 +51,22 @@ def step_for(source: WorldSource, params: Params, motions: Motions) -> Step:
 
 def cover_for(params: Params, motions: Motions) -> int:
     """Address of `kernel.cover`, compiled unless that is done."""
-    held = types_stepped(params, motions)[0]
-    return address_of(cover, (held, types.float64[:, ::1], types.boolean[::1]))
+    return _address_of(cover, params, motions, types.float64[:, ::1], types.boolean[::1])
 
 
 def cast_for(params: Params, motions: Motions) -> int:
     """Address of `kernel.cast`, compiled unless that is done."""
-    return address_of(cast, (types_stepped(params, motions)[0],))
+    return _address_of(cast, params, motions)
+
+
+def _address_of(function: Any, params: Params, motions: Motions, *more: Any) -> int:
+    """Address of what takes a `Held` and arguments of such types."""
+    form = function.__name__, _form(params), _form(motions)
+    if form not in _others:
+        arguments = types_stepped(params, motions)[0], *more
+        with compiling_alone(function.__name__), uncollected():
+            _others[form] = address_of(function, arguments)
+    return _others[form]
 
 
 def _ways(source: WorldSource, world: WorldTables) -> frozenset[str]:
@@ -95,3 +104,4 @@ def _form(value: Any) -> Any:
 
 _GATHERERS = {"belt": gather_belt, "scatter": gather_scatter, "structure": gather_structure}
 _steps: dict[Any, Step] = {}
+_others: dict[Any, int] = {}

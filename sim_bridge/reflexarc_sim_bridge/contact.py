@@ -5,15 +5,10 @@ round corners, a larger disc, and about the side of a polygon a stadium.
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
-from reflexarc_sim_bridge.compiled import (
-    compiled_disjoint,
-    compiled_inline,
-    compiled_inner,
-)
+from reflexarc_sim_bridge.compiled import compiled_inline, compiled_inner
 from reflexarc_sim_bridge.geometry import (
     meets_box_m,
     meets_disc_m,
@@ -22,7 +17,6 @@ from reflexarc_sim_bridge.geometry import (
     turned_back,
 )
 from reflexarc_sim_bridge.near import displacement_m, near_of, place_in_layer_m
-from reflexarc_sim_bridge.overlap import TOUCHING_M
 from reflexarc_sim_bridge.params import (
     AT_REST,
     BOX_COS,
@@ -46,24 +40,17 @@ from reflexarc_sim_bridge.params import (
     Params,
 )
 from reflexarc_sim_bridge.pick import Judged
-from reflexarc_sim_bridge.sieve import whole
+from reflexarc_sim_bridge.sweep import (
+    Way,
+    bounds,
+    boxes_touched,
+    discs_touched,
+    sides_touched,
+    turned_touched,
+)
 from reflexarc_sim_bridge.workspace import Workspace
 
 _STEEPEST = 1e-12
-
-
-class Way(NamedTuple):
-    """A straight step of a body, in a layer's frame."""
-
-    x_m: float
-    """Where it begins."""
-    y_m: float
-    ahead_m: float
-    """How far it goes along x."""
-    left_m: float
-    """How far it goes along y."""
-    radius_m: float
-    """Of the body."""
 
 
 @compiled_inner
@@ -106,119 +93,30 @@ def free_share(params: Params, work: Workspace, i: int, ahead_m: float, left_m: 
 @compiled_inline
 def _box_share(near: Floats32, count: int, way: Way, judged: Judged) -> float:
     """Nearly always no obstacle meets the step's bounding box, and that is cheap to say."""
-    if not _boxes_touched(near, count, *_bounds(way), judged):
+    if not boxes_touched(near, count, *bounds(way), judged):
         return math.inf
     return _first_box(near, count, way, judged)
 
 
 @compiled_inline
 def _turned_share(near: Floats32, count: int, way: Way, judged: Judged) -> float:
-    if not _turned_touched(near, count, *_bounds(way), judged):
+    if not turned_touched(near, count, *bounds(way), judged):
         return math.inf
     return _first_turned(near, count, way, judged)
 
 
 @compiled_inline
 def _disc_share(near: Floats32, count: int, way: Way, judged: Judged) -> float:
-    if not _discs_touched(near, count, *_bounds(way), judged):
+    if not discs_touched(near, count, *bounds(way), judged):
         return math.inf
     return _first_disc(near, count, way, judged)
 
 
 @compiled_inline
 def _side_share(near: Floats32, count: int, way: Way, judged: Judged) -> float:
-    if not _sides_touched(near, count, *_bounds(way), judged):
+    if not sides_touched(near, count, *bounds(way), judged):
         return math.inf
     return _first_side(near, count, way, judged)
-
-
-@compiled_inline
-def _bounds(way: Way) -> tuple[np.float32, np.float32, np.float32, np.float32]:
-    """Middle and half sides of the box that holds a body on its way."""
-    x, y = np.float32(way.x_m + 0.5 * way.ahead_m), np.float32(way.y_m + 0.5 * way.left_m)
-    reach_x = np.float32(0.5 * abs(way.ahead_m) + way.radius_m + TOUCHING_M)
-    reach_y = np.float32(0.5 * abs(way.left_m) + way.radius_m + TOUCHING_M)
-    return x, y, reach_x, reach_y
-
-
-@compiled_disjoint
-def _boxes_touched(
-    near: Floats32,
-    count: int,
-    x: np.float32,
-    y: np.float32,
-    rx: np.float32,
-    ry: np.float32,
-    judged: Judged,
-) -> bool:
-    touched = False
-    for k in range(whole(count)):
-        along = abs(near[BOX_X, k] - x) <= near[BOX_HALF_LENGTH, k] + rx
-        across = abs(near[BOX_Y, k] - y) <= near[BOX_HALF_WIDTH, k] + ry
-        judged[k] = (k < count) & along & across
-        touched |= (k < count) & along & across
-    return touched
-
-
-@compiled_disjoint
-def _turned_touched(
-    near: Floats32,
-    count: int,
-    x: np.float32,
-    y: np.float32,
-    rx: np.float32,
-    ry: np.float32,
-    judged: Judged,
-) -> bool:
-    touched = False
-    for k in range(whole(count)):
-        cos, sin = abs(near[BOX_COS, k]), abs(near[BOX_SIN, k])
-        half_length, half_width = near[BOX_HALF_LENGTH, k], near[BOX_HALF_WIDTH, k]
-        along = abs(near[BOX_X, k] - x) <= half_length * cos + half_width * sin + rx
-        across = abs(near[BOX_Y, k] - y) <= half_length * sin + half_width * cos + ry
-        judged[k] = (k < count) & along & across
-        touched |= (k < count) & along & across
-    return touched
-
-
-@compiled_disjoint
-def _discs_touched(
-    near: Floats32,
-    count: int,
-    x: np.float32,
-    y: np.float32,
-    rx: np.float32,
-    ry: np.float32,
-    judged: Judged,
-) -> bool:
-    touched = False
-    for k in range(whole(count)):
-        radius = near[DISC_RADIUS, k]
-        along = abs(near[DISC_X, k] - x) <= radius + rx
-        across = abs(near[DISC_Y, k] - y) <= radius + ry
-        judged[k] = (k < count) & along & across
-        touched |= (k < count) & along & across
-    return touched
-
-
-@compiled_disjoint
-def _sides_touched(
-    near: Floats32,
-    count: int,
-    x: np.float32,
-    y: np.float32,
-    rx: np.float32,
-    ry: np.float32,
-    judged: Judged,
-) -> bool:
-    touched, half = False, np.float32(0.5)
-    for k in range(whole(count)):
-        ahead, left = half * near[SIDE_AHEAD, k], half * near[SIDE_LEFT, k]
-        along = abs(near[SIDE_X, k] + ahead - x) <= abs(ahead) + rx
-        across = abs(near[SIDE_Y, k] + left - y) <= abs(left) + ry
-        judged[k] = (k < count) & along & across
-        touched |= (k < count) & along & across
-    return touched
 
 
 @compiled_inner

@@ -96,7 +96,7 @@ def right_side_m(world: World, seed: int, x_m: Floats) -> Floats:
     """Where the bins begin at each x: at the right side, or just left of the right wall: (n,)."""
     if world.corridor is None:
         return np.zeros(len(x_m))
-    tables = world_tables([world], reference_contract(), world)
+    tables = world_tables([world], reference_contract())
     number = int(tables.planes[0]["corridor"])
     walls = tables.layers[0, number]
     key = np.uint64(_layer_key(world.stream, np.uint64(seed), number))

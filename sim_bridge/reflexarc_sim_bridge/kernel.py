@@ -17,7 +17,7 @@ from reflexarc_sim_bridge.near import forget_near, keep_near
 from reflexarc_sim_bridge.overlap import touches
 from reflexarc_sim_bridge.places import set_place
 from reflexarc_sim_bridge.vision import look
-from reflexarc_sim_bridge.world_step import call
+from reflexarc_sim_bridge.world_step import step_world
 
 __all__ = ["LOOK", "MOVE", "PLACE", "advance", "call_cast", "call_cover", "call_step"]
 
@@ -89,7 +89,7 @@ def call_step(
     end: int,
 ) -> None:
     """Call `advance` from Python; `step` is its address, `held` that of a `Held`."""
-    call(step, held, actions, met_out, tasks, first, end)
+    step_world(step, held, actions, met_out, tasks, first, end)
 
 
 @compiled_free

@@ -21,6 +21,23 @@ _MAX_DENSITY = 16.0
 _MAX_COVER = 0.8
 
 
+def chunks_across(width_m: float) -> int:
+    """How many chunks lie side by side in a world that has sides."""
+    return max(1, round(width_m / CHUNK_M))
+
+
+def telling_widths_m(low_m: float, high_m: float) -> tuple[float, ...]:
+    """Of the widths in a range the ends, and those with the widest and the narrowest chunks.
+
+    Chunks are widest just before another one fits, the more so the fewer they are.
+    """
+    fewest = max(1, math.ceil(low_m / CHUNK_M - 0.5))
+    turns_m = [(chunks + 0.5) * CHUNK_M for chunks in (fewest, fewest + 1)]
+    around = [(math.nextafter(t, 0.0), t, math.nextafter(t, math.inf)) for t in turns_m]
+    within = [width_m for widths_m in around for width_m in widths_m if low_m < width_m < high_m]
+    return tuple(sorted({low_m, *within, high_m}))
+
+
 @dataclass(frozen=True)
 class Drift:
     """A layer that moves at one velocity, for ever."""

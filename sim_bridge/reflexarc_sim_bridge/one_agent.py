@@ -11,7 +11,7 @@ from reflexarc_sim_bridge.kernel import LOOK, MOVE
 from reflexarc_sim_bridge.layers import CHUNK_M
 from reflexarc_sim_bridge.one_held import OneHeld, hold
 from reflexarc_sim_bridge.simulation import Simulation
-from reflexarc_sim_bridge.world_step import call
+from reflexarc_sim_bridge.world_step import step_world
 
 REFUSED = -1
 """Outcome of an action that the contract does not have: nothing happened."""
@@ -52,7 +52,7 @@ def advance_one(held: Any, tasks: int, action: int) -> Outcome:
     if not 0 <= action < held.known:
         return REFUSED, 0.0, 0.0, 0.0, 0
     held.actions[0], held.met[0] = action, False
-    call(held.step, held.world, held.actions, held.met, tasks, 0, 1)
+    step_world(held.step, held.world, held.actions, held.met, tasks, 0, 1)
     state = held.states[0]
     x_m = state.cell_x * CHUNK_M + state.x_m
     y_m = state.cell_y * held.planes[0].chunk_width_m + state.y_m

@@ -67,7 +67,7 @@ def outlines_of_chunk(world: World, seed: int, i: int, j: int) -> list[Outline]:
         i: the chunk along x: it spans `CHUNK_M` from i · `CHUNK_M` on.
         j: the chunk along y.
     """
-    tables = world_tables([world], PolicyContract(), world)
+    tables = world_tables([world], PolicyContract())
     found = []
     for layer in range(len(world.layers)):
         rows = _listed(tables, np.uint64(seed), layer, i, j)

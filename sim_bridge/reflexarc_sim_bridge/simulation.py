@@ -9,9 +9,9 @@ import numpy.typing as npt
 
 from reflexarc_runtime.arrays import Actions, RetinaBatch
 from reflexarc_runtime.contract import PolicyContract
-from reflexarc_runtime.errors import WorldError
 from reflexarc_sim_bridge import kernel
 from reflexarc_sim_bridge.agents import agents_at_zero
+from reflexarc_sim_bridge.array_checks import check_actions, check_same_form, check_seeds
 from reflexarc_sim_bridge.compiled_step import cast_for, cover_for, step_for
 from reflexarc_sim_bridge.eyes import eye_params
 from reflexarc_sim_bridge.layers import CHUNK_M
@@ -78,15 +78,13 @@ class Simulation:
         Raises:
             WorldError: a contract or seeds that this simulation does not support.
         """
-        _check_seeds(seeds)
+        check_seeds(seeds)
         self.world = world
         self.contract = contract
         worlds = [world] if isinstance(world, World) else [world.drawn(s) for s in seeds.tolist()]
-        densest = world.densest
-        tables = room = world_tables(worlds, contract, densest)
-        if worlds != [densest]:
-            room = world_tables([densest], contract, densest)
-        agents = agents_at_zero(seeds, densest, tables, room, contract)
+        tables = world_tables(worlds, contract, world.fullest)
+        room = tables if world is worlds[0] else world_tables(world.fullest, contract)
+        agents = agents_at_zero(seeds, tables, room, contract)
         if lanes is not None:
             agents.state["lane"] = lanes
         self._motions = motions_of(contract)
@@ -120,6 +118,11 @@ class Simulation:
 
     def __len__(self) -> int:
         return len(self.params.agents.state)
+
+    @property
+    def dt_s(self) -> float:
+        """Duration of a step; where their worlds differ in it, the mean over the agents."""
+        return float(self.params.world.planes["dt_s"].mean())
 
     @property
     def x_m(self) -> npt.NDArray[np.float64]:
@@ -206,7 +209,7 @@ class Simulation:
         Raises:
             WorldError: actions of another shape or type, or that the contract does not have.
         """
-        _check_actions(actions, len(self), len(self._motions))
+        check_actions(actions, len(self), len(self._motions))
         met = np.empty(len(self), np.bool_)
         self._advance(actions, met, kernel.MOVE)
         return met
@@ -216,7 +219,7 @@ class Simulation:
 
         What they see is in `stacks`.
         """
-        _check_actions(actions, len(self), len(self._motions))
+        check_actions(actions, len(self), len(self._motions))
         met = np.empty(len(self), np.bool_)
         self._advance(actions, met, kernel.MOVE + kernel.LOOK)
         return met
@@ -248,7 +251,7 @@ class Simulation:
         """
         if len(agents) == 0:
             return
-        _check_seeds(seeds)
+        check_seeds(seeds)
         tables, state = self.params.world, self.params.agents.state
         for i, seed in zip(agents.tolist(), seeds.tolist(), strict=True):
             row = int(state["world"][i])
@@ -287,36 +290,9 @@ class Simulation:
         """
         mine = self.params.agents._asdict()
         for name, array in mine.items():
-            _check_same_form(name, state.get(name), array)
+            check_same_form(name, state.get(name), array)
         for name, array in mine.items():
             array[...] = state[name]
         if not isinstance(self.world, World):
             for row, seed in enumerate(self.params.agents.state["seed"].tolist()):
                 write_world(self.params.world, row, self.world.drawn(seed), self.contract)
-
-
-def _check_seeds(seeds: npt.NDArray[np.uint64]) -> None:
-    if seeds.ndim != 1 or len(seeds) == 0 or seeds.dtype != np.uint64:
-        raise WorldError(f"seeds: expected uint64 (n,), got {seeds.dtype} {seeds.shape}")
-
-
-def _check_actions(actions: Actions, agents: int, known: int) -> None:
-    if actions.shape != (agents,) or actions.dtype != np.int64:
-        got = f"{actions.dtype} {actions.shape}"
-        raise WorldError(f"actions: expected int64 ({agents},), one an agent, got {got}")
-    if actions.min() < 0 or actions.max() >= known:
-        got = f"{actions.min()} to {actions.max()}"
-        raise WorldError(f"actions: expected 0 to {known - 1}, the contract's, got {got}")
-
-
-def _check_same_form(
-    name: str, got: npt.NDArray[np.generic] | None, mine: npt.NDArray[np.generic]
-) -> None:
-    wanted = f"{mine.dtype} {mine.shape}"
-    if got is None:
-        raise WorldError(f"state.{name}: expected {wanted}, got nothing")
-    if got.shape != mine.shape or got.dtype != mine.dtype:
-        raise WorldError(
-            f"state.{name}: expected {wanted}, got {got.dtype} {got.shape}; restore into the same "
-            "world, contract and number of agents"
-        )

@@ -7,7 +7,8 @@ import numpy.typing as npt
 
 from reflexarc_sim_bridge.aim import reciprocals
 from reflexarc_sim_bridge.automaton import MAX_ROWS
-from reflexarc_sim_bridge.belt import EIGHT, Draws, Picks
+from reflexarc_sim_bridge.belt import Picks
+from reflexarc_sim_bridge.belt_draws import EIGHT, Draws
 from reflexarc_sim_bridge.faces import Faces
 from reflexarc_sim_bridge.params import TILE_RAYS, TURNED_ROWS, Floats32, Params, WorldTables
 from reflexarc_sim_bridge.parts import Parts

@@ -32,6 +32,7 @@ from pathlib import Path
 from reflexarc_runtime.errors import WorldError
 from reflexarc_sim_bridge import world_ranges
 from reflexarc_sim_bridge.checks import Span
+from reflexarc_sim_bridge.layers import telling_widths_m
 from reflexarc_sim_bridge.strict_toml import fill
 from reflexarc_sim_bridge.toml_lines import KeyPath, dotted
 from reflexarc_sim_bridge.toml_source import TomlSource, read_text
@@ -64,9 +65,10 @@ class WorldFamily:
         return
 
     @cached_property
-    def densest(self) -> World:
-        """The world with every number at the upper end of its range."""
-        return _world(self._source, world_ranges.highest)
+    def fullest(self) -> tuple[World, ...]:
+        """Worlds with all that is drawn large, many and fast, in the widths that matter."""
+        widths_m = telling_widths_m(*self.ranges.get(world_ranges.WIDTH, (0.0, 0.0)))
+        return tuple(_world(self._source, world_ranges.farthest_at(w)) for w in widths_m)
 
     def drawn(self, seed: int) -> World:
         """The world of a seed.
@@ -91,8 +93,8 @@ def read_world(path: Path) -> WorldSource:
 def parse_world(text: str, name: str = "") -> WorldSource:
     """Read a world, or a family, from TOML text.
 
-    A family has been tried at the lower ends of all ranges, at the upper ends, with its spans at
-    their narrowest, and on some seeds.
+    A family has been tried at the lower ends of all ranges, at the upper ends, where it is fullest,
+    with its spans at their narrowest, and on some seeds.
 
     Args:
         text: the TOML.
@@ -116,7 +118,9 @@ def parse_world(text: str, name: str = "") -> WorldSource:
     draws = map(world_ranges.drawn, range(_TRIED_SEEDS))
     for choose in (world_ranges.highest, world_ranges.narrowest, *draws):
         _world(source, choose)
-    return WorldFamily(world.name, world.description, ranges, source)
+    family = WorldFamily(world.name, world.description, ranges, source)
+    _ = family.fullest
+    return family
 
 
 def world_text(name: str) -> str:

@@ -17,6 +17,9 @@ from reflexarc_sim_bridge.toml_lines import KeyPath, dotted
 Choose: TypeAlias = Callable[[Span, type, KeyPath], float]
 """One number of a range: (its ends, int or float, where it stands) → the number."""
 
+WIDTH = "width_m"
+"""Where the width of a world stands in its file."""
+
 _SALT = "reflexarc world range 1"
 """Any change to what a seed draws takes a new number."""
 _STEPS = (1 << 53) - 1
@@ -41,6 +44,20 @@ def lowest(ends: Span, kind: type, path: KeyPath) -> float:
 def highest(ends: Span, kind: type, path: KeyPath) -> float:
     """The upper end."""
     return ends[1]
+
+
+def farthest(ends: Span, kind: type, path: KeyPath) -> float:
+    """What makes things large, many and fast: the end farther from 0, of a period the lower one."""
+    return ends[0] if path[-1] == "period_s" else max(ends, key=abs)
+
+
+def farthest_at(width_m: float) -> Choose:
+    """The same, in a world of that width."""
+
+    def choose(ends: Span, kind: type, path: KeyPath) -> float:
+        return width_m if dotted(path) == WIDTH else farthest(ends, kind, path)
+
+    return choose
 
 
 def narrowest(ends: Span, kind: type, path: KeyPath) -> float:

@@ -74,10 +74,10 @@ def types_stepped(
 _ARGUMENTS = types.int64[::1], types.boolean[::1], types.int64, types.int64, types.int64
 
 
-def _call(
+def _step_world(
     _: Any, step: Any, held: Any, actions: Any, met: Any, tasks: Any, first: Any, end: Any
 ) -> Any:
-    """Call a step: the addresses of both, then its arguments."""
+    """Let a world step: the addresses of both, then its arguments."""
 
     def emit(context: Any, builder: Any, __: Any, args: Any) -> Any:
         held_at = builder.inttoptr(args[1], context.get_value_type(types.voidptr))
@@ -88,4 +88,4 @@ def _call(
     return types.void(types.int64, types.int64, *_ARGUMENTS), emit
 
 
-call: Any = intrinsic(_call)  # its stub says that a call returns nothing
+step_world: Any = intrinsic(_step_world)  # its stub says that a call returns nothing

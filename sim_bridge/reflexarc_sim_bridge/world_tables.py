@@ -8,7 +8,6 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from reflexarc_runtime.contract import PolicyContract
 from reflexarc_runtime.errors import WorldError
@@ -23,6 +22,7 @@ from reflexarc_sim_bridge.layers import (
     Layer,
     Scatter,
     Swing,
+    chunks_across,
 )
 from reflexarc_sim_bridge.params import (
     AUTOMATON,
@@ -45,18 +45,21 @@ from reflexarc_sim_bridge.params import (
     Table,
     WorldTables,
 )
+from reflexarc_sim_bridge.poisson import cumulative_counts, poisson_quantile
 from reflexarc_sim_bridge.shapes import Curves, Discs, Polygons, Rectangles, Shape
 from reflexarc_sim_bridge.worlds import AfterContact, Edges, World
 
 
-def world_tables(worlds: Sequence[World], contract: PolicyContract, densest: World) -> WorldTables:
+def world_tables(
+    worlds: Sequence[World], contract: PolicyContract, fullest: Sequence[World] = ()
+) -> WorldTables:
     """Worlds of one structure for the agents that a contract describes.
 
     Args:
         worlds: one for all agents, or one for each.
         contract: what the agents see and do.
-        densest: a world that needs as much room as any which may take a row later; where it has
-            no belt, none has.
+        fullest: of all worlds that may take a row later one of these at least needs as much room;
+            by default, of no others.
 
     Raises:
         WorldError: the worlds differ in their layers or shapes.
@@ -65,14 +68,14 @@ def world_tables(worlds: Sequence[World], contract: PolicyContract, densest: Wor
     if len(forms) != 1:
         raise WorldError("worlds: expected the same layers in every world of a family, got others")
     layers, shapes = max(1, len(worlds[0].layers)), max((*forms.pop(), 1))
-    belts = [_belt_columns(layer, densest, contract) for layer in densest.layers]
+    all_worlds = (*worlds, *fullest)
     tables = WorldTables(
         np.zeros(len(worlds), PLANE_DTYPE),
         np.zeros((len(worlds), layers), LAYER_DTYPE),
         np.zeros((len(worlds), layers, shapes), SHAPE_DTYPE),
-        np.ones((len(worlds), layers, MAX_SECTIONS, _most_counts((*worlds, densest)))),
-        np.array(belts or [0]),
-        max(_across(world) for world in (*worlds, densest)),
+        np.ones((len(worlds), layers, MAX_SECTIONS, _most_counts(all_worlds))),
+        np.array([_most_belt_columns(n, fullest or worlds, contract) for n in range(layers)]),
+        max(_across(world) for world in all_worlds),
     )
     for w, world in enumerate(worlds):
         write_world(tables, w, world, contract)
@@ -94,7 +97,8 @@ def write_world(tables: WorldTables, w: int, world: World, contract: PolicyContr
                 _write_shapes(tables.shapes[w, number], layer.shapes)
                 chunk_m2 = CHUNK_M * chunk_width_m(world)
                 row["has_belt"] = 0 < _belt_columns(layer, world, contract) <= tables.belts[number]
-                tables.counts[w, number] = _cumulative_counts(layer, chunk_m2, tables.counts)
+                most = tables.counts.shape[3]
+                tables.counts[w, number] = cumulative_counts(layer, chunk_m2, most)
             case Gates():
                 _write_gates(row, layer, world)
             case Corridor():
@@ -110,7 +114,7 @@ def chunk_width_m(world: World) -> float:
 
 
 def _across(world: World) -> int:
-    return 0 if world.edges is Edges.UNBOUNDED else max(1, round(world.width_m / CHUNK_M))
+    return 0 if world.edges is Edges.UNBOUNDED else chunks_across(world.width_m)
 
 
 def _write_plane(row: Table, world: World, contract: PolicyContract) -> None:
@@ -202,6 +206,12 @@ def _belt_columns(layer: Layer, world: World, contract: PolicyContract) -> int:
     return math.ceil((CHUNK_M + beyond_m) / CHUNK_M) + 1
 
 
+def _most_belt_columns(number: int, worlds: Sequence[World], contract: PolicyContract) -> int:
+    """Most that the belts of a layer have; where it has none in the fullest worlds, none has."""
+    layered = [world for world in worlds if number < len(world.layers)]
+    return max((_belt_columns(w.layers[number], w, contract) for w in layered), default=0)
+
+
 def _is_white(layer: Layer) -> bool:
     return all(span == (1.0, 1.0) for span in layer.colour)
 
@@ -246,22 +256,6 @@ def _write_shapes(rows: Table, shapes: Sequence[Shape]) -> None:
                 row["dent_low"], row["dent_high"] = shape.waviness
 
 
-def _cumulative_counts(
-    layer: Scatter, chunk_m2: float, counts: npt.NDArray[np.float64]
-) -> npt.NDArray[np.float64]:
-    """Poisson: the probability of at most k obstacles in a chunk, of each section: (8, counts)."""
-    factors = layer.sections or (1.0,)
-    rows = np.ones((MAX_SECTIONS, counts.shape[3]))  # the last entry stays 1: nothing passes it
-    for section, factor in enumerate(factors):
-        mean, cumulative = layer.density_per_m2 * factor * chunk_m2, 0.0
-        log_mean = math.log(mean) if mean > 0.0 else -math.inf
-        for k in range(rows.shape[1] - 1):
-            # By its logarithm: exp(−mean) alone is 0 in the densest chunks.
-            cumulative += math.exp((k * log_mean if k else 0.0) - mean - math.lgamma(k + 1))
-            rows[section, k] = min(cumulative, 1.0)
-    return rows
-
-
 def _most_counts(worlds: Sequence[World]) -> int:
     """Most obstacles that a chunk of any of the worlds can have."""
     means = [
@@ -270,18 +264,7 @@ def _most_counts(worlds: Sequence[World]) -> int:
         for layer in world.layers
         if isinstance(layer, Scatter)
     ]
-    return max((_poisson_quantile(mean) for mean in means), default=1)
-
-
-def _poisson_quantile(mean: float) -> int:
-    """The count that is passed with a probability below 1e-15; at least the mean."""
-    probability = cumulative = math.exp(-mean)
-    count = 0
-    while cumulative < 1.0 - 1e-15 and count < mean + 12 * math.sqrt(mean) + 20:
-        count += 1
-        probability *= mean / count
-        cumulative += probability
-    return count + 1
+    return max((poisson_quantile(mean) for mean in means), default=1)
 
 
 def _shape_count(layer: Layer) -> int:

@@ -197,9 +197,9 @@ class World:
         return density * half_m**2 * forward_mps / lateral_mps
 
     @property
-    def densest(self) -> "World":
+    def fullest(self) -> "tuple[World, ...]":
         """The fullest of a family: itself."""
-        return self
+        return (self,)
 
     def drawn(self, seed: int) -> "World":
         """The world of a seed: itself. Worlds with ranges draw their numbers here."""
@@ -253,8 +253,8 @@ class WorldSource(Protocol):
         """See `World`; None for a family."""
 
     @property
-    def densest(self) -> World:
-        """The world with every number at its upper end: no other needs more room."""
+    def fullest(self) -> tuple[World, ...]:
+        """Worlds of the family, one of which at least needs as much room as any other."""
 
     def drawn(self, seed: int) -> World:
         """The world of a seed, 0 to 2⁶⁴ − 1."""

@@ -42,6 +42,22 @@ print(sorted(loaded & {"numba", "gymnasium", "matplotlib", "torch"}))
     assert done.stdout.strip() == "[]"
 
 
+@pytest.mark.parametrize("wrong", [["--preset", "none"], ["--seed", "-1"], ["--world", "none"]])
+def test_a_wrong_run_is_refused_before_torch_is_loaded(wrong: list[str], tmp_path: Path):
+    code = """
+import sys
+from reflexarc.main import main
+try:
+    status = main(sys.argv[1:])
+except SystemExit as end:
+    status = end.code
+print(status, "torch" in sys.modules)
+"""
+    train = ["train", "--out", str(tmp_path), *wrong]
+    done = subprocess.run([sys.executable, "-c", code, *train], capture_output=True, text=True)
+    assert done.stdout.strip() == "2 False", done.stderr
+
+
 @pytest.fixture(scope="module")
 def target(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A fresh environment with the wheel and its base dependencies; its bin folder."""

@@ -191,7 +191,7 @@ def test_the_densest_section_that_can_be_is_as_dense_as_it_says() -> None:
     world = World("dense", layers=(layer,))
     counts = [len(outlines_of_chunk(world, seed, 0, 0)) for seed in range(12)]
     assert np.mean(counts) == pytest.approx(1000.0, abs=4 * math.sqrt(1000.0 / 12))
-    tables = world_tables([world], PolicyContract(), world)
+    tables = world_tables([world], PolicyContract())
     assert (np.diff(tables.counts, axis=-1) >= 0.0).all()
 
 

@@ -1,5 +1,6 @@
 """The parts of the world's step: compiled where a world needs them, called with what they take."""
 
+import math
 import pickle
 
 import numpy as np
@@ -10,7 +11,7 @@ from numba.core import types
 from reflexarc_sim_bridge import by_address
 from reflexarc_sim_bridge.compiled import compiled, compiled_called, compiled_inner
 from reflexarc_sim_bridge.compiled_step import Step, step_for
-from reflexarc_sim_bridge.layers import CHUNK_M, Automaton, Corridor, Drift, Gates, Layer, Scatter
+from reflexarc_sim_bridge.layers import Automaton, Corridor, Drift, Gates, Layer, Scatter
 from reflexarc_sim_bridge.reference_field import reference_contract
 from reflexarc_sim_bridge.shapes import Discs, Rectangles
 from reflexarc_sim_bridge.simulation import Simulation, motions_of
@@ -161,7 +162,7 @@ length_m = [0.2, { from = 0.3, to = 9.0 }]
 """
 
 
-def test_where_the_densest_world_has_no_room_for_a_belt_no_world_has_one() -> None:
+def test_where_the_fullest_world_has_no_room_for_a_belt_no_world_has_one() -> None:
     """Its boxes reach too far around the period; those of another seed would not."""
     family, seeds = parse_world(LONG_OR_SHORT), np.arange(12, dtype=np.uint64)
     together = Simulation(family, reference_contract(), seeds)
@@ -171,32 +172,18 @@ def test_where_the_densest_world_has_no_room_for_a_belt_no_world_has_one() -> No
     assert any(one.params.world.layers["has_belt"][0, 0] for one in alone)
     assert not together.params.world.layers["has_belt"].any()
     for agent, one in enumerate(alone):
-        near, wanted = together.outlines_near(agent), one.outlines_near(0)
-        assert len(near) == len(wanted) > 0
-        middles_m = [sorted((o.x_m, o.y_m) for o in found) for found in (near, wanted)]
-        np.testing.assert_allclose(middles_m[0], middles_m[1], atol=1e-5)
+        near, wanted = within_reach(together, agent), within_reach(one, 0)
+        assert len(near) > 0
+        np.testing.assert_allclose(near, wanted, atol=1e-5)
 
 
-SLOW_OR_FAST = """
-name = "slow or fast"
-[[layers]]
-kind = "scatter"
-density_per_m2 = 0.2
-motion = { kind = "drift", ahead_mps = { from = -20.0, to = -1.0 } }
-"""
-
-
-def test_a_world_that_needs_a_longer_belt_than_the_densest_one_has_none() -> None:
-    """The upper end of a speed towards the agents is the slowest: it keeps less behind them."""
-    seeds = np.arange(40, dtype=np.uint64)
-    simulation = Simulation(parse_world(SLOW_OR_FAST), reference_contract(), seeds)
-    world, room = simulation.params.world, simulation.params.agents.belt_counts.shape[2]
-    needed = np.floor(1.0 + (world.planes["ahead_m"] + world.layers["reach_m"][:, 0]) / CHUNK_M)
-    needed += 1.0 - np.floor(-(world.planes["behind_m"] + world.layers["reach_m"][:, 0]) / CHUNK_M)
-    has_belt = world.layers["has_belt"][:, 0] == 1
-    assert needed.max() > room
-    assert has_belt.any()
-    assert (needed[has_belt] <= room).all()
+def within_reach(simulation: Simulation, agent: int) -> npt.NDArray[np.float64]:
+    """Middles of the obstacles that an agent may see, in order; a list may hold more: (n, 2)."""
+    range_m = simulation.contract.retina.range_m
+    x_m, y_m = simulation.x_m[agent], simulation.y_m[agent]
+    near = simulation.outlines_near(agent)
+    middles = sorted((o.x_m, o.y_m) for o in near)
+    return np.array([m for m in middles if math.dist(m, (x_m, y_m)) < range_m]).reshape(-1, 2)
 
 
 def test_what_holds_addresses_is_not_copied() -> None:

@@ -183,6 +183,6 @@ def test_nothing_reaches_farther_than_the_farthest_of_a_world_s_layers() -> None
 
 def test_a_contract_s_fastest_action_is_among_what_a_world_keeps_near() -> None:
     fast = PolicyContract(actions=(Action("a", 90.0, 0.0), Action("b", 0.0, 0.0)))
-    plane = world_tables([World("plain")], fast, World("plain")).planes[0]
+    plane = world_tables([World("plain")], fast).planes[0]
     assert plane["ahead_m"] >= 9.0
     assert plane["behind_m"] >= 9.0

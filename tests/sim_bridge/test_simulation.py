@@ -17,6 +17,7 @@ from reflexarc_sim_bridge.layers import Automaton, Corridor, Drift, Gates, Scatt
 from reflexarc_sim_bridge.seeds import test_seeds, validation_seeds
 from reflexarc_sim_bridge.shapes import Curves, Discs, Polygons, Rectangles
 from reflexarc_sim_bridge.simulation import Simulation, motions_of
+from reflexarc_sim_bridge.world_files import parse_world
 from reflexarc_sim_bridge.worlds import AfterContact, Chassis, Edges, Scanner, Senses, World
 from support.drawn_worlds import TURNING
 
@@ -287,3 +288,12 @@ def test_a_copy_in_another_process_goes_on_as_this_one_does(tmp_path: Path) -> N
     for _ in range(20):
         simulation.step_and_sense(np.ones(3, np.int64))
     assert there == simulation.stacks.tobytes().hex()
+
+
+def test_a_step_lasts_as_long_as_those_of_the_agents_do_on_average() -> None:
+    text = 'name = "quick"\ndt_s = { from = 0.05, to = 0.15 }\n[[layers]]\nkind = "scatter"\n'
+    family, seeds = parse_world(text), np.arange(8, dtype=np.uint64)
+    drawn_s = [family.drawn(seed).dt_s for seed in seeds.tolist()]
+    assert len(set(drawn_s)) == 8
+    assert Simulation(family, CONTRACT, seeds).dt_s == pytest.approx(sum(drawn_s) / 8)
+    assert Simulation(REFERENCE, CONTRACT, seeds).dt_s == REFERENCE.dt_s

@@ -3,12 +3,14 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
 from reflexarc_sim_bridge import second_process
-from reflexarc_trainer import compile_ahead
+from reflexarc_trainer import compile_ahead, online_learner
 from reflexarc_trainer.compile_ahead import compile_side_by_side
 from reflexarc_trainer.presets import PRESETS
 
@@ -77,6 +79,27 @@ def test_no_helper_outlives_a_world_that_cannot_be_made(monkeypatch: pytest.Monk
     with pytest.raises(ValueError, match="no such world"):
         compile_side_by_side(CONFIG)
     assert [helper.returncode for helper in helpers] == [-9]
+
+
+@pytest.mark.parametrize("cores", [1, 2])
+def test_a_learner_is_compiled_as_no_other_process_does(
+    cores: int, monkeypatch: pytest.MonkeyPatch
+):
+    """With one processor, or a helper that failed, by the process that needs it."""
+    helpers_that("raise SystemExit(3)", monkeypatch)
+    monkeypatch.setattr(os, "sched_getaffinity", lambda pid: set(range(cores)))
+    done: list[str] = []
+
+    @contextmanager
+    def alone(what: str) -> Iterator[None]:
+        done.append(f"{what} locked")
+        yield
+        done.append("unlocked")
+
+    monkeypatch.setattr(compile_ahead, "compiling_alone", alone)
+    monkeypatch.setattr(online_learner, "compile_learner", lambda config: done.append("compiled"))
+    compile_side_by_side(CONFIG)
+    assert done == ["online_learner.drive locked", "compiled", "unlocked"]
 
 
 def no_world(*_: object) -> None:

@@ -22,7 +22,7 @@ _LEARNERS = {"batched": "batched.learn", "online": "online_learner.drive"}
 
 
 def compile_side_by_side(config: TrainConfig) -> None:
-    """Compile world and learner of a run, unless one of them is in the cache.
+    """Compile the learner of a run, and its world meanwhile, unless that is done.
 
     Raises:
         WorldError: there is no such world, or it cannot give what the eye asks for.
@@ -30,14 +30,15 @@ def compile_side_by_side(config: TrainConfig) -> None:
     if _is_worth_it(config):
         with at_work(__name__, json.dumps(config.resolved()).encode()):
             Simulation(config.worlds[0].source(), config.contract(), np.zeros(1, np.uint64))
+    if not is_kept(_LEARNERS[config.learner.form]):
+        compile_learner(config)
 
 
 def compile_learner(config: TrainConfig) -> None:
-    """Compile the code that a run learns with, unless that is done: it learns for no step."""
-    if config.learner.form == "batched":
-        batched_learner.compile_learner(config)
-    else:
-        online_learner.compile_learner(config)
+    """Compile the code that a run learns with, as no other process does: it learns for no step."""
+    form = batched_learner if config.learner.form == "batched" else online_learner
+    with compiling_alone(_LEARNERS[config.learner.form]), uncollected():
+        form.compile_learner(config)
 
 
 def _is_worth_it(config: TrainConfig) -> bool:
@@ -54,8 +55,7 @@ def main() -> None:
         )
         raise SystemExit(2) from None
     end_with_parent()
-    with compiling_alone(_LEARNERS[config.learner.form]), uncollected():
-        compile_learner(config)
+    compile_learner(config)
 
 
 if __name__ == "__main__":

@@ -8,7 +8,6 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_runtime.errors import UsageError
-from reflexarc_sim_bridge.worlds import World
 from reflexarc_trainer.config import TrainConfig
 
 Arrays = dict[str, npt.NDArray[Any]]
@@ -99,7 +98,7 @@ def check_finite(weights: npt.NDArray[Any], step: int, config: TrainConfig) -> N
     )
 
 
-def driven_m(config: TrainConfig, world: World, transitions: float, distance_m: float) -> float:
+def driven_m(config: TrainConfig, dt_s: float, transitions: float, distance_m: float) -> float:
     """The metres over which contacts are counted, all agents together.
 
     Progress along x: nobody scores better by zigzagging. A body that turns has no x of its own, so
@@ -107,13 +106,13 @@ def driven_m(config: TrainConfig, world: World, transitions: float, distance_m: 
 
     Args:
         config: says whether it turns.
-        world: where, for the duration of a step.
+        dt_s: duration of a step.
         transitions: of all agents.
         distance_m: their progress along x.
     """
     if config.motion == "turning":
         steps = transitions * config.learner.exploration.action_repeat
-        return max(1e-9, steps * world.dt_s * config.forward_mps)
+        return max(1e-9, steps * dt_s * config.forward_mps)
     return max(1e-9, distance_m)
 
 

@@ -16,7 +16,7 @@ from reflexarc_runtime.errors import UsageError
 from reflexarc_sim_bridge.kernel import LOOK, MOVE
 from reflexarc_sim_bridge.seeds import TRAINING_SEEDS
 from reflexarc_sim_bridge.simulation import Simulation
-from reflexarc_sim_bridge.world_step import call
+from reflexarc_sim_bridge.world_step import step_world
 from reflexarc_trainer.block import input_curve
 from reflexarc_trainer.choice import new_streams
 from reflexarc_trainer.config import TrainConfig
@@ -105,10 +105,10 @@ class OnlineLearner:
     def report(self) -> Report:
         """What happened since the last mark."""
         td_errors, contacts, step, distance_m = self._state.totals.tolist()
-        world, transitions = self._simulation.world.densest, self.step - step
+        dt_s, transitions = self._simulation.dt_s, self.step - step
         contacts = float(self._simulation.contacts[0]) - contacts
         distance_m = float(self._simulation.distance_m[0]) - distance_m
-        driven = driven_m(self.config, world, transitions, distance_m)
+        driven = driven_m(self.config, dt_s, transitions, distance_m)
         return Report(
             mean_abs_error=td_errors / max(1.0, transitions),
             contacts_per_100m=100.0 * contacts / driven,
@@ -253,7 +253,7 @@ def drive(
         contact, reward = False, 0.0
         for repeated in range(1, rules.action_repeat + 1):
             tasks = MOVE + LOOK if repeated == rules.action_repeat else MOVE
-            call(step, held, action, scratch.met, tasks, 0, 1)
+            step_world(step, held, action, scratch.met, tasks, 0, 1)
             contact |= scratch.met[0]
             reward += rules.reward_contact if scratch.met[0] else rules.reward_step
         learn_step(rules, state, scratch, stack, contact, reward)

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_sim_bridge.kernel import LOOK, MOVE
-from reflexarc_sim_bridge.world_step import call
+from reflexarc_sim_bridge.world_step import step_world
 from reflexarc_trainer.block import Block, Layers, forward
 from reflexarc_trainer.choice import Streams, choose, expected_value, winner
 from reflexarc_trainer.fused import fused
@@ -126,7 +126,7 @@ def roll_out(
         contacts[:], rewards[:] = False, 0
         for repeated in range(1, manner.action_repeat + 1):
             tasks = MOVE + LOOK if repeated == manner.action_repeat else MOVE
-            call(place.step, place.held, pending.action, pending.met, tasks, first, end)
+            step_world(place.step, place.held, pending.action, pending.met, tasks, first, end)
             _reap(manner, pending.met[first:end], average_reward, contacts, rewards)
         for c in range(columns):
             _see(manner.curve, place.stack[first + c], rollout.inputs[shard, t + 1], c)

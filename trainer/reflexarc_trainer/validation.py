@@ -68,7 +68,7 @@ def validate(network: QNetwork, config: TrainConfig) -> float:
     distance_m, contacts = simulation.distance_m.copy(), simulation.contacts.copy()
     driver.drive(scale.steps)
     progress_m = float((simulation.distance_m - distance_m).sum())
-    metres = driven_m(config, simulation.world.densest, scale.agents * scale.steps, progress_m)
+    metres = driven_m(config, simulation.dt_s, scale.agents * scale.steps, progress_m)
     return 100.0 * int((simulation.contacts - contacts).sum()) / metres
 
 

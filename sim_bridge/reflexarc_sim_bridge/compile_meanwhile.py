@@ -33,7 +33,10 @@ def main() -> None:
         module, name, types = pickle.load(sys.stdin.buffer)
         function = getattr(import_module(module), name)
     except Exception as error:  # a pickle of garbage can raise anything
-        print(f"compile_ahead: expected a pickled call on standard input: {error}", file=sys.stderr)
+        print(
+            f"compile_meanwhile: expected a pickled call on standard input: {error}",
+            file=sys.stderr,
+        )
         raise SystemExit(2) from None
     end_with_parent()
     with uncollected():

@@ -13,10 +13,10 @@ import numba
 import numpy as np
 import pytest
 
-from reflexarc_sim_bridge import compile_ahead, second_process
+from reflexarc_sim_bridge import compile_meanwhile, second_process
 from reflexarc_sim_bridge.random_numbers import uniform
 
-AHEAD = [sys.executable, "-m", "reflexarc_sim_bridge.compile_ahead"]
+AHEAD = [sys.executable, "-m", "reflexarc_sim_bridge.compile_meanwhile"]
 ASK = """
 import numba
 import numpy as np
@@ -42,7 +42,7 @@ def test_what_is_no_call_is_one_line_and_exit_status_2(
 ):
     monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(given)))
     with pytest.raises(SystemExit) as ended:
-        compile_ahead.main()
+        compile_meanwhile.main()
     assert ended.value.code == 2
     assert capsys.readouterr().err.count("\n") == 1
 
