@@ -108,6 +108,14 @@ def _reflex(
     return Ours(replace(preset, steps=steps or preset.steps, network=network, learner=learner))
 
 
+def _changed(ours: Ours, action_repeat: int, **learner: Any) -> Ours:
+    """The same with another learner, each action repeated so often."""
+    config = ours.config
+    exploration = replace(config.learner.exploration, action_repeat=action_repeat)
+    changed = replace(config.learner, exploration=exploration, **learner)
+    return Ours(replace(config, learner=changed))
+
+
 def _tuned(algorithm: str, agents: int, rate: float, **settings: Any) -> Theirs:
     shared = {"falling_rate": rate, "input_power": 2, "held_steps": 3}
     return Theirs(algorithm, agents, {"gamma": 0.9, **settings}, **shared)
@@ -152,6 +160,13 @@ _QUICK = _reflex(
     minibatches=8,
     learning_rate=7e-3,
 )
+_LONG = _changed(
+    _reflex(agents=512, averaged_weights=0.999),
+    action_repeat=2,
+    gamma=0.93,
+    trace_decay=0.65,
+    after_contact="terminal",
+)
 _DEEP = _reflex(agents=256, averaged_weights=0.99, hidden=(64, 64), learning_rate=2e-3)
 _SHORT_S, _LONG_S, _REST_S = 3.0, 60.0, 30.0
 _LAST_LEVEL = 3.5
@@ -169,7 +184,7 @@ CONTENDERS = (
     Contender("reflex", "ours", Ours(PRESETS["reflex"]), _SHORT_S, is_paced=False),
     Contender("reflex-short", "ours", _QUICK, _SHORT_S, is_paced=False),
     Contender("reflex-3s", "ours", _reflex(averaged_weights=0.995), _SHORT_S),
-    Contender("reflex-60s", "ours", _reflex(agents=512, averaged_weights=0.99), _LONG_S),
+    Contender("reflex-60s", "ours", _LONG, _LONG_S),
     Contender("reflex-deep-60s", "ours", _DEEP, _LONG_S),
     Contender("online-3s", "ours", Ours(PRESETS["reflex-online"]), _SHORT_S, cores=1),
     *_ablations(),

@@ -63,6 +63,10 @@ class Judge:
     rate: Callable[[FrozenPolicy], float] = field(default=lambda policy: validation_rate(policy))
     looks: list[Look] = field(default_factory=list)
     due_s: float = FIRST_LOOK_S
+    starts_cold: bool = False
+    """Whether the times of looks grow from the first one on: what came before was compiling."""
+    origin_s: float = 0.0
+    """From where they grow."""
     last: FrozenPolicy | None = None
     ended_s: float = 0.0
     """When it was last asked to look, though nothing may have been learned since."""
@@ -83,12 +87,18 @@ class Judge:
         """Measure the policy, unless it is the last one still; the clock stands meanwhile."""
         self.ended_s = seconds = self.clock.seconds
         with self.clock.stopped():
-            while self.due_s <= seconds:
-                self.due_s *= RATIO
+            self._put_off(seconds)
             policy = frozen()
             if self.last is None or not policy.equals(self.last):
                 self.looks.append(Look(seconds, world_steps, self.rate(policy)))
             self.last = policy
+
+    def _put_off(self, seconds: float) -> None:
+        """Be due at the next of the growing times."""
+        if self.starts_cold and not self.looks:
+            self.origin_s, self.due_s = seconds, seconds + FIRST_LOOK_S
+        while self.due_s <= seconds:
+            self.due_s = self.origin_s + (self.due_s - self.origin_s) * RATIO
 
 
 def validation_rate(policy: FrozenPolicy) -> float:

@@ -5,6 +5,7 @@ theirs follow the clock itself, in place of the steps that Stable-Baselines3 wou
 """
 
 import math
+from copy import deepcopy
 from dataclasses import replace
 from typing import Any
 
@@ -119,10 +120,11 @@ def algorithm(name: str) -> Any:
 
 
 def _settings(theirs: Theirs) -> dict[str, Any]:
-    peak = theirs.falling_rate
-    if peak is None:
-        return dict(theirs.settings)
-    return {**theirs.settings, "learning_rate": lambda left: max(0.0, left) * peak}
+    """Copied to the bottom: the library writes into `policy_kwargs`."""
+    settings, peak = deepcopy(dict(theirs.settings)), theirs.falling_rate
+    if peak is not None:
+        settings["learning_rate"] = lambda left: max(0.0, left) * peak
+    return settings
 
 
 def _follow(model: Any, judge: Judge) -> None:

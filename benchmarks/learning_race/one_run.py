@@ -27,7 +27,7 @@ def warm_record(contender: Contender, seed: int, scale: Scale) -> str:
 def cold_record(contender: Contender, seed: int, scale: Scale, started_s: float) -> str:
     """Learn up to the first level in a process that began at `started_s`, without any cache."""
     set_threads(contender)
-    judge = Judge(Clock(started_s), COLD_LIMIT_S, LEVELS[0])
+    judge = Judge(Clock(started_s), COLD_LIMIT_S, LEVELS[0], starts_cold=True)
     judge.due_s = judge.clock.seconds
     learn(contender.learner, seed, judge)
     return json.dumps(_record(contender, seed, judge))

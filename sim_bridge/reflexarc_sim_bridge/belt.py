@@ -7,7 +7,7 @@ to be drawn. Only where it enters another column of chunks a belt loses one and 
 Places on a belt are 32-bit integers that wrap: along x 1/2²⁴ of a chunk, across 1/2³² of the
 period. The difference of two is right whichever way round it is, up to half a period, and the same
 after a metre or a thousand kilometres. What can be seen or met is here as `gather_scatter` lists
-it, but for rounding (0.2 µm); beyond that it leaves out chunks, which a belt does not.
+it, but for rounding (0.2 µm); of what lies beyond, a belt has a little more.
 
 All work is in phases over flat arrays, each of which the compiler turns into vector instructions.
 """
@@ -108,6 +108,8 @@ def move_belt(
         if shape.kind == TURNED_BOX:
             turn_boxes(shape, draws, belt, begun, end)
         belt.counts[k] = end - begun
+    for k in range(columns, belt.counts.size):  # of a world that the agent was in before
+        belt.counts[k] = 0
 
 
 @compiled_inner

@@ -83,7 +83,7 @@ class Simulation:
         self.contract = contract
         worlds = [world] if isinstance(world, World) else [world.drawn(s) for s in seeds.tolist()]
         tables = world_tables(worlds, contract, world.fullest)
-        room = tables if world is worlds[0] else world_tables(world.fullest, contract)
+        room = tables if isinstance(world, World) else world_tables(world.fullest, contract)
         agents = agents_at_zero(seeds, tables, room, contract)
         if lanes is not None:
             agents.state["lane"] = lanes
@@ -197,7 +197,7 @@ class Simulation:
         self.advance(self._no_actions, self._met, kernel.LOOK, first, end)
 
     def step(self, actions: Actions) -> npt.NDArray[np.bool_]:
-        """Move every agent for `world.dt_s`.
+        """Move every agent for a step of its world.
 
         Args:
             actions: indices into the contract's actions: (n,).

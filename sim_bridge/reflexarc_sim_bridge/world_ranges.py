@@ -6,7 +6,7 @@ seed and of the place of the number in the file: adding a range changes no other
 """
 
 import hashlib
-import math
+import sys
 from collections.abc import Callable
 from typing import TypeAlias
 
@@ -20,6 +20,9 @@ Choose: TypeAlias = Callable[[Span, type, KeyPath], float]
 WIDTH = "width_m"
 """Where the width of a world stands in its file."""
 
+_SMALL_IS_MORE = ("period_s", "wavelength_m")
+"""Fields by which things are the faster or the steeper, the smaller they are."""
+_LARGEST = sys.float_info.max
 _SALT = "reflexarc world range 1"
 """Any change to what a seed draws takes a new number."""
 _STEPS = (1 << 53) - 1
@@ -47,8 +50,8 @@ def highest(ends: Span, kind: type, path: KeyPath) -> float:
 
 
 def farthest(ends: Span, kind: type, path: KeyPath) -> float:
-    """What makes things large, many and fast: the end farther from 0, of a period the lower one."""
-    return ends[0] if path[-1] == "period_s" else max(ends, key=abs)
+    """What makes things large, many, fast and steep: nearly always the end farther from 0."""
+    return ends[0] if path[-1] in _SMALL_IS_MORE else max(ends, key=abs)
 
 
 def farthest_at(width_m: float) -> Choose:
@@ -97,4 +100,4 @@ def _end(value: object, kind: type) -> float | None:
         return None
     if kind is int and not isinstance(value, int):
         return None
-    return value if math.isfinite(value) else None
+    return value if abs(value) <= _LARGEST else None

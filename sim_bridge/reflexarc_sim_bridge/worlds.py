@@ -229,12 +229,12 @@ class World:
         require(room_m > 0.0, "chassis.radius_m", "room within the corridor", room_m)
 
     def _check_gates(self) -> None:
-        for layer in self.layers:
+        for number, layer in enumerate(self.layers):
             if isinstance(layer, Gates):
                 pitch_m = self.pitch_m(layer)
                 fits = layer.opening_m[1] < pitch_m
                 expected = f"below the pitch, which is {pitch_m:g} m in this width"
-                require(fits, "gates.opening_m", expected, layer.opening_m)
+                require(fits, f"layers[{number}].opening_m", expected, layer.opening_m)
 
 
 class WorldSource(Protocol):

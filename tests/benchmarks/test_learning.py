@@ -1,16 +1,18 @@
 """The fair comparison is fair: everybody's world, policy and clock are what they should be."""
 
 import json
+import time
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from learning_race.contenders import Theirs, named
 from learning_race.field import FieldVecEnv
 from learning_race.frozen import FrozenPolicy, of_ours, of_theirs
-from learning_race.judge import Clock, Judge, Look, reached
-from learning_race.learn import algorithm
+from learning_race.judge import FIRST_LOOK_S, Clock, Judge, Look, reached
+from learning_race.learn import algorithm, new_model
 from learning_race.report import write_report
 from learning_race.results import Run, times_to
 from learning_race.schedule import Scale, warm_entries
@@ -75,6 +77,18 @@ def test_a_frozen_policy_decides_as_the_model_predicts(name: str, input_power: i
     assert len(set(actions.tolist())) > 1
 
 
+@pytest.mark.parametrize("name", ["qrdqn-tuned", "dqn-matched"])
+def test_a_rival_has_the_same_settings_after_its_model_is_made(name: str) -> None:
+    """Its run would be said to be another one's, and be done again."""
+    if name.startswith("qrdqn"):
+        pytest.importorskip("sb3_contrib")
+    contender = named(name)
+    assert isinstance(contender.learner, Theirs)
+    before = contender.settings_hash
+    new_model(contender.learner, 0, Judge(Clock(), limit_s=1.0))
+    assert contender.settings_hash == before
+
+
 @pytest.mark.parametrize("preset", ["reflex", "online"])
 def test_our_frozen_policy_decides_as_our_network(preset: str) -> None:
     config = replace(PRESETS[preset], seed=5)
@@ -103,6 +117,15 @@ def test_a_policy_that_has_learned_nothing_is_not_looked_at_again() -> None:
     for bias in (0.0, 0.0, 1.0):
         judge.look(lambda bias=bias: policy_of(bias), 0)
     assert len(judge.looks) == 2
+
+
+def test_after_a_cold_start_looks_follow_each_other_as_closely_as_after_a_warm_one() -> None:
+    """Growing from the start of the process they would come seconds apart."""
+    judge = Judge(Clock(time.monotonic() - 20.0), 60.0, rate=lambda policy: 5.0, starts_cold=True)
+    judge.look(lambda: policy_of(0.0), 0)
+    assert judge.due_s - judge.ended_s == pytest.approx(FIRST_LOOK_S)
+    judge.look(lambda: policy_of(1.0), 0)
+    assert judge.due_s - judge.looks[0].seconds < 2.0
 
 
 def test_the_clock_stands_during_a_look() -> None:

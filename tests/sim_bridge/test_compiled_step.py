@@ -2,13 +2,15 @@
 
 import math
 import pickle
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import numpy as np
 import numpy.typing as npt
 import pytest
 from numba.core import types
 
-from reflexarc_sim_bridge import by_address
+from reflexarc_sim_bridge import by_address, compiled_step
 from reflexarc_sim_bridge.compiled import compiled, compiled_called, compiled_inner
 from reflexarc_sim_bridge.compiled_step import Step, step_for
 from reflexarc_sim_bridge.layers import Automaton, Corridor, Drift, Gates, Layer, Scatter
@@ -184,6 +186,49 @@ def within_reach(simulation: Simulation, agent: int) -> npt.NDArray[np.float64]:
     near = simulation.outlines_near(agent)
     middles = sorted((o.x_m, o.y_m) for o in near)
     return np.array([m for m in middles if math.dist(m, (x_m, y_m)) < range_m]).reshape(-1, 2)
+
+
+SLOW_OR_FAST = """
+name = "slow or fast"
+[[layers]]
+kind = "scatter"
+density_per_m2 = 0.2
+motion = { kind = "drift", ahead_mps = { from = -20.0, to = -1.0 } }
+"""
+
+
+def test_an_agent_takes_nothing_along_from_a_world_with_a_longer_belt() -> None:
+    family, one = parse_world(SLOW_OR_FAST), np.zeros(1, np.int64)
+    fast, slow = np.array([8], np.uint64), np.array([2], np.uint64)
+    moved = Simulation(family, reference_contract(), fast)
+    columns = np.count_nonzero(moved.params.agents.belt_counts)
+    fresh = Simulation(family, reference_contract(), slow)
+    assert np.count_nonzero(fresh.params.agents.belt_counts) < columns
+    moved.place(one, slow)
+    for _ in range(60):
+        assert moved.step_and_sense(one) == fresh.step_and_sense(one)
+        assert moved.stacks.tobytes() == fresh.stacks.tobytes()
+        middles = [[(o.x_m, o.y_m) for o in s.outlines_near(0)] for s in (moved, fresh)]
+        assert middles[0] == middles[1]
+
+
+def test_what_compiles_a_part_on_its_own_is_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    done: list[str] = []
+
+    @contextmanager
+    def alone(what: str) -> Iterator[None]:
+        done.append(what)
+        yield
+
+    monkeypatch.setattr(compiled_step, "compiling_alone", alone)
+    monkeypatch.setattr(compiled_step, "_others", {})
+    contract = reference_contract()
+    params = Simulation(World("plain"), contract, np.zeros(1, np.uint64)).params
+    done.clear()
+    for _ in range(2):
+        compiled_step.cover_for(params, motions_of(contract))
+        compiled_step.cast_for(params, motions_of(contract))
+    assert done == ["cover", "cast"]
 
 
 def test_what_holds_addresses_is_not_copied() -> None:

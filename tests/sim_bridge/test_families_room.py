@@ -36,6 +36,10 @@ motion = {{ kind = "drift", ahead_mps = {{ from = -20.0, to = -1.0 }} }}""",
 motion = {{ kind = "drift", left_mps = {{ from = -30.0, to = 9.0 }} }}""",
     "fast where the period is short": f"""{SCATTER}
 motion = {{ kind = "swing", left_m = 20.0, period_s = {{ from = 0.5, to = 40.0 }} }}""",
+    "steep where the waves are short": """
+kind = "corridor"
+meander_m = 4.0
+wavelength_m = { from = 10.0, to = 60.0 }""",
     "automata": """
 kind = "automaton"
 cells_per_chunk = { from = 2, to = 16 }""",
@@ -75,7 +79,8 @@ def assert_room_for_all(family: WorldSource) -> None:
 @pytest.mark.parametrize("width", WIDTHS.values(), ids=WIDTHS)
 @pytest.mark.parametrize("layer", LAYERS.values(), ids=LAYERS)
 def test_a_family_has_as_much_room_as_any_of_its_worlds_makes(layer: str, width: str) -> None:
-    assert_room_for_all(family_of(layer, width, "periodic"))
+    edges = "unbounded" if "corridor" in layer else "periodic"
+    assert_room_for_all(family_of(layer, width, edges))
 
 
 @pytest.mark.parametrize("layer", SHAPED.values(), ids=SHAPED)

@@ -162,7 +162,7 @@ def test_what_cannot_be_names_its_field(make: Callable[[], object], field: str) 
         ),
         (
             {"width_m": 7.6, "layers": (Gates(pitch_m=5.0, opening_m=(1.0, 4.5)),)},
-            "gates.opening_m",
+            r"layers\[0\]\.opening_m",
         ),
     ],
 )

@@ -9,8 +9,11 @@ import pytest
 from numba.core import types
 from numba.extending import intrinsic
 
+from reflexarc_runtime.contract import PolicyContract
 from reflexarc_sim_bridge.compiled import compiled
 from reflexarc_sim_bridge.reference import Reference, laid_out
+from reflexarc_sim_bridge.simulation import Simulation
+from reflexarc_sim_bridge.worlds import World
 
 
 class Inner(NamedTuple):
@@ -44,6 +47,25 @@ def _refer(_: Any, address: Any, like: Any) -> Any:
 refer: Any = intrinsic(_refer)
 
 
+def _size(_: Any, like: Any) -> Any:
+    """Bytes that Numba takes for a value in memory."""
+
+    def emit(context: Any, builder: Any, signature: Any, __: Any) -> Any:
+        form = context.get_data_type(signature.args[0])
+        return context.get_constant(types.intp, context.get_abi_sizeof(form))
+
+    return types.intp(like), emit
+
+
+size: Any = intrinsic(_size)
+
+
+@compiled
+def size_of(value: Any) -> int:
+    """The same, to be called from Python."""
+    return int(size(value))
+
+
 @compiled
 def double_all(address: int, like: Outer) -> float:
     """Read every part by reference, and write through the array."""
@@ -70,6 +92,14 @@ def test_parts_are_read_where_they_lie() -> None:
     memory = laid_out(outer)
     assert double_all(memory.ctypes.data, outer) == 60.0
     np.testing.assert_array_equal(numbers, [2.0, 4.0, 6.0])
+
+
+def test_what_is_laid_out_is_as_long_as_what_numba_lays_out() -> None:
+    outer = outer_of(np.ones(1))
+    assert laid_out(outer).itemsize == size_of(outer)
+    seeds = np.arange(2, dtype=np.uint64)
+    params = Simulation(World("plain"), PolicyContract(), seeds).params
+    assert laid_out(params).itemsize == size_of(params)
 
 
 def test_a_change_at_the_address_is_seen_at_the_next_call() -> None:

@@ -123,6 +123,10 @@ REFUSED: dict[str, tuple[str, str]] = {
     "date for a number": ('name = "x"\ndt_s = 2020-01-01', r":2: dt_s: expected a number, got"),
     "NaN": ('name = "x"\nwidth_m = nan', r":2: width_m: expected 1 to 10000, got nan"),
     "huge number": (f'name = "x"\nwidth_m = {10**400}', r":2: width_m: expected a number"),
+    "huge range": (
+        f'name = "x"\nwidth_m = {{ from = 2, to = {10**400} }}',
+        r":2: width_m: expected a range",
+    ),
     "hexadecimal number": (f'name = "x"\nwidth_m = 0x{"f" * 1900}', r":2: width_m: expected a num"),
     "fraction of a whole": ('name = "x"\nstream = 0.5', r":2: stream: expected a whole number"),
     "edges": ('name = "x"\nedges = "round"', r":2: edges: expected one of periodic, unbounded, o"),

@@ -27,6 +27,11 @@ print(before, sum(drive.stats.cache_hits.values()))
 """
 
 
+@pytest.fixture(autouse=True)
+def nothing_compiled_yet(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(compile_ahead, "_compiled", set())
+
+
 @pytest.fixture
 def empty_cache(tmp_path: Path) -> dict[str, str]:
     return {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
@@ -98,8 +103,18 @@ def test_a_learner_is_compiled_as_no_other_process_does(
 
     monkeypatch.setattr(compile_ahead, "compiling_alone", alone)
     monkeypatch.setattr(online_learner, "compile_learner", lambda config: done.append("compiled"))
-    compile_side_by_side(CONFIG)
+    for _ in range(2):
+        compile_side_by_side(CONFIG)
     assert done == ["online_learner.drive locked", "compiled", "unlocked"]
+
+
+def test_a_world_that_does_not_fit_the_eye_is_refused_before_a_learner_is_compiled(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    monkeypatch.setattr(online_learner, "compile_learner", lambda _: pytest.fail("compiled"))
+    monkeypatch.setattr(compile_ahead, "Simulation", no_world)
+    with pytest.raises(ValueError, match="no such world"):
+        compile_side_by_side(CONFIG)
 
 
 def no_world(*_: object) -> None:

@@ -86,11 +86,15 @@ def test_online_order_of_the_weights_leads_back(hidden: int) -> None:
 
 @pytest.mark.parametrize("units", ["sigmoid", "tanh", "relu"])
 @pytest.mark.parametrize("output", ["linear", "sigmoid"])
-def test_compiled_value_and_gradient_are_those_of_autograd(units: Any, output: Any) -> None:
+@pytest.mark.parametrize(("precision", "tolerance"), [("float64", 1e-12), ("float32", 1e-5)])
+def test_compiled_value_and_gradient_are_those_of_autograd(
+    units: Any, output: Any, precision: Any, tolerance: float
+) -> None:
     network_config = NetworkConfig(
         units=units, output=output, initial_weights="normal", input_power=3
     )
-    config = in_double(TrainConfig(network=network_config))
+    learner = LearnerConfig(online=OnlineConfig(precision=precision))
+    config = TrainConfig(network=network_config, learner=learner)
     rules, _, scratch = set_up(config)
     network = new_network(CONTRACT, config.network, config.seed)
     for seed in range(20):
@@ -98,11 +102,11 @@ def test_compiled_value_and_gradient_are_those_of_autograd(units: Any, output: A
         scratch.inputs[:] = (retinas / 255) ** 3
         forward(rules, scratch)
         q_values = network(torch.from_numpy(retinas.reshape(2, 1, 1, 16, 1))).detach().numpy()
-        np.testing.assert_allclose(scratch.q_values[:, :3], q_values, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(scratch.q_values[:, :3], q_values, rtol=0, atol=tolerance)
         fill_gradient(rules, scratch, seed % 3)
         expected = gradient_of(network, retinas[0], seed % 3)
         mine = from_online(scratch.gradient, *SIZES)
-        np.testing.assert_allclose(mine, expected, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(mine, expected, rtol=0, atol=tolerance)
 
 
 CASES: dict[str, TrainConfig] = {

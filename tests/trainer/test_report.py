@@ -105,6 +105,17 @@ def test_turning_body_is_measured_by_its_path() -> None:
     assert actions == [("stay", 1.0, 0.0), ("left", 1.0, 2.0), ("right", 1.0, -2.0)]
 
 
+def test_the_metres_of_a_turning_body_are_those_that_it_drives() -> None:
+    """Straight on it meets what a blind agent meets, 36 contacts per 100 m of its path."""
+    rover, field = preset_named("rover"), (TrainingWorld("reference-1"),)
+    config = dataclasses.replace(rover, worlds=field)
+    assert config.learner.exploration.action_repeat > 1
+    network = new_network(config.contract(), config.network, seed=0)
+    bias = network.output.bias.detach()
+    bias[:] = bias.new_tensor([50.0, 0.0, 0.0])
+    assert validate(network, config) == pytest.approx(36.0, rel=0.1)
+
+
 def test_without_tensorboard_the_flag_is_refused_in_one_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -83,10 +83,11 @@ class BatchedLearner:
     def report(self) -> Report:
         """What happened since the last mark."""
         steps, contacts, distance_m = self._counts() - self._reported
-        dt_s = self._simulation.dt_s
+        dt_s, repeat = self._simulation.dt_s, self.config.learner.exploration.action_repeat
+        driven = driven_m(self.config, dt_s, steps * repeat, distance_m)
         return Report(
             mean_abs_error=float(self._learning.sums.errors.sum()) / max(1.0, steps),
-            contacts_per_100m=100.0 * contacts / driven_m(self.config, dt_s, steps, distance_m),
+            contacts_per_100m=100.0 * contacts / driven,
         )
 
     def mark(self) -> None:

@@ -6,6 +6,7 @@ processor.
 
 import json
 import sys
+from contextlib import AbstractContextManager, nullcontext
 
 import numpy as np
 
@@ -18,6 +19,8 @@ from reflexarc_trainer import batched_learner, online_learner
 from reflexarc_trainer.config import TrainConfig
 
 _WORLD = "kernel.advance"
+_compiled: set[tuple[str, str, str]] = set()
+"""Form and precisions that this process has compiled or loaded: what the types depend on."""
 _LEARNERS = {"batched": "batched.learn", "online": "online_learner.drive"}
 
 
@@ -27,22 +30,28 @@ def compile_side_by_side(config: TrainConfig) -> None:
     Raises:
         WorldError: there is no such world, or it cannot give what the eye asks for.
     """
-    if _is_worth_it(config):
-        with at_work(__name__, json.dumps(config.resolved()).encode()):
-            Simulation(config.worlds[0].source(), config.contract(), np.zeros(1, np.uint64))
-    if not is_kept(_LEARNERS[config.learner.form]):
-        compile_learner(config)
+    form = config.learner.form, config.learner.batched.precision, config.learner.online.precision
+    if form in _compiled:
+        return
+    with _helped(config):
+        Simulation(config.worlds[0].source(), config.contract(), np.zeros(1, np.uint64))
+    compile_learner(config)
+    _compiled.add(form)
+
+
+def _helped(config: TrainConfig) -> AbstractContextManager[None]:
+    """Within it a second process compiles the learner, if both are still to be compiled."""
+    is_worth_it = has_room() and not is_kept(_WORLD) and not is_kept(_LEARNERS[config.learner.form])
+    if not is_worth_it:
+        return nullcontext()
+    return at_work(__name__, json.dumps(config.resolved()).encode())
 
 
 def compile_learner(config: TrainConfig) -> None:
-    """Compile the code that a run learns with, as no other process does: it learns for no step."""
+    """Compile what a run learns with, while no other process does: it learns for no step."""
     form = batched_learner if config.learner.form == "batched" else online_learner
     with compiling_alone(_LEARNERS[config.learner.form]), uncollected():
         form.compile_learner(config)
-
-
-def _is_worth_it(config: TrainConfig) -> bool:
-    return has_room() and not is_kept(_WORLD) and not is_kept(_LEARNERS[config.learner.form])
 
 
 def main() -> None:

@@ -98,7 +98,7 @@ def check_finite(weights: npt.NDArray[Any], step: int, config: TrainConfig) -> N
     )
 
 
-def driven_m(config: TrainConfig, dt_s: float, transitions: float, distance_m: float) -> float:
+def driven_m(config: TrainConfig, dt_s: float, steps: float, distance_m: float) -> float:
     """The metres over which contacts are counted, all agents together.
 
     Progress along x: nobody scores better by zigzagging. A body that turns has no x of its own, so
@@ -107,11 +107,10 @@ def driven_m(config: TrainConfig, dt_s: float, transitions: float, distance_m: f
     Args:
         config: says whether it turns.
         dt_s: duration of a step.
-        transitions: of all agents.
+        steps: of the world, all agents together.
         distance_m: their progress along x.
     """
     if config.motion == "turning":
-        steps = transitions * config.learner.exploration.action_repeat
         return max(1e-9, steps * dt_s * config.forward_mps)
     return max(1e-9, distance_m)
 

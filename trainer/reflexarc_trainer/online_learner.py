@@ -106,9 +106,10 @@ class OnlineLearner:
         """What happened since the last mark."""
         td_errors, contacts, step, distance_m = self._state.totals.tolist()
         dt_s, transitions = self._simulation.dt_s, self.step - step
+        repeat = self.config.learner.exploration.action_repeat
         contacts = float(self._simulation.contacts[0]) - contacts
         distance_m = float(self._simulation.distance_m[0]) - distance_m
-        driven = driven_m(self.config, dt_s, transitions, distance_m)
+        driven = driven_m(self.config, dt_s, transitions * repeat, distance_m)
         return Report(
             mean_abs_error=td_errors / max(1.0, transitions),
             contacts_per_100m=100.0 * contacts / driven,
