@@ -3,10 +3,10 @@
 Everybody has the reference field's eye and worlds. Ours have one hidden layer of 64 units, or 63,
 but for `reflex-deep-60s`, which has two as the rivals have by default. The tuned rivals have our
 input curve (the square), our repeated actions (while learning, three steps of the world an action),
-our discount (`online-3s` has a longer one), a falling learning rate and one thread of torch: two
-were no faster in the one trial. The matched ones are the tuned ones with our 16–10–3. The default
-ones have their library's settings; how many worlds at once is not among these, and four served PPO
-best.
+our discount (`online-3s` has a longer one; so has `reflex-60s`, which repeats each action twice and
+ends the count at a contact), a falling learning rate and one thread of torch: two were no faster in
+the one trial. The matched ones are the tuned ones with our 16–10–3. The default ones have their
+library's settings; how many worlds at once is not among these, and four served PPO best.
 """
 
 import hashlib

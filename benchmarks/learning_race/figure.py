@@ -13,25 +13,30 @@ from learning_race.results import Run, group_of
 from reflexarc_trainer.statistics import estimate
 
 Floats = npt.NDArray[np.float64]
-PANELS = (("ours", "ablation"), ("tuned",), ("default", "matched"))
-TITLES = ("ours", "Stable-Baselines3, tuned", "Stable-Baselines3: defaults, and 16–10–3")
+PANELS = {
+    "ours": ("ours", "ablation"),
+    "Stable-Baselines3, tuned": ("tuned",),
+    "Stable-Baselines3: defaults, and 16–10–3": ("default", "matched"),
+}
 REFERENCE = "reflex-short"
 """Shown in the other panels too."""
 COLOURS = ("#0b6e4f", "#c9a227", "#a23b3b", "#2d5d9f", "#7a4fa3", "#777777")
+LOOKED_AT = 0.8
+"""A line begins where so many of the seeds have been looked at."""
 TIMES_S = np.geomspace(0.002, 60.0, 200)
 
 
 def draw(runs: dict[str, list[Run]]) -> bytes:
     """Interquartile means over seeds with 95 % bands, as PNG; validation worlds."""
-    figure = Figure(figsize=(13.0, 5.0), dpi=140, layout="constrained")
+    shown = {title: groups for title, groups in PANELS.items() if _names(runs, groups)}
+    figure = Figure(figsize=(4.5 * len(shown), 5.0), dpi=140, layout="constrained")
     FigureCanvasAgg(figure)
-    panels = figure.subplots(1, len(PANELS), sharex=True, sharey=True)
-    for axes, groups, title in zip(panels, PANELS, TITLES, strict=True):
+    panels = figure.subplots(1, len(shown), sharex=True, sharey=True, squeeze=False)[0]
+    for axes, (title, groups) in zip(panels, shown.items(), strict=True):
         axes.set_title(title, loc="left")
         if "ours" not in groups and REFERENCE in runs:
             _line(axes, f"{REFERENCE} (ours)", runs[REFERENCE], "#bbbbbb")
-        names = [name for name in runs if group_of(name) in groups]
-        for name, colour in zip(names, COLOURS, strict=False):
+        for name, colour in zip(_names(runs, groups), COLOURS, strict=False):
             _line(axes, name, runs[name], colour)
         _dress(axes)
     panels[0].set_ylabel("contacts per 100 m, greedy, validation worlds")
@@ -40,9 +45,14 @@ def draw(runs: dict[str, list[Run]]) -> bytes:
     return buffer.getvalue()
 
 
+def _names(runs: dict[str, list[Run]], groups: tuple[str, ...]) -> list[str]:
+    return [name for name in runs if group_of(name) in groups]
+
+
 def _line(axes: Axes, name: str, runs: list[Run], colour: str) -> None:
     end_s = min(run.seconds for run in runs)
-    begin_s = max(run.looks[0].seconds for run in runs)
+    firsts_s = [run.looks[0].seconds for run in runs]
+    begin_s = np.quantile(firsts_s, LOOKED_AT, method="lower")
     times_s = TIMES_S[(begin_s <= TIMES_S) & (end_s >= TIMES_S)]
     if not len(times_s):
         return
@@ -53,10 +63,11 @@ def _line(axes: Axes, name: str, runs: list[Run], colour: str) -> None:
 
 
 def _at(run: Run, times_s: Floats) -> Floats:
-    """What the last look before each time saw."""
+    """What the last look before each time saw; before the first one, what that saw."""
     seen_s = np.array([look.seconds for look in run.looks])
     rates = np.array([look.contacts_per_100m for look in run.looks])
-    found: Floats = rates[np.searchsorted(seen_s, times_s, side="right") - 1]
+    last = np.searchsorted(seen_s, times_s, side="right") - 1
+    found: Floats = rates[np.maximum(last, 0)]
     return found
 
 

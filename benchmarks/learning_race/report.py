@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from learning_race.figure import draw
-from learning_race.judge import LEVELS
+from learning_race.judge import LEVELS, reached
 from learning_race.results import (
     Reached,
     Run,
@@ -50,7 +50,7 @@ def comparisons(runs: Runs) -> list[str]:
     for group in ("tuned", "default"):
         lines += _time_ratio(runs, _names(runs, "ours"), _names(runs, group), group)
     rivals = [name for group in ("tuned", "default", "matched") for name in _names(runs, group)]
-    for name in ("reflex-3s", "online-3s", "reflex-60s"):
+    for name in ("reflex-3s", "online-3s", "reflex-60s", "reflex-deep-60s"):
         if name in runs and rivals:
             best = min(rivals, key=lambda rival: estimate(test_rates(runs[rival])).value)
             ratio = ratio_estimate(test_rates(runs[name]), test_rates(runs[best]))
@@ -116,7 +116,8 @@ def _cold_row(name: str, runs: list[Run]) -> list[str]:
 def _time(runs: list[Run], level: float) -> str:
     found = times_to(runs, level)
     if found.is_censored:
-        return f"> {max(found.seconds):.3g} ({found.seeds} of {len(runs)})"
+        in_vain = min(run.seconds for run in runs if reached(run.looks, level) is None)
+        return f"> {in_vain:.3g} ({found.seeds} of {len(runs)})"
     return _shown(found.time_s)
 
 

@@ -1,6 +1,6 @@
 """Fault scripts out of a seed: ten consecutive seeds have each kind once.
 
-Every script leaves the first second and the last one alone, so that a drive is seen before the
+Every script leaves the first 0.9 s and the last second alone, so that a drive is seen before the
 faults and after them. Clocks step by 0.3 s at least: a smaller step is no fault that anybody
 could tell from a slow sensor.
 """

@@ -1,9 +1,9 @@
 """The reference field: one fixed world and one way to measure, so that figures can be compared.
 
-World `reference-1` (`worlds.py`), the reference eye, forward and sideways speed 1 m/s, steps of
-0.1 s. A policy is greedy and decides at every step. 4,096 agents, each in the world of a test
-seed; 100 steps are discarded, then 2,000 are counted. The figure is contacts per 100 m of progress
-along x, with a 95 % bootstrap interval over agents.
+World `reference-1` (in `shipped_worlds/`), the reference eye, forward and sideways speed 1 m/s,
+steps of 0.1 s. A policy is greedy and decides at every step. 4,096 agents, each in the world of a
+test seed; 100 steps are discarded, then 2,000 are counted. The figure is contacts per 100 m of
+progress along x, with a 95 % bootstrap interval over agents.
 
 Progress along x, not the length of the path: nobody scores better by zigzagging. An agent that
 never steers scores 100 · 2ρR = 36.0.

@@ -93,8 +93,8 @@ def read_world(path: Path) -> WorldSource:
 def parse_world(text: str, name: str = "") -> WorldSource:
     """Read a world, or a family, from TOML text.
 
-    A family has been tried at the lower ends of all ranges, at the upper ends, where it is fullest,
-    with its spans at their narrowest, and on some seeds.
+    A family has been tried at the lower ends of all ranges, at the upper ends, with its spans at
+    their narrowest, at its fullest, and on some seeds.
 
     Args:
         text: the TOML.

@@ -21,7 +21,7 @@ class Evaluate:
     greedy and decide at every step; each has its own eye.
 
     Examples:
-      reflexarc evaluate runs/reflex/policy.onnx
+      reflexarc evaluate runs/reflex-0/policy.onnx
       reflexarc evaluate runs/*/policy.onnx --agents 1024 --json
     """
 

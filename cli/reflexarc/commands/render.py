@@ -28,7 +28,7 @@ class Render:
 
     Examples:
       reflexarc render crossing -o crossing.png
-      reflexarc render crossing -o crossing.gif --policy runs/reflex/policy.onnx --seed 7
+      reflexarc render crossing -o crossing.gif --policy runs/reflex-0/policy.onnx --seed 7
       reflexarc render runs/drive.mcap -o runs/drive.png
       reflexarc render runs/drive.mcap -o runs/drive.gif --seconds 20
       reflexarc render runs/intel-drive.mcap -o runs/intel.png --kind floor --json

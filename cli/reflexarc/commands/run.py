@@ -35,9 +35,9 @@ class Run:
     finished log.
 
     Examples:
-      reflexarc run runs/reflex/policy.onnx
-      reflexarc run runs/reflex/policy.onnx --record runs/drive.mcap
-      reflexarc run runs/reflex/policy.onnx --input scan --robot rover1
+      reflexarc run runs/reflex-0/policy.onnx
+      reflexarc run runs/reflex-0/policy.onnx --record runs/drive.mcap
+      reflexarc run runs/reflex-0/policy.onnx --input scan --robot rover1
     """
 
     policy: tyro.conf.Positional[Path]

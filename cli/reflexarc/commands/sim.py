@@ -31,7 +31,7 @@ class Sim:
 
     Examples:
       reflexarc sim
-      reflexarc sim --world crossing --seed 7 --policy runs/reflex/policy.onnx
+      reflexarc sim --world crossing --seed 7 --policy runs/reflex-0/policy.onnx
       reflexarc sim --lockstep --steps 500
       reflexarc sim --faults seed:17
       reflexarc sim --world crossing --robots 4
