@@ -28,7 +28,7 @@ TIMES_S = np.geomspace(0.002, 60.0, 200)
 
 def draw(runs: dict[str, list[Run]]) -> bytes:
     """Interquartile means over seeds with 95 % bands, as PNG; validation worlds."""
-    shown = {title: groups for title, groups in PANELS.items() if _names(runs, groups)}
+    shown = {title: groups for title, groups in PANELS.items() if _names(runs, groups)} or PANELS
     figure = Figure(figsize=(4.5 * len(shown), 5.0), dpi=140, layout="constrained")
     FigureCanvasAgg(figure)
     panels = figure.subplots(1, len(shown), sharex=True, sharey=True, squeeze=False)[0]
