@@ -5,12 +5,12 @@ run's whole length. A level that fewer than 8 of 10 seeds reach is censored: onl
 longer is known. Everything else is an interquartile mean over seeds with a 95 % bootstrap interval.
 """
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 
 from learning_race.contenders import CONTENDERS, Contender
 from learning_race.judge import LEVELS, Look, reached
+from learning_race.record import read_record
 from reflexarc_trainer.statistics import Estimate, estimate
 
 LEAST_SHARE = 0.8
@@ -100,6 +100,6 @@ def _contender(name: str) -> Contender:
 
 
 def _read(path: Path) -> Run:
-    record = json.loads(path.read_text())
+    record = read_record(path)
     looks = [Look(*look) for look in record.pop("looks")]
     return Run(**record, looks=looks)

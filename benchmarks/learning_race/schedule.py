@@ -4,7 +4,6 @@ A run is one file with one line of JSON, `NAME-SEED.json` or `NAME-SEED-cold.jso
 when the run is over, under another name first: a file that is there is whole.
 """
 
-import json
 import os
 import subprocess
 import sys
@@ -15,6 +14,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from learning_race.contenders import COLD, Contender
+from learning_race.record import read_record
 
 PROGRAM = Path(__file__).parents[1] / "learning.py"
 OVERHEAD_S = 15.0
@@ -93,7 +93,7 @@ def run_all(entries: Sequence[Entry], out: Path, scale: Scale) -> None:
 def _is_done(path: Path, entry: Entry, scale: Scale) -> bool:
     """Whether there is a record of this contender as it is now, and of this length."""
     contender = entry.contender if entry.is_cold else scale.limited(entry.contender)
-    return path.exists() and json.loads(path.read_text())["settings"] == contender.settings_hash
+    return path.exists() and read_record(path)["settings"] == contender.settings_hash
 
 
 def _line_of(entry: Entry, scale: Scale) -> str:

@@ -16,6 +16,7 @@ from pathlib import Path
 from learning_race.contenders import Contender, Learner, Ours
 from learning_race.judge import LEVELS, Clock, Judge, reached
 from learning_race.learn import in_time, new_model, steps_a_transition, warm_up
+from learning_race.record import read_record
 from learning_race.results import read_runs
 from learning_race.schedule import PROGRAM, on_cores
 from learning_race.threads import set_threads
@@ -66,7 +67,7 @@ def _in_a_process(contender: Contender, seed: int, world_steps: int) -> float:
 
 
 def _add(path: Path, seconds: float) -> None:
-    record = json.loads(path.read_text()) | {"undisturbed_s": seconds}
+    record = read_record(path) | {"undisturbed_s": seconds}
     partial = path.with_suffix(".partial")
     partial.write_text(json.dumps(record))
     partial.replace(path)

@@ -42,7 +42,7 @@ from reflexarc_sim_bridge.params import (
 from reflexarc_sim_bridge.pick import Judged
 from reflexarc_sim_bridge.sweep import (
     Way,
-    bounds,
+    around,
     boxes_touched,
     discs_touched,
     sides_touched,
@@ -93,28 +93,28 @@ def free_share(params: Params, work: Workspace, i: int, ahead_m: float, left_m: 
 @compiled_inline
 def _box_share(near: Floats32, count: int, way: Way, judged: Judged) -> float:
     """Nearly always no obstacle meets the step's bounding box, and that is cheap to say."""
-    if not boxes_touched(near, count, *bounds(way), judged):
+    if not boxes_touched(near, count, around(way), judged):
         return math.inf
     return _first_box(near, count, way, judged)
 
 
 @compiled_inline
 def _turned_share(near: Floats32, count: int, way: Way, judged: Judged) -> float:
-    if not turned_touched(near, count, *bounds(way), judged):
+    if not turned_touched(near, count, around(way), judged):
         return math.inf
     return _first_turned(near, count, way, judged)
 
 
 @compiled_inline
 def _disc_share(near: Floats32, count: int, way: Way, judged: Judged) -> float:
-    if not discs_touched(near, count, *bounds(way), judged):
+    if not discs_touched(near, count, around(way), judged):
         return math.inf
     return _first_disc(near, count, way, judged)
 
 
 @compiled_inline
 def _side_share(near: Floats32, count: int, way: Way, judged: Judged) -> float:
-    if not sides_touched(near, count, *bounds(way), judged):
+    if not sides_touched(near, count, around(way), judged):
         return math.inf
     return _first_side(near, count, way, judged)
 

@@ -105,6 +105,17 @@ def test_our_frozen_policy_decides_as_our_network(preset: str) -> None:
         np.testing.assert_allclose(values, wanted_values, atol=1e-5)
 
 
+@pytest.mark.parametrize("written", ["", '{"seed"', "[]", '{"seed": 0}', "\x00"])
+def test_a_spoiled_record_is_one_line_and_exit_status_2(
+    written: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "reflex-3s-0.json").write_text(written)
+    with pytest.raises(SystemExit) as ended:
+        write_report(tmp_path)
+    assert ended.value.code == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
 def test_a_level_counts_from_the_first_of_two_looks_in_a_row() -> None:
     seen = looks(7.0, 5.9, 6.1, 6.0, 5.0, 9.0)
     assert reached(seen, 6.0) == seen[3]
