@@ -109,7 +109,7 @@ def _in_child(kind: str, path: Path) -> dict[str, float]:
 
 
 def _imported(kind: str, file: str) -> dict[str, float]:
-    from reflexarc_logs.importing import import_log
+    from reflexarc_logs.importing.lidar_import import import_log
 
     path = Path(file)
     out = path.with_suffix(".mcap")

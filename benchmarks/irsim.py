@@ -28,9 +28,9 @@ import numpy as np
 from world_scenes import Advance, Scene, advancing, elapsed_s
 
 from reflexarc_runtime.contract import Action
-from reflexarc_sim_bridge.one_agent import OneAgent
-from reflexarc_sim_bridge.simulation import Simulation
-from reflexarc_sim_bridge.threads import set_thread_count
+from reflexarc_sim_bridge.native.threads import set_thread_count
+from reflexarc_sim_bridge.simulation.simulation import Simulation
+from reflexarc_sim_bridge.simulation.single_agent import OneAgent
 
 ROUNDS = 5
 THEIR_STEPS, OUR_AGENT_STEPS = 300, 100_000

@@ -22,18 +22,18 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_sim_bridge.reference_field import measure
-from reflexarc_sim_bridge.simulation import Simulation
-from reflexarc_sim_bridge.threads import thread_count
-from reflexarc_sim_bridge.world_files import world_named
-from reflexarc_trainer.config import NetworkConfig
-from reflexarc_trainer.forms import new_learner
-from reflexarc_trainer.fused import fused_free
-from reflexarc_trainer.online import learn_step
-from reflexarc_trainer.online_learner import new_learning, rules_for
-from reflexarc_trainer.online_state import LearnerState, Rules, Scratch
-from reflexarc_trainer.presets import PRESETS
-from reflexarc_trainer.weights import NetworkPolicy, network_of
+from reflexarc_sim_bridge.evaluation.reference_field import measure
+from reflexarc_sim_bridge.native.fused import fused_free
+from reflexarc_sim_bridge.native.threads import thread_count
+from reflexarc_sim_bridge.simulation.simulation import Simulation
+from reflexarc_sim_bridge.worlds.files import world_named
+from reflexarc_trainer.config.presets import PRESETS
+from reflexarc_trainer.config.train_config import NetworkConfig
+from reflexarc_trainer.policy.weights import NetworkPolicy, network_of
+from reflexarc_trainer.sarsa.forms import new_learner
+from reflexarc_trainer.sarsa.online.learner import new_learning, rules_for
+from reflexarc_trainer.sarsa.online.state import LearnerState, Rules, Scratch
+from reflexarc_trainer.sarsa.online.update import learn_step
 
 STEPS = 262_144
 REPETITIONS = 5
@@ -47,8 +47,8 @@ BOUNDS = {"online 16-10-3": 1.2, "reflex": 2.0}
 
 FIRST_UPDATE = """
 import time
-from reflexarc_trainer.forms import new_learner
-from reflexarc_trainer.presets import PRESETS
+from reflexarc_trainer.sarsa.forms import new_learner
+from reflexarc_trainer.config.presets import PRESETS
 start_s, start_cpu_s = time.perf_counter(), time.process_time()
 learner = new_learner(PRESETS["{preset}"])
 learner.run(1)

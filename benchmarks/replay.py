@@ -15,8 +15,8 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))  # the tests' recordings
 
-from reflexarc_logs.reader import read_log
-from reflexarc_logs.replay import replay
+from reflexarc_logs.reading.reader import read_log
+from reflexarc_logs.replaying.replay import replay
 from support.policies import exported  # found by the line above
 from support.recordings import CONTRACT, drive, nominal
 

@@ -30,7 +30,7 @@ from matplotlib.figure import Figure
 from world_scenes import MODES, Scene, actions_of, advancing, rounds_s
 
 from reflexarc_runtime.errors import WorldError
-from reflexarc_sim_bridge.threads import set_thread_count
+from reflexarc_sim_bridge.native.threads import set_thread_count
 
 FIGURE = Path(__file__).parents[1] / "docs" / "figures" / "world_speed.png"
 ROUNDS = 9
@@ -45,9 +45,9 @@ INK, GRID, COLOURS = "#333333", "#dddddd", {"blind": "#0b6e4f", "random": "#a23b
 FIRST_STEP = """
 import time
 import numpy as np
-from reflexarc_sim_bridge.simulation import Simulation
-from reflexarc_sim_bridge.reference_field import reference_contract
-from reflexarc_sim_bridge.world_files import world_named
+from reflexarc_sim_bridge.simulation.simulation import Simulation
+from reflexarc_sim_bridge.evaluation.reference_field import reference_contract
+from reflexarc_sim_bridge.worlds.files import world_named
 start_s = time.perf_counter()
 simulation = Simulation(world_named("reference-1"), reference_contract(), np.zeros(2, np.uint64))
 simulation.sense()

@@ -24,11 +24,11 @@ import numpy.typing as npt
 from world_scenes import MODES, Advance, Scene, actions_of, advancing, rounds_s
 
 from reflexarc_runtime.arrays import Actions
-from reflexarc_sim_bridge import kernel
-from reflexarc_sim_bridge.layers import CHUNK_M
-from reflexarc_sim_bridge.params import AGENT_DTYPE, BOXES
-from reflexarc_sim_bridge.simulation import Simulation, motions_of
-from reflexarc_sim_bridge.threads import set_thread_count
+from reflexarc_sim_bridge.arrays.layout import AGENT_DTYPE, BOXES
+from reflexarc_sim_bridge.native.threads import set_thread_count
+from reflexarc_sim_bridge.simulation import step as kernel
+from reflexarc_sim_bridge.simulation.simulation import Simulation, motions_of
+from reflexarc_sim_bridge.worlds.layers import CHUNK_M
 
 SOURCE = Path(__file__).parent / "world_c" / "world.c"
 FLAGS = ("-O3", "-march=native", "-ffast-math", "-shared", "-fPIC")

@@ -9,15 +9,19 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_runtime.arrays import Actions
-from reflexarc_sim_bridge import kernel
-from reflexarc_sim_bridge.layers import CHUNK_M, Scatter
-from reflexarc_sim_bridge.reference_field import WORLD_NAME, reference_contract, reference_retina
-from reflexarc_sim_bridge.seeds import training_seeds
-from reflexarc_sim_bridge.shapes import Curves, Rectangles, Shape
-from reflexarc_sim_bridge.simulation import Simulation
-from reflexarc_sim_bridge.threads import shared
-from reflexarc_sim_bridge.world_files import world_named
-from reflexarc_sim_bridge.worlds import World
+from reflexarc_sim_bridge.evaluation.reference_field import (
+    WORLD_NAME,
+    reference_contract,
+    reference_retina,
+)
+from reflexarc_sim_bridge.native.threads import shared
+from reflexarc_sim_bridge.simulation import step as kernel
+from reflexarc_sim_bridge.simulation.simulation import Simulation
+from reflexarc_sim_bridge.worlds.files import world_named
+from reflexarc_sim_bridge.worlds.layers import CHUNK_M, Scatter
+from reflexarc_sim_bridge.worlds.seeds import training_seeds
+from reflexarc_sim_bridge.worlds.shapes import Curves, Rectangles, Shape
+from reflexarc_sim_bridge.worlds.world import World
 
 MODES = {"look": kernel.LOOK, "move": kernel.MOVE, "both": kernel.MOVE + kernel.LOOK}
 HELD_STEPS = 3

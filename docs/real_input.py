@@ -11,12 +11,12 @@ from pathlib import Path
 
 from reflexarc.demo.lidar import drive_on_scans
 from reflexarc.demo.results import Lidar
-from reflexarc.output import aside
-from reflexarc.pictures.log_picture import draw_log
-from reflexarc.training_progress import show_progress
+from reflexarc.terminal.output import aside
+from reflexarc.terminal.progress import show_progress
+from reflexarc_pictures.log_pictures.log_picture import draw_log
 from reflexarc_runtime.errors import ReflexarcError, UsageError
-from reflexarc_trainer.presets import preset_named
-from reflexarc_trainer.train import train
+from reflexarc_trainer.config.presets import preset_named
+from reflexarc_trainer.run.train import train
 
 OUT = Path("runs/real-input")
 FIGURES = Path(__file__).parent / "figures"

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from reflexarc_runtime.errors import ReflexarcError, UsageError
 from reflexarc_trainer.study.shipped import study_named, study_names
-from reflexarc_trainer.study.study_run import PAGE, PICTURE
+from reflexarc_trainer.study.study import PAGE, PICTURE
 
 RUNS = Path("runs")
 PAGES = Path(__file__).parent / "studies"

@@ -7,13 +7,18 @@ Checks every world that is shipped as `reflexarc worlds check NAME` does, draws 
 import sys
 from pathlib import Path
 
-from reflexarc.output import progress_bar
-from reflexarc.pictures.rendering import render_world
+from reflexarc.terminal.output import progress_bar
+from reflexarc_pictures.rendering import render_world
 from reflexarc_runtime.errors import ReflexarcError
-from reflexarc_sim_bridge.scenarios import Scenario, scenarios
-from reflexarc_sim_bridge.world_check import CRITICAL_CLUTTER, SEEDS, WorldReport, check_world
-from reflexarc_sim_bridge.world_files import WORLDS
-from reflexarc_sim_bridge.worlds import WorldSource
+from reflexarc_sim_bridge.evaluation.fairness import (
+    CRITICAL_CLUTTER,
+    SEEDS,
+    WorldReport,
+    check_world,
+)
+from reflexarc_sim_bridge.worlds.files import WORLDS
+from reflexarc_sim_bridge.worlds.scenarios import Scenario, scenarios
+from reflexarc_sim_bridge.worlds.world import WorldSource
 
 DOCS = Path(__file__).parent
 FIGURES = DOCS / "figures" / "worlds"

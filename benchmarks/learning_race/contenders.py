@@ -15,9 +15,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, get_args
 
-from reflexarc_trainer.config import TrainConfig
-from reflexarc_trainer.learner_config import Target
-from reflexarc_trainer.presets import PRESETS
+from reflexarc_trainer.config.learner_config import Target
+from reflexarc_trainer.config.presets import PRESETS
+from reflexarc_trainer.config.train_config import TrainConfig
 
 WORLDS_OF_DEFAULTS = 4
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 from learning_race.frozen import FrozenPolicy
-from reflexarc_sim_bridge.reference_field import measure, reference_contract
-from reflexarc_sim_bridge.seeds import validation_seeds
+from reflexarc_sim_bridge.evaluation.reference_field import measure, reference_contract
+from reflexarc_sim_bridge.worlds.seeds import validation_seeds
 
 RATIO = 1.25
 FIRST_LOOK_S = 0.01 / RATIO**7  # about 2 ms

@@ -66,7 +66,7 @@ def _paced(learner: Learner, world_steps: float) -> Learner:
 
 
 def _learn_ours(ours: Ours, seed: int, judge: Judge) -> None:
-    from reflexarc_trainer.forms import new_learner
+    from reflexarc_trainer.sarsa.forms import new_learner
 
     config = replace(ours.config, seed=seed)
     learner, repeat = new_learner(config), steps_a_transition(ours)

@@ -20,7 +20,7 @@ from learning_race.record import read_record
 from learning_race.results import read_runs
 from learning_race.schedule import PROGRAM, on_cores
 from learning_race.threads import set_threads
-from reflexarc_trainer.forms import new_learner
+from reflexarc_trainer.sarsa.forms import new_learner
 
 
 def time_all(out: Path, contenders: dict[str, Contender]) -> None:

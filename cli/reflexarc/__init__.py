@@ -7,37 +7,37 @@ nothing, and a target without torch can use everything that needs none.
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from reflexarc_sim_bridge.registration import announce
+from reflexarc_sim_bridge.environments.registration import announce
 
 if TYPE_CHECKING:
-    from reflexarc_logs.reader import read_log
-    from reflexarc_logs.replay import replay
+    from reflexarc_logs.reading.reader import read_log
+    from reflexarc_logs.replaying.replay import replay
     from reflexarc_runtime.contract import PolicyContract, RetinaSpec
     from reflexarc_runtime.errors import ReflexarcError
-    from reflexarc_runtime.policy import Policy, load_policy
-    from reflexarc_sim_bridge.environment import ReferenceEnv
-    from reflexarc_sim_bridge.reference_field import measure
-    from reflexarc_sim_bridge.vector_environment import ReferenceVectorEnv
-    from reflexarc_sim_bridge.world_files import world_named
-    from reflexarc_trainer.export import export
-    from reflexarc_trainer.presets import preset_named
-    from reflexarc_trainer.train import train
+    from reflexarc_runtime.policy.policy import Policy, load_policy
+    from reflexarc_sim_bridge.environments.single import ReferenceEnv
+    from reflexarc_sim_bridge.environments.vector import ReferenceVectorEnv
+    from reflexarc_sim_bridge.evaluation.reference_field import measure
+    from reflexarc_sim_bridge.worlds.files import world_named
+    from reflexarc_trainer.config.presets import preset_named
+    from reflexarc_trainer.policy.export import export
+    from reflexarc_trainer.run.train import train
 
 _HOMES = {
-    "Policy": "reflexarc_runtime.policy",
+    "Policy": "reflexarc_runtime.policy.policy",
     "PolicyContract": "reflexarc_runtime.contract",
-    "ReferenceEnv": "reflexarc_sim_bridge.environment",
-    "ReferenceVectorEnv": "reflexarc_sim_bridge.vector_environment",
+    "ReferenceEnv": "reflexarc_sim_bridge.environments.single",
+    "ReferenceVectorEnv": "reflexarc_sim_bridge.environments.vector",
     "ReflexarcError": "reflexarc_runtime.errors",
     "RetinaSpec": "reflexarc_runtime.contract",
-    "export": "reflexarc_trainer.export",
-    "load_policy": "reflexarc_runtime.policy",
-    "measure": "reflexarc_sim_bridge.reference_field",
-    "preset_named": "reflexarc_trainer.presets",
-    "read_log": "reflexarc_logs.reader",
-    "replay": "reflexarc_logs.replay",
-    "train": "reflexarc_trainer.train",
-    "world_named": "reflexarc_sim_bridge.world_files",
+    "export": "reflexarc_trainer.policy.export",
+    "load_policy": "reflexarc_runtime.policy.policy",
+    "measure": "reflexarc_sim_bridge.evaluation.reference_field",
+    "preset_named": "reflexarc_trainer.config.presets",
+    "read_log": "reflexarc_logs.reading.reader",
+    "replay": "reflexarc_logs.replaying.replay",
+    "train": "reflexarc_trainer.run.train",
+    "world_named": "reflexarc_sim_bridge.worlds.files",
 }
 
 __all__ = [

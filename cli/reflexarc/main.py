@@ -15,23 +15,23 @@ from typing import Annotated, Any
 
 import tyro
 
-from reflexarc.commands.camera import Camera
 from reflexarc.commands.demo import Demo
-from reflexarc.commands.evaluate import Evaluate
-from reflexarc.commands.export import Export
-from reflexarc.commands.importing import Import
-from reflexarc.commands.info import Info
-from reflexarc.commands.play import Play
-from reflexarc.commands.record import Record
-from reflexarc.commands.recover import Recover
-from reflexarc.commands.render import Render
-from reflexarc.commands.replay import Replay
-from reflexarc.commands.ros2 import Ros2
-from reflexarc.commands.run import Run
-from reflexarc.commands.sim import Sim
-from reflexarc.commands.study import Study
-from reflexarc.commands.train import Train
-from reflexarc.commands.worlds import Worlds
+from reflexarc.commands.drive.camera import Camera
+from reflexarc.commands.drive.ros2 import Ros2
+from reflexarc.commands.drive.run import Run
+from reflexarc.commands.drive.sim import Sim
+from reflexarc.commands.learn.evaluate import Evaluate
+from reflexarc.commands.learn.export import Export
+from reflexarc.commands.learn.study import Study
+from reflexarc.commands.learn.train import Train
+from reflexarc.commands.remember.import_log import Import
+from reflexarc.commands.remember.info import Info
+from reflexarc.commands.remember.play import Play
+from reflexarc.commands.remember.record import Record
+from reflexarc.commands.remember.recover import Recover
+from reflexarc.commands.remember.render import Render
+from reflexarc.commands.remember.replay import Replay
+from reflexarc.commands.worlds.worlds import Worlds
 from reflexarc_runtime.errors import ReflexarcError
 
 COMMANDS = (

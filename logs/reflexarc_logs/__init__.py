@@ -2,19 +2,19 @@
 
 Each public name is loaded from its module when it is first used, so that the pytest plugin costs
 nothing to those who have no logs. Two functions are named as their modules are, and are imported
-from there: `reflexarc_logs.replay.replay`, `reflexarc_logs.recover.recover`.
+from there: `reflexarc_logs.replaying.replay.replay`, `reflexarc_logs.reading.recover.recover`.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from reflexarc_logs.compare import Report
-    from reflexarc_logs.reader import Log, read_log
-    from reflexarc_logs.recorder import Recorder
-    from reflexarc_logs.recover import Recovered
-    from reflexarc_logs.run_info import RunInfo
-    from reflexarc_logs.summary import Summary, summarise
+    from reflexarc_logs.container.run_info import RunInfo
+    from reflexarc_logs.reading.reader import Log, read_log
+    from reflexarc_logs.reading.recover import Recovered
+    from reflexarc_logs.reading.summary import Summary, summarise
+    from reflexarc_logs.recording.recorder import Recorder
+    from reflexarc_logs.replaying.comparison import Report
 
 __all__ = [
     "Log",
@@ -28,14 +28,14 @@ __all__ = [
 ]
 
 _HOMES = {
-    "Log": "reader",
-    "Recorder": "recorder",
-    "Recovered": "recover",
-    "Report": "compare",
-    "RunInfo": "run_info",
-    "Summary": "summary",
-    "read_log": "reader",
-    "summarise": "summary",
+    "Log": "reading.reader",
+    "Recorder": "recording.recorder",
+    "Recovered": "reading.recover",
+    "Report": "replaying.comparison",
+    "RunInfo": "container.run_info",
+    "Summary": "reading.summary",
+    "read_log": "reading.reader",
+    "summarise": "reading.summary",
 }
 
 

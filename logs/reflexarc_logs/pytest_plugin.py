@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from reflexarc_logs.compare import Report
+    from reflexarc_logs.replaying.comparison import Report
 
 SUFFIX = ".mcap"
 INI = "reflexarc_logs"
@@ -45,7 +45,7 @@ class LogItem(pytest.Item):
             ReplayFailedError: something was different, or nothing could be compared.
             ReflexarcError: the log cannot be read.
         """
-        from reflexarc_logs.replay import replay
+        from reflexarc_logs.replaying.replay import replay
 
         report = replay(self.path)
         if report.exit_status:
@@ -82,7 +82,7 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> LogFile | 
 
 @pytest.fixture
 def replay() -> "Callable[..., Report]":
-    """A callable: path of a log (and what `reflexarc_logs.replay.replay` takes) → `Report`."""
-    from reflexarc_logs.replay import replay as replay_log
+    """A callable: path of a log (and what `reflexarc_logs.replaying.replay.replay` takes) → `Report`."""
+    from reflexarc_logs.replaying.replay import replay as replay_log
 
     return replay_log

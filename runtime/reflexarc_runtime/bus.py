@@ -18,8 +18,8 @@ from typing import Any, Self
 import zenoh
 
 from reflexarc_runtime.errors import BusError, UsageError
-from reflexarc_runtime.topics import DEFAULT_ROBOT, Quality, Topic, alive_key, policy_key
-from reflexarc_runtime.wire import Message, Stamp, pack_stamp, protobuf_encoding
+from reflexarc_runtime.messages.topics import DEFAULT_ROBOT, Quality, Topic, alive_key, policy_key
+from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp, protobuf_encoding
 
 DEFAULT_PORT = 7447
 LOOPBACK = "127.0.0.1"

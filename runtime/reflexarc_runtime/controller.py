@@ -21,9 +21,9 @@ from reflexarc_runtime.decision import (
     drive_command,
     safe_command,
 )
-from reflexarc_runtime.policy import Policy
-from reflexarc_runtime.senses import Sense, Sensed
-from reflexarc_runtime.wire import Message, Stamp, UndecodableError, UnfitError
+from reflexarc_runtime.messages.wire import Message, Stamp, UndecodableError, UnfitError
+from reflexarc_runtime.policy.policy import Policy
+from reflexarc_runtime.sensing.senses import Sense, Sensed
 
 RECOVERY_INPUTS = 3
 """Good inputs in a row that it takes to drive: at the start, and after every fault."""

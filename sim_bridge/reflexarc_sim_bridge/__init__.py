@@ -4,16 +4,20 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from reflexarc_sim_bridge.environment import ReferenceEnv
-    from reflexarc_sim_bridge.layers import Scatter
-    from reflexarc_sim_bridge.reference_field import FieldScore, measure, reference_contract
-    from reflexarc_sim_bridge.seeds import test_seeds, training_seeds, validation_seeds
-    from reflexarc_sim_bridge.shapes import Discs, Rectangles
-    from reflexarc_sim_bridge.simple_policies import BlindPolicy, RandomPolicy
-    from reflexarc_sim_bridge.simulation import Simulation
-    from reflexarc_sim_bridge.vector_environment import ReferenceVectorEnv
-    from reflexarc_sim_bridge.world_files import WORLDS, WorldFamily, read_world, world_named
-    from reflexarc_sim_bridge.worlds import Edges, World
+    from reflexarc_sim_bridge.environments.single import ReferenceEnv
+    from reflexarc_sim_bridge.environments.vector import ReferenceVectorEnv
+    from reflexarc_sim_bridge.evaluation.reference_field import (
+        FieldScore,
+        measure,
+        reference_contract,
+    )
+    from reflexarc_sim_bridge.evaluation.simple_policies import BlindPolicy, RandomPolicy
+    from reflexarc_sim_bridge.simulation.simulation import Simulation
+    from reflexarc_sim_bridge.worlds.files import WORLDS, WorldFamily, read_world, world_named
+    from reflexarc_sim_bridge.worlds.layers import Scatter
+    from reflexarc_sim_bridge.worlds.seeds import test_seeds, training_seeds, validation_seeds
+    from reflexarc_sim_bridge.worlds.shapes import Discs, Rectangles
+    from reflexarc_sim_bridge.worlds.world import Edges, World
 
 __all__ = [
     "WORLDS",
@@ -39,16 +43,16 @@ __all__ = [
 ]
 
 _MODULE_OF = {
-    "ReferenceEnv": "environment",
-    "ReferenceVectorEnv": "vector_environment",
-    **dict.fromkeys(("FieldScore", "measure", "reference_contract"), "reference_field"),
-    **dict.fromkeys(("test_seeds", "training_seeds", "validation_seeds"), "seeds"),
-    **dict.fromkeys(("BlindPolicy", "RandomPolicy"), "simple_policies"),
-    "Simulation": "simulation",
-    **dict.fromkeys(("WORLDS", "WorldFamily", "read_world", "world_named"), "world_files"),
-    **dict.fromkeys(("Edges", "World"), "worlds"),
-    **dict.fromkeys(("Discs", "Rectangles"), "shapes"),
-    "Scatter": "layers",
+    "ReferenceEnv": "environments.single",
+    "ReferenceVectorEnv": "environments.vector",
+    **dict.fromkeys(("FieldScore", "measure", "reference_contract"), "evaluation.reference_field"),
+    **dict.fromkeys(("test_seeds", "training_seeds", "validation_seeds"), "worlds.seeds"),
+    **dict.fromkeys(("BlindPolicy", "RandomPolicy"), "evaluation.simple_policies"),
+    "Simulation": "simulation.simulation",
+    **dict.fromkeys(("WORLDS", "WorldFamily", "read_world", "world_named"), "worlds.files"),
+    **dict.fromkeys(("Edges", "World"), "worlds.world"),
+    **dict.fromkeys(("Discs", "Rectangles"), "worlds.shapes"),
+    "Scatter": "worlds.layers",
 }
 
 

@@ -17,13 +17,13 @@ from learning_race.report import write_report
 from learning_race.results import Run, times_to
 from learning_race.schedule import Scale, warm_entries
 
-from reflexarc_sim_bridge.reference_field import reference_contract
-from reflexarc_sim_bridge.seeds import TRAINING_SEEDS
-from reflexarc_sim_bridge.simulation import Simulation
-from reflexarc_sim_bridge.world_files import world_named
-from reflexarc_trainer.initial_weights import initial_weights
-from reflexarc_trainer.presets import PRESETS
-from reflexarc_trainer.weights import NetworkPolicy, unpack
+from reflexarc_sim_bridge.evaluation.reference_field import reference_contract
+from reflexarc_sim_bridge.simulation.simulation import Simulation
+from reflexarc_sim_bridge.worlds.files import world_named
+from reflexarc_sim_bridge.worlds.seeds import TRAINING_SEEDS
+from reflexarc_trainer.config.presets import PRESETS
+from reflexarc_trainer.policy.weights import NetworkPolicy, unpack
+from reflexarc_trainer.sarsa.initial_weights import initial_weights
 
 AGENTS, STEPS = 6, 120
 STACK = reference_contract().retina.stack_shape

@@ -42,7 +42,8 @@ def test_importing_the_facade_loads_no_room_but_the_names_of_its_environments():
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert ast.literal_eval(done.stdout) == [
         "reflexarc_sim_bridge",
-        "reflexarc_sim_bridge.registration",
+        "reflexarc_sim_bridge.environments",
+        "reflexarc_sim_bridge.environments.registration",
     ]
 
 
@@ -59,7 +60,7 @@ def test_every_command_says_what_it_is_with_examples(
 
 
 def test_a_policy_and_a_log_say_what_they_are(golden: Path, tmp_path: Path):
-    from reflexarc_logs.reader import read_log
+    from reflexarc_logs.reading.reader import read_log
 
     policy = tmp_path / "policy.onnx"
     policy.write_bytes(read_log(golden).policy or b"")

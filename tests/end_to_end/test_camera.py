@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from foxglove_schemas_protobuf.RawImage_pb2 import RawImage
 
-from reflexarc_logs.reader import read_log
+from reflexarc_logs.reading.reader import read_log
 from reflexarc_runtime.contract import PolicyContract, RetinaSpec, Shading
 from support.images import bar, write_video
 from support.policies import exported

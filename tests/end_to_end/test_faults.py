@@ -7,19 +7,19 @@ import numpy as np
 import pytest
 
 from end_to_end.campaign import campaign, summary
-from reflexarc_logs.intake import Intake, accepted_message, rejected_message
-from reflexarc_logs.reader import read_log
-from reflexarc_logs.replay import replay
+from reflexarc_logs.container.rejected import Intake, accepted_message, rejected_message
+from reflexarc_logs.reading.reader import read_log
+from reflexarc_logs.replaying.replay import replay
 from reflexarc_runtime.contract import PolicyContract
 from reflexarc_runtime.controller import Controller, Inputs, State
 from reflexarc_runtime.decision import Verdict
-from reflexarc_runtime.messages import encode_retina
+from reflexarc_runtime.messages.codec import encode_retina
+from reflexarc_runtime.messages.topics import REJECTED
+from reflexarc_runtime.messages.wire import Message, Stamp
 from reflexarc_runtime.messages_pb2 import Rejected
-from reflexarc_runtime.senses import RetinaSense
-from reflexarc_runtime.topics import REJECTED
-from reflexarc_runtime.wire import Message, Stamp
-from reflexarc_sim_bridge.fault_script import FaultScript, Malformation, Malformed
-from reflexarc_sim_bridge.faults import FaultyStream
+from reflexarc_runtime.sensing.senses import RetinaSense
+from reflexarc_sim_bridge.body.faults.faulty_stream import FaultyStream
+from reflexarc_sim_bridge.body.faults.script import FaultScript, Malformation, Malformed
 from support.fault_judge import MS, Poll, Worth, outages
 from support.policies import ScriptedPolicy
 from support.processes import finished, reflexarc, started, wait_for_records

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from reflexarc_logs.reader import read_log
-from reflexarc_logs.replay import replay
+from reflexarc_logs.reading.reader import read_log
+from reflexarc_logs.replaying.replay import replay
 from support.processes import finished, started
 
 STEPS = 300

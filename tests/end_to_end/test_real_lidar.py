@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from reflexarc.main import main
-from reflexarc_logs.importing import import_log
-from reflexarc_logs.reader import Log, read_log
-from reflexarc_logs.replay import replay
+from reflexarc_logs.importing.lidar_import import import_log
+from reflexarc_logs.reading.reader import Log, read_log
+from reflexarc_logs.replaying.replay import replay
 from reflexarc_runtime.contract import PolicyContract, RetinaSpec
 from reflexarc_runtime.decision import Verdict
 from support.lidar import CARMEN, carmen_file

@@ -3,9 +3,9 @@
 import signal
 from pathlib import Path
 
-from reflexarc_logs.reader import read_log
-from reflexarc_logs.replay import replay
-from reflexarc_runtime.topics import POSE
+from reflexarc_logs.reading.reader import read_log
+from reflexarc_logs.replaying.replay import replay
+from reflexarc_runtime.messages.topics import POSE
 from support.processes import finished, reflexarc, started
 
 STEPS = 40

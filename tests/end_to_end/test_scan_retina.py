@@ -9,14 +9,14 @@ import numpy.typing as npt
 import pytest
 from foxglove_schemas_protobuf.LaserScan_pb2 import LaserScan
 
-from reflexarc_logs.importing import import_log
-from reflexarc_logs.intake import accepted_message
-from reflexarc_logs.reader import read_log
-from reflexarc_logs.replay import replay
+from reflexarc_logs.container.rejected import accepted_message
+from reflexarc_logs.importing.lidar_import import import_log
+from reflexarc_logs.reading.reader import read_log
+from reflexarc_logs.replaying.replay import replay
 from reflexarc_runtime.contract import PolicyContract, RetinaSpec
-from reflexarc_runtime.retina import Scan, ray_bearing_rad, retina_from_scan
-from reflexarc_runtime.senses import ScanSense
-from reflexarc_runtime.wire import Message, Stamp
+from reflexarc_runtime.messages.wire import Message, Stamp
+from reflexarc_runtime.sensing.retina import Scan, ray_bearing_rad, retina_from_scan
+from reflexarc_runtime.sensing.senses import ScanSense
 from support.lidar import (
     CARMEN,
     HALF_CARMEN_RAD,
@@ -95,8 +95,8 @@ def test_simulator_bus_and_replay_give_the_same_bytes_for_the_same_scan(tmp_path
 
 def simulated(contract: PolicyContract) -> tuple[list[Scan], list[bytes]]:
     """What a simulated eye meets, as scans, and what it sees, as bytes; all things are white."""
-    from reflexarc_sim_bridge.simulation import Simulation
-    from reflexarc_sim_bridge.world_files import world_named
+    from reflexarc_sim_bridge.simulation.simulation import Simulation
+    from reflexarc_sim_bridge.worlds.files import world_named
 
     simulation = Simulation(world_named("mixed"), contract, np.array([3], np.uint64))
     scans, seen = [], []

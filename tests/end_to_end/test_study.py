@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from reflexarc_trainer.config import TrainConfig
+from reflexarc_trainer.config.train_config import TrainConfig
 from reflexarc_trainer.study.unit import Unit
 from support.processes import PATIENCE_S, Process, finished, reflexarc, started, wait_until
 

@@ -16,10 +16,10 @@ ROOMS = ("reflexarc", "reflexarc_runtime", "reflexarc_logs", "reflexarc_sim_brid
 def test_runtime_logs_and_bridge_never_load_torch():
     code = """
 import importlib, pkgutil, sys
-for room in ("reflexarc", "reflexarc_runtime", "reflexarc_logs", "reflexarc_sim_bridge"):
+for room in ("reflexarc", "reflexarc_runtime", "reflexarc_logs", "reflexarc_sim_bridge", "reflexarc_pictures"):
     package = importlib.import_module(room)
     for module in pkgutil.walk_packages(package.__path__, room + "."):
-        if any(part in module.name for part in ("demo", "_progress", "__main__")):
+        if any(part in module.name for part in ("demo", "progress", "__main__")):
             continue
         importlib.import_module(module.name)
 loaded = {name.partition(".")[0] for name in sys.modules}
@@ -33,8 +33,8 @@ print(sorted(loaded & {"torch", "reflexarc_trainer"}))
 def test_the_runtime_loads_neither_numba_nor_plotting():
     code = """
 import sys
-import reflexarc_runtime.node, reflexarc_runtime.bus, reflexarc_runtime.policy
-import reflexarc_logs.recorder, reflexarc_logs.replay, reflexarc.commands.run, reflexarc.main
+import reflexarc_runtime.loop.node, reflexarc_runtime.bus, reflexarc_runtime.policy.policy
+import reflexarc_logs.recording.recorder, reflexarc_logs.replaying.replay, reflexarc.commands.drive.run, reflexarc.main
 loaded = {name.partition(".")[0] for name in sys.modules}
 print(sorted(loaded & {"numba", "gymnasium", "matplotlib", "torch"}))
 """

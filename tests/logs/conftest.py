@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from reflexarc_logs import log_file
+from reflexarc_logs.container import writing as log_file
 from support.policies import exported
 from support.recordings import CONTRACT, drive, nominal
 

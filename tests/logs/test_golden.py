@@ -8,9 +8,9 @@ from types import ModuleType
 
 import pytest
 
-from reflexarc_logs.reader import read_log
-from reflexarc_logs.replay import replay
-from reflexarc_logs.summary import summarise
+from reflexarc_logs.reading.reader import read_log
+from reflexarc_logs.reading.summary import summarise
+from reflexarc_logs.replaying.replay import replay
 from reflexarc_runtime.decision import Verdict
 
 GOLDEN = Path(__file__).parents[1] / "golden"

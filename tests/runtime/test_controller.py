@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from reflexarc_runtime.contract import PolicyContract, RetinaSpec
 from reflexarc_runtime.controller import RECOVERY_INPUTS, Controller, Inputs, State
 from reflexarc_runtime.decision import SAFE_ACTION, Decision, Verdict
-from reflexarc_runtime.policy import Policy
-from reflexarc_runtime.senses import RetinaSense
-from reflexarc_runtime.wire import Message
+from reflexarc_runtime.messages.wire import Message
+from reflexarc_runtime.policy.policy import Policy
+from reflexarc_runtime.sensing.senses import RetinaSense
 from support.policies import SMALL, FailingPolicy, ScriptedPolicy
 from support.sensing import MS, SPEC, retina_message
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from reflexarc_sim_bridge import threads
+from reflexarc_sim_bridge.native import threads
 
 
 @pytest.fixture(autouse=True, scope="session")

@@ -5,10 +5,18 @@ import math
 from hypothesis import strategies as st
 
 from reflexarc_runtime.contract import Action, PolicyContract, RetinaSpec, Shading, sideways_actions
-from reflexarc_sim_bridge.layers import Automaton, Corridor, Drift, Gates, Layer, Scatter, Swing
-from reflexarc_sim_bridge.scene import Outline
-from reflexarc_sim_bridge.shapes import Curves, Discs, Polygons, Rectangles
-from reflexarc_sim_bridge.worlds import Chassis, Edges, Senses, World
+from reflexarc_sim_bridge.simulation.scene import Outline
+from reflexarc_sim_bridge.worlds.layers import (
+    Automaton,
+    Corridor,
+    Drift,
+    Gates,
+    Layer,
+    Scatter,
+    Swing,
+)
+from reflexarc_sim_bridge.worlds.shapes import Curves, Discs, Polygons, Rectangles
+from reflexarc_sim_bridge.worlds.world import Chassis, Edges, Senses, World
 from support.slow_geometry import box, disc, star
 
 TURNING = (

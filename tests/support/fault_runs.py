@@ -14,12 +14,12 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from reflexarc_logs.reader import read_log
-from reflexarc_logs.recover import recover
-from reflexarc_logs.replay import replay
+from reflexarc_logs.reading.reader import read_log
+from reflexarc_logs.reading.recover import recover
+from reflexarc_logs.replaying.replay import replay
 from reflexarc_runtime.decision import Verdict
 from reflexarc_runtime.errors import ReflexarcError
-from reflexarc_sim_bridge.random_faults import kind_of_seed, random_script
+from reflexarc_sim_bridge.body.faults.random_script import kind_of_seed, random_script
 from support.fault_judge import MS, Outage, driving, outages
 from support.processes import Process, said_line, started
 

@@ -12,20 +12,20 @@ from pathlib import Path
 
 import numpy as np
 
-from reflexarc_runtime import realtime
 from reflexarc_runtime.bus import Bus, BusConfig
-from reflexarc_runtime.clock import MonotonicClock
 from reflexarc_runtime.contract import PolicyContract
-from reflexarc_runtime.inbox import Inbox
-from reflexarc_runtime.messages import decode_command, encode_retina
-from reflexarc_runtime.pacer import RatePacer
-from reflexarc_runtime.topics import BODY_NODE, COMMAND, RETINA
-from reflexarc_runtime.watchdog import Watchdog
-from reflexarc_runtime.wire import Message
-from reflexarc_sim_bridge.courier import Courier
-from reflexarc_sim_bridge.fault_script import FaultScript
-from reflexarc_sim_bridge.faults import Sending
-from reflexarc_sim_bridge.random_faults import script_named
+from reflexarc_runtime.loop import realtime
+from reflexarc_runtime.loop.clock import MonotonicClock
+from reflexarc_runtime.loop.inbox import Inbox
+from reflexarc_runtime.loop.pacer import RatePacer
+from reflexarc_runtime.loop.watchdog import Watchdog
+from reflexarc_runtime.messages.codec import decode_command, encode_retina
+from reflexarc_runtime.messages.topics import BODY_NODE, COMMAND, RETINA
+from reflexarc_runtime.messages.wire import Message
+from reflexarc_sim_bridge.body.faults.delayed_sender import Courier
+from reflexarc_sim_bridge.body.faults.faulty_stream import Sending
+from reflexarc_sim_bridge.body.faults.random_script import script_named
+from reflexarc_sim_bridge.body.faults.script import FaultScript
 
 POLL_HZ = 200.0
 POLLS_PER_RETINA = 4

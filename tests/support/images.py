@@ -5,7 +5,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from reflexarc_sim_bridge.camera.eye import Image
+from reflexarc_sim_bridge.body.camera.eye import Image
 
 RED = (220, 10, 10)
 BLUE = (10, 10, 220)

@@ -9,7 +9,7 @@ import onnx
 from onnx import numpy_helper
 
 from reflexarc_runtime.contract import GoldenVectors
-from reflexarc_runtime.policy import load_policy, with_contract
+from reflexarc_runtime.policy.policy import load_policy, with_contract
 
 
 def with_weights(

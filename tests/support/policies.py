@@ -10,7 +10,7 @@ from onnx import TensorProto, helper, numpy_helper
 
 from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
 from reflexarc_runtime.contract import GoldenVectors, PolicyContract, RetinaSpec
-from reflexarc_runtime.policy import load_policy, with_contract
+from reflexarc_runtime.policy.policy import load_policy, with_contract
 
 SMALL = PolicyContract(retina=RetinaSpec(rays=4))
 

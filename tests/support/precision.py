@@ -2,7 +2,7 @@
 
 import dataclasses
 
-from reflexarc_trainer.config import TrainConfig
+from reflexarc_trainer.config.train_config import TrainConfig
 
 
 def in_double(config: TrainConfig) -> TrainConfig:

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from reflexarc_logs.reader import read_log
+from reflexarc_logs.reading.reader import read_log
 from reflexarc_runtime.errors import LogError
 
 PATIENCE_S = 240.0

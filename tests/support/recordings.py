@@ -7,18 +7,18 @@ from pathlib import Path
 
 import numpy as np
 
-from reflexarc_logs.recorder import Recorder
-from reflexarc_logs.run_info import RunInfo
-from reflexarc_runtime.clock import ManualClock
+from reflexarc_logs.container.run_info import RunInfo
+from reflexarc_logs.recording.recorder import Recorder
 from reflexarc_runtime.contract import PolicyContract, RetinaSpec
 from reflexarc_runtime.controller import Controller
-from reflexarc_runtime.inbox import Inbox
-from reflexarc_runtime.messages import encode_retina
-from reflexarc_runtime.node import Node, Outlets
-from reflexarc_runtime.pacer import RatePacer
-from reflexarc_runtime.policy import LoadedPolicy, load_policy
-from reflexarc_runtime.senses import sense_for
-from reflexarc_runtime.wire import Message, Stamp, pack_stamp, protobuf_encoding
+from reflexarc_runtime.loop.clock import ManualClock
+from reflexarc_runtime.loop.inbox import Inbox
+from reflexarc_runtime.loop.node import Node, Outlets
+from reflexarc_runtime.loop.pacer import RatePacer
+from reflexarc_runtime.messages.codec import encode_retina
+from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp, protobuf_encoding
+from reflexarc_runtime.policy.policy import LoadedPolicy, load_policy
+from reflexarc_runtime.sensing.senses import sense_for
 
 MS = 1_000_000
 PERIOD_NS = 20 * MS

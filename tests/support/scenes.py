@@ -5,12 +5,12 @@ import math
 import numpy as np
 
 from reflexarc_runtime.contract import PolicyContract
-from reflexarc_sim_bridge.layers import Motion, Scatter
-from reflexarc_sim_bridge.params import BOXES, DISCS, SIDES, TURNED
-from reflexarc_sim_bridge.scene import Outline
-from reflexarc_sim_bridge.shapes import Discs, Polygons, Rectangles
-from reflexarc_sim_bridge.simulation import Simulation
-from reflexarc_sim_bridge.worlds import Chassis, Edges, Senses, World
+from reflexarc_sim_bridge.arrays.layout import BOXES, DISCS, SIDES, TURNED
+from reflexarc_sim_bridge.simulation.scene import Outline
+from reflexarc_sim_bridge.simulation.simulation import Simulation
+from reflexarc_sim_bridge.worlds.layers import Motion, Scatter
+from reflexarc_sim_bridge.worlds.shapes import Discs, Polygons, Rectangles
+from reflexarc_sim_bridge.worlds.world import Chassis, Edges, Senses, World
 
 STANDS_AT_M = (1.25, 1.0)
 """Where the agent of a scene is: within its cell, whose corner is the origin of the world."""

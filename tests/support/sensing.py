@@ -3,8 +3,8 @@
 import numpy as np
 
 from reflexarc_runtime.contract import RetinaSpec
-from reflexarc_runtime.messages import encode_retina
-from reflexarc_runtime.wire import Message, Stamp, pack_stamp, protobuf_encoding
+from reflexarc_runtime.messages.codec import encode_retina
+from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp, protobuf_encoding
 
 MS = 1_000_000
 SPEC = RetinaSpec(rays=4)

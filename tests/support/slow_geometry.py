@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_sim_bridge.scene import Outline
+from reflexarc_sim_bridge.simulation.scene import Outline
 
 Floats = npt.NDArray[np.float64]
 

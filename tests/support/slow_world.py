@@ -5,10 +5,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from reflexarc_sim_bridge.layers import CHUNK_M, Drift, Motion, Swing
-from reflexarc_sim_bridge.scene import Outline, outlines_of_chunk
-from reflexarc_sim_bridge.simulation import Simulation
-from reflexarc_sim_bridge.worlds import Edges, World
+from reflexarc_sim_bridge.simulation.scene import Outline, outlines_of_chunk
+from reflexarc_sim_bridge.simulation.simulation import Simulation
+from reflexarc_sim_bridge.worlds.layers import CHUNK_M, Drift, Motion, Swing
+from reflexarc_sim_bridge.worlds.world import Edges, World
 from support.slow_geometry import Floats, moved, ray_lengths_m
 
 ANGLE_ERROR_RAD = 2e-5

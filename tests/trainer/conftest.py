@@ -6,8 +6,8 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from reflexarc_sim_bridge.threads import set_thread_count
-from reflexarc_trainer.config import (
+from reflexarc_sim_bridge.native.threads import set_thread_count
+from reflexarc_trainer.config.train_config import (
     BatchedConfig,
     LearnerConfig,
     NetworkConfig,

@@ -4,8 +4,8 @@ import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
-from reflexarc.output import console, print_json
-from reflexarc.stop import terminated_as_interrupted
+from reflexarc.terminal.output import console, print_json
+from reflexarc.terminal.signals import terminated_as_interrupted
 from reflexarc_runtime.errors import UsageError
 
 MADE = (
@@ -64,9 +64,9 @@ class Demo:
         from reflexarc.demo.lidar import drive_on_scans
         from reflexarc.demo.results import Found
         from reflexarc.demo.screen import screen
-        from reflexarc.pictures.log_picture import draw_log
-        from reflexarc.stop import StopFlag
-        from reflexarc_runtime.policy import load_policy
+        from reflexarc.terminal.signals import StopFlag
+        from reflexarc_pictures.log_pictures.log_picture import draw_log
+        from reflexarc_runtime.policy.policy import load_policy
 
         policy, log = self.out / "policy.onnx", self.out / "drive.mcap"
         curve, picture = self.out / "curve.png", self.out / "drive.png"

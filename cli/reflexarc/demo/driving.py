@@ -13,7 +13,7 @@ from reflexarc.demo.processes import (
     started,
 )
 from reflexarc.demo.results import Driving
-from reflexarc.output import progress_bar
+from reflexarc.terminal.output import progress_bar
 
 _POLL_S = 0.1
 

@@ -14,16 +14,16 @@ import numpy as np
 
 from reflexarc.demo.processes import Process, finish, free_port, started
 from reflexarc.demo.results import Lidar
-from reflexarc_logs.importing import FORMATS, Imported, import_log
-from reflexarc_logs.replay import replay
+from reflexarc_logs.importing.lidar_import import FORMATS, Imported, import_log
+from reflexarc_logs.replaying.replay import replay
 from reflexarc_runtime.contract import RetinaSpec
 from reflexarc_runtime.errors import LogError
-from reflexarc_runtime.policy import LoadedPolicy, load_policy
-from reflexarc_runtime.retina import Scan, retina_from_scan
-from reflexarc_sim_bridge.reference_field import reference_contract
-from reflexarc_sim_bridge.seeds import test_seeds
-from reflexarc_sim_bridge.simulation import Simulation
-from reflexarc_sim_bridge.world_files import world_named
+from reflexarc_runtime.policy.policy import LoadedPolicy, load_policy
+from reflexarc_runtime.sensing.retina import Scan, retina_from_scan
+from reflexarc_sim_bridge.evaluation.reference_field import reference_contract
+from reflexarc_sim_bridge.simulation.simulation import Simulation
+from reflexarc_sim_bridge.worlds.files import world_named
+from reflexarc_sim_bridge.worlds.seeds import test_seeds
 
 _POLL_S = 0.1
 

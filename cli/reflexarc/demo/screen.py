@@ -5,7 +5,7 @@ from rich.panel import Panel
 from rich.table import Table
 
 from reflexarc.demo.results import Found
-from reflexarc.output import kibibytes, microseconds
+from reflexarc.terminal.output import kibibytes, microseconds
 
 
 def screen(found: Found) -> Panel:

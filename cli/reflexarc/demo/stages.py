@@ -4,16 +4,16 @@ from collections.abc import Callable
 from pathlib import Path
 
 from reflexarc.demo.results import Learning, Logged, Replayed
-from reflexarc.output import progress_bar
-from reflexarc.training_progress import show_progress
-from reflexarc_logs.replay import replay
-from reflexarc_logs.summary import summarise
+from reflexarc.terminal.output import progress_bar
+from reflexarc.terminal.progress import show_progress
+from reflexarc_logs.reading.summary import summarise
+from reflexarc_logs.replaying.replay import replay
 from reflexarc_runtime.contract import PolicyContract
-from reflexarc_runtime.policy import Policy, load_policy
-from reflexarc_sim_bridge.reference_field import FieldScore, measure, reference_contract
-from reflexarc_sim_bridge.simple_policies import BlindPolicy, RandomPolicy
-from reflexarc_trainer.presets import preset_named
-from reflexarc_trainer.train import TrainResult, train
+from reflexarc_runtime.policy.policy import Policy, load_policy
+from reflexarc_sim_bridge.evaluation.reference_field import FieldScore, measure, reference_contract
+from reflexarc_sim_bridge.evaluation.simple_policies import BlindPolicy, RandomPolicy
+from reflexarc_trainer.config.presets import preset_named
+from reflexarc_trainer.run.train import TrainResult, train
 
 PRESET = "reflex"
 

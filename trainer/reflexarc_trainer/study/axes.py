@@ -22,10 +22,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
+from reflexarc_runtime.config.checks import require
+from reflexarc_runtime.config.toml_lines import KeyPath
+from reflexarc_runtime.config.toml_source import TomlSource
 from reflexarc_runtime.errors import ReflexarcError, UsageError
-from reflexarc_sim_bridge.toml_lines import KeyPath
-from reflexarc_sim_bridge.toml_source import TomlSource
-from reflexarc_trainer.checks import require
 from reflexarc_trainer.study.settings import check_setting
 
 _LONGEST_LABEL = 80

@@ -9,7 +9,7 @@ from collections import Counter, deque
 from collections.abc import Callable, Iterator, Sequence
 
 from reflexarc_runtime.errors import UsageError
-from reflexarc_sim_bridge.compile_cache import cache_folder
+from reflexarc_sim_bridge.native.cache import cache_folder
 from reflexarc_trainer.study.unit import Result, Unit
 from reflexarc_trainer.study.worker_process import Failure, WorkerDied, WorkerProcess
 

@@ -12,10 +12,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullLocator
 
-from reflexarc_trainer.curve import as_png
+from reflexarc_trainer.run.plots import as_png
 from reflexarc_trainer.study.axes import AxisScale
+from reflexarc_trainer.study.definition import Study
 from reflexarc_trainer.study.page import FIGURE_NAMES
-from reflexarc_trainer.study.study_file import Study
 from reflexarc_trainer.study.summary import CellSummary
 from reflexarc_trainer.study.unit import Measure
 

@@ -12,20 +12,24 @@ import numpy as np
 
 from reflexarc_runtime.contract import Action, PolicyContract
 from reflexarc_runtime.errors import UsageError
-from reflexarc_runtime.policy import Policy
-from reflexarc_sim_bridge.reference_field import measure as measure_contacts
-from reflexarc_sim_bridge.seeds import test_seeds
-from reflexarc_sim_bridge.simple_policies import BlindPolicy
-from reflexarc_sim_bridge.simulation import Simulation
-from reflexarc_sim_bridge.worlds import WorldSource
-from reflexarc_trainer.edge_index import edge_index, obstacle_radius_m, require_edge_index
-from reflexarc_trainer.forms import new_learner
-from reflexarc_trainer.learner import Learner
+from reflexarc_runtime.policy.policy import Policy
+from reflexarc_sim_bridge.evaluation.edge_index import (
+    edge_index,
+    obstacle_radius_m,
+    require_edge_index,
+)
+from reflexarc_sim_bridge.evaluation.reference_field import measure as measure_contacts
+from reflexarc_sim_bridge.evaluation.simple_policies import BlindPolicy
+from reflexarc_sim_bridge.simulation.simulation import Simulation
+from reflexarc_sim_bridge.worlds.seeds import test_seeds
+from reflexarc_sim_bridge.worlds.world import WorldSource
+from reflexarc_trainer.config.training_world import TrainingWorld
+from reflexarc_trainer.policy.weights import network_of
+from reflexarc_trainer.run.train import CHUNK_STEPS
+from reflexarc_trainer.run.validation import GreedyPolicy
+from reflexarc_trainer.sarsa.forms import new_learner
+from reflexarc_trainer.sarsa.learner import Learner
 from reflexarc_trainer.study.unit import Evaluation, Measure, Result, Unit, code_key
-from reflexarc_trainer.train import CHUNK_STEPS
-from reflexarc_trainer.training_world import TrainingWorld
-from reflexarc_trainer.validation import GreedyPolicy
-from reflexarc_trainer.weights import network_of
 
 
 def measure(unit: Unit) -> Result:

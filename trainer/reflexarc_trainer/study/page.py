@@ -2,9 +2,9 @@
 
 from collections.abc import Iterable, Sequence
 
-from reflexarc_trainer.provenance import commit, versions
-from reflexarc_trainer.statistics import Estimate
-from reflexarc_trainer.study.study_file import Study
+from reflexarc_sim_bridge.evaluation.statistics import Estimate
+from reflexarc_trainer.policy.provenance import commit, versions
+from reflexarc_trainer.study.definition import Study
 from reflexarc_trainer.study.summary import CellSummary, missed_targets
 from reflexarc_trainer.study.unit import Measure
 

@@ -11,9 +11,9 @@ from functools import cache
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from reflexarc_runtime.errors import ReflexarcError, UsageError
-from reflexarc_trainer.config import TrainConfig
-from reflexarc_trainer.presets import preset_named
-from reflexarc_trainer.training_world import parse_training_world
+from reflexarc_trainer.config.presets import preset_named
+from reflexarc_trainer.config.train_config import TrainConfig
+from reflexarc_trainer.config.training_world import parse_training_world
 
 PRESET, WORLDS = "preset", "worlds"
 

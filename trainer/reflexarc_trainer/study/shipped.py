@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from reflexarc_runtime.errors import UsageError
-from reflexarc_trainer.study.study_file import Study, read_study
+from reflexarc_trainer.study.definition import Study, read_study
 
 SUFFIX = ".toml"
 

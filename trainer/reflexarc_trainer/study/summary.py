@@ -4,8 +4,8 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from reflexarc_trainer.statistics import Estimate, estimate, interquartile_mean
-from reflexarc_trainer.study.study_file import Cell, Study
+from reflexarc_sim_bridge.evaluation.statistics import Estimate, estimate, interquartile_mean
+from reflexarc_trainer.study.definition import Cell, Study
 from reflexarc_trainer.study.unit import Measure, Result
 
 

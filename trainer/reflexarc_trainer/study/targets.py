@@ -12,8 +12,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from reflexarc_trainer.checks import require
-from reflexarc_trainer.statistics import interquartile_mean
+from reflexarc_runtime.config.checks import require
+from reflexarc_sim_bridge.evaluation.statistics import interquartile_mean
 
 
 @dataclass(frozen=True)

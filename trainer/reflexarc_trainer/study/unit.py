@@ -12,12 +12,12 @@ from enum import StrEnum
 from functools import lru_cache
 from typing import Any, Self
 
+from reflexarc_runtime.config.checks import require
 from reflexarc_runtime.errors import UsageError
-from reflexarc_sim_bridge.compile_cache import source_key
-from reflexarc_trainer.checks import require
-from reflexarc_trainer.config import TrainConfig
-from reflexarc_trainer.provenance import versions
-from reflexarc_trainer.training_world import TrainingWorld
+from reflexarc_sim_bridge.native.cache import source_key
+from reflexarc_trainer.config.train_config import TrainConfig
+from reflexarc_trainer.config.training_world import TrainingWorld
+from reflexarc_trainer.policy.provenance import versions
 
 MOST_AGENTS, MOST_STEPS = 1 << 16, 1 << 20
 

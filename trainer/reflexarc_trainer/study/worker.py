@@ -20,7 +20,7 @@ import numba
 import torch
 
 from reflexarc_runtime.errors import ReflexarcError
-from reflexarc_sim_bridge.threads import set_thread_count
+from reflexarc_sim_bridge.native.threads import set_thread_count
 from reflexarc_trainer.study.measuring import measure
 from reflexarc_trainer.study.unit import Unit, code_key
 

@@ -1,0 +1,1 @@
+"""Commands that drive: sim, run, ros2, camera."""

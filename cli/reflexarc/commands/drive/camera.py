@@ -1,0 +1,125 @@
+"""`reflexarc camera`: a real camera, a video or images, as the body's eye."""
+
+import os
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import tyro
+
+from reflexarc.terminal.output import aside, console, facts, print_json, progress_bar
+from reflexarc.terminal.signals import StopFlag
+from reflexarc.wiring.bus_flags import Joining, contract_of
+from reflexarc_runtime.errors import UsageError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from reflexarc_runtime.bus import Bus
+    from reflexarc_runtime.contract import PolicyContract
+    from reflexarc_sim_bridge.body.camera.bridge import Account, Moment
+    from reflexarc_sim_bridge.body.camera.calibration import Calibration
+    from reflexarc_sim_bridge.body.camera.sources import Source
+
+MAX_RATE_HZ = 1000.0
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A real camera, a video or images, as the body's eye: retinas on the bus. It moves nothing.
+
+    The policy must have been trained on colours (reflexarc train --preset paper). Which rows count,
+    how wide the lens is and which colours are obstacles stand in a calibration. For two eyes give
+    two sources, or one with both images side by side.
+
+    Examples:
+      reflexarc camera 0 --calibration camera.toml
+      reflexarc camera drive.avi --policy runs/paper/policy.onnx
+      reflexarc camera 0 --right 1
+      reflexarc camera "frames/*.png" --rate 10
+    """
+
+    source: tyro.conf.Positional[str]
+    """A camera's number, a video, an image, a folder of images, or a glob of them."""
+    right: str | None = None
+    """The right eye's source; `source` is then the left one's."""
+    calibration: Path | None = None
+    """Rows, lens and colours (TOML); by default the middle rows, spread, on black."""
+    policy: Path | None = None
+    """Build the eye from this policy; by default, ask the runtime on the bus."""
+    rate: float | None = None
+    """Images a second; by default the video's own, or the contract's. A camera may give another."""
+    joining: Joining = field(default_factory=Joining)
+    json: bool = False
+    """Print one JSON object at the end."""
+
+    def run(self) -> int:
+        """Show images until the end, then say how many."""
+        from reflexarc_runtime.bus import Bus
+        from reflexarc_runtime.loop.clock import MonotonicClock
+
+        if self.rate is not None and not 0.0 < self.rate <= MAX_RATE_HZ:
+            raise UsageError(f"--rate: expected 0 to {MAX_RATE_HZ:g} Hz, got {self.rate}")
+        sources, calibration = self._sources(), self._calibration()
+        config = self.joining.config(listens=True)
+        with StopFlag() as stop, Bus(config, MonotonicClock().now_ns) as bus:
+            contract = contract_of(self.policy, bus, stop, "reflexarc camera")
+            account = self._show(bus, sources, calibration, contract, stop) if contract else None
+        if account is not None:
+            self._tell(account)
+        return 0
+
+    def _sources(self) -> "tuple[Source, ...]":
+        # FFmpeg within OpenCV would tell standard error about every flaw of a file.
+        os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
+        from reflexarc_sim_bridge.body.camera.sources import source_named
+
+        names = (self.source,) if self.right is None else (self.source, self.right)
+        return tuple(source_named(name, self.rate) for name in names)
+
+    def _calibration(self) -> "Calibration":
+        from reflexarc_sim_bridge.body.camera.calibration import Calibration, read_calibration
+
+        return Calibration() if self.calibration is None else read_calibration(self.calibration)
+
+    def _show(
+        self,
+        bus: "Bus",
+        sources: "tuple[Source, ...]",
+        calibration: "Calibration",
+        contract: "PolicyContract",
+        stop: StopFlag,
+    ) -> "Account":
+        from reflexarc_runtime.loop.clock import MonotonicClock
+        from reflexarc_runtime.loop.inbox import Inbox
+        from reflexarc_runtime.loop.pacer import RatePacer
+        from reflexarc_sim_bridge.body.camera.bridge import CameraBridge
+        from reflexarc_sim_bridge.body.camera.eye import CameraEye
+
+        if len(sources) > contract.retina.eyes:
+            raise UsageError("--right: expected a policy with two eyes, got one with one")
+        eye, clock = CameraEye(calibration, contract.retina), MonotonicClock()
+        bridge = CameraBridge(bus, eye, contract.retina, self.joining.robot, clock)
+        moments: Iterable[Moment] = zip(*(source.frames() for source in sources), strict=False)
+        totals = [source.total for source in sources if source.total is not None]
+        aside.print(f"reflexarc camera: {self.source}, {contract.retina.rays} rays")
+        if len(totals) < len(sources):  # a camera among them paces by itself
+            return bridge.show(moments, stop)
+        rate_hz = self.rate or sources[0].rate_hz or contract.rate_hz
+        bridge.wait_for_listener(stop)
+        with _progress(min(totals)) as progress:
+            return bridge.show(moments, stop, RatePacer(rate_hz, clock, Inbox()), progress)
+
+    def _tell(self, account: "Account") -> None:
+        if self.json:
+            print_json(account)
+            return
+        console.print(facts({"retinas": account.retinas, "not decoded": account.undecodable}))
+
+
+@contextmanager
+def _progress(total: int) -> "Iterator[Callable[[int], None]]":
+    with progress_bar("images", total) as progress:
+        yield lambda done: progress(done, total)

@@ -1,0 +1,209 @@
+"""`reflexarc run`: the sense–act loop with one policy."""
+
+import uuid
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import tyro
+
+from reflexarc.terminal.output import aside, console, facts, microseconds, print_json
+from reflexarc.terminal.signals import StopFlag
+from reflexarc.wiring.bus_flags import Joining
+from reflexarc_runtime.errors import UsageError
+
+if TYPE_CHECKING:
+    from reflexarc_runtime.bus import Bus, Publisher
+    from reflexarc_runtime.controller import Controller
+    from reflexarc_runtime.loop.inbox import Inbox
+    from reflexarc_runtime.loop.monitor import Summary
+    from reflexarc_runtime.loop.pacer import Pacer
+    from reflexarc_runtime.loop.sink import Sink
+    from reflexarc_runtime.policy.policy import LoadedPolicy
+
+LISTENER_POLL_S = 0.01
+
+
+@dataclass(frozen=True)
+class Run:
+    """Run a policy: sense, decide, act, at the contract's rate, until Ctrl-C.
+
+    Whatever comes in, the body gets a command at every tick: the policy's while its input is good
+    and fresh, the contract's safe command otherwise. SIGINT and SIGTERM end in a safe command and a
+    finished log.
+
+    Examples:
+      reflexarc run runs/reflex-0/policy.onnx
+      reflexarc run runs/reflex-0/policy.onnx --record runs/drive.mcap
+      reflexarc run runs/reflex-0/policy.onnx --input scan --robot rover1
+    """
+
+    policy: tyro.conf.Positional[Path]
+    """The exported policy (ONNX)."""
+    input: Literal["retina", "scan"] = "retina"
+    """Which sensor stream to decide on."""
+    backend: Literal["numpy", "onnxruntime"] = "numpy"
+    """What computes the policy: numpy gives the same bits everywhere."""
+    lockstep: bool = False
+    """One tick an input, on the input's own time."""
+    record: Path | None = None
+    """Record everything to this MCAP file."""
+    ticks: int | None = None
+    """End after so many ticks; by default, at Ctrl-C."""
+    fifo: int = 0
+    """SCHED_FIFO priority, 1 to 99; 0: ordinary scheduling."""
+    joining: Joining = field(default_factory=Joining)
+    json: bool = False
+    """Print one JSON object at the end."""
+
+    def run(self) -> int:
+        """Tick until the end, then say how it went."""
+        from reflexarc_runtime.bus import Bus
+        from reflexarc_runtime.controller import Controller
+        from reflexarc_runtime.loop.clock import MonotonicClock
+        from reflexarc_runtime.policy.policy import load_policy
+        from reflexarc_runtime.sensing.senses import sense_for
+
+        self._check_flags()
+        policy = load_policy(self.policy, self.backend)
+        sense = sense_for(self.input, policy.contract.retina)
+        controller = Controller(policy, policy.contract, sense, policy.policy_hash)
+        run_id = uuid.uuid4().hex
+        with (
+            StopFlag() as stop,
+            self._sink(policy, run_id) as sink,
+            Bus(self.joining.config(), MonotonicClock().now_ns) as bus,
+        ):
+            summary = self._loop(bus, controller, sink, run_id, policy, stop)
+        self._tell(summary, sink.state)
+        return 0
+
+    def _check_flags(self) -> None:
+        if self.ticks is not None and self.ticks < 1:
+            raise UsageError(f"--ticks: expected 1 or more, got {self.ticks}")
+        if not 0 <= self.fifo <= 99:
+            raise UsageError(f"--fifo: expected 0 to 99, got {self.fifo}")
+
+    def _loop(
+        self,
+        bus: "Bus",
+        controller: "Controller",
+        sink: "Sink",
+        run_id: str,
+        policy: "LoadedPolicy",
+        stop: StopFlag,
+    ) -> "Summary":
+        from reflexarc_runtime.loop import realtime
+        from reflexarc_runtime.loop.inbox import Inbox
+        from reflexarc_runtime.loop.node import Node, Outlets
+        from reflexarc_runtime.messages.topics import COMMAND, RUNTIME_NODE, STATUS, TICK
+
+        inbox, command = Inbox(), bus.publisher(COMMAND)
+        outlets = Outlets(command, bus.publisher(TICK), bus.publisher(STATUS))
+        self._listen_to_the_rest(bus, sink)
+        bus.offer_policy(policy.data)
+        if self.lockstep:
+            self._wait_for_body(command, stop)
+        bus.subscribe([controller.sense.topic], inbox.put)
+        bus.announce(RUNTIME_NODE)
+        said = "; ".join(realtime.prepare(self.fifo))
+        aside.print(f"reflexarc run: {self.policy} on {self.backend}; {said}")
+        node = Node(
+            controller,
+            self._pacer(policy.contract.rate_hz, inbox),
+            outlets,
+            sink=sink,
+            robot=self.joining.robot,
+            run_id=run_id,
+            overflows=lambda: inbox.overflows,
+        )
+        return node.run(stop, self.ticks)
+
+    def _pacer(self, rate_hz: float, inbox: "Inbox") -> "Pacer":
+        from reflexarc_runtime.loop.clock import MonotonicClock
+        from reflexarc_runtime.loop.pacer import LockstepPacer, RatePacer
+
+        return (
+            LockstepPacer(inbox) if self.lockstep else RatePacer(rate_hz, MonotonicClock(), inbox)
+        )
+
+    def _listen_to_the_rest(self, bus: "Bus", sink: "Sink") -> None:
+        """Record what the loop does not decide on; it goes past the inbox."""
+        from reflexarc_runtime.messages.topics import (
+            CONTACT,
+            LOG,
+            ODOMETRY,
+            POSE,
+            SCENE,
+            STATUS,
+            TRANSFORM,
+        )
+        from reflexarc_runtime.messages.wire import Message, at_source_time
+
+        if self.record is None:
+            return
+
+        def keep(message: Message) -> None:
+            sink.put(at_source_time(message) if self.lockstep else message)
+
+        bus.subscribe([POSE, TRANSFORM, ODOMETRY, SCENE, CONTACT, STATUS, LOG], keep)
+
+    def _wait_for_body(self, command: "Publisher", stop: StopFlag) -> None:
+        """In lockstep a command that nobody hears would be waited for in vain."""
+        import time
+
+        aside.print("reflexarc run: waiting for a body in lockstep …")
+        while not command.has_listener and not stop():
+            time.sleep(LISTENER_POLL_S)
+
+    @contextmanager
+    def _sink(self, policy: "LoadedPolicy", run_id: str) -> "Iterator[Sink]":
+        from reflexarc_runtime.loop.sink import NoSink
+
+        if self.record is None:
+            yield NoSink()
+            return
+        from reflexarc.wiring.recorders import recorder_of_run
+
+        with recorder_of_run(
+            self.record,
+            policy,
+            run_id=run_id,
+            robot=self.joining.robot,
+            sensor=self.input,
+            lockstep=self.lockstep,
+        ) as recorder:
+            yield recorder
+
+    def _recorded(self, state: str) -> str:
+        """A finished recording is off: then its path says more, with what was dropped, if any."""
+        if self.record is None or not state.startswith("off"):
+            return state
+        return f"{self.record}{state.removeprefix('off')}"
+
+    def _tell(self, summary: "Summary", recording: str) -> None:
+        if self.json:
+            print_json({**_as_dict(summary), "recording": recording})
+            return
+        console.print(
+            facts(
+                {
+                    "ticks": summary.ticks,
+                    "rate": f"{summary.rate_hz:.2f} Hz",
+                    "lateness": f"p50 {microseconds(summary.lateness_p50_ns)}, "
+                    f"p99 {microseconds(summary.lateness_p99_ns)}, "
+                    f"max {microseconds(summary.lateness_max_ns)}",
+                    "skipped slots": summary.skipped_slots,
+                    "verdicts": ", ".join(f"{k} {v}" for k, v in summary.verdicts.items()),
+                    "recording": self._recorded(recording),
+                }
+            )
+        )
+
+
+def _as_dict(summary: "Summary") -> dict[str, object]:
+    from dataclasses import asdict
+
+    return asdict(summary)

@@ -1,0 +1,161 @@
+"""`reflexarc sim`: a simulated body on the bus."""
+
+from collections.abc import Callable
+from contextlib import nullcontext
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from reflexarc.terminal.output import aside, console, facts, print_json
+from reflexarc.terminal.signals import StopFlag
+from reflexarc.wiring.bus_flags import Joining, contract_of
+from reflexarc.wiring.fleet import drive_together
+from reflexarc_runtime.errors import UsageError
+
+if TYPE_CHECKING:
+    from reflexarc_runtime.bus import Bus
+    from reflexarc_runtime.contract import PolicyContract
+    from reflexarc_sim_bridge.body.bridge import Journey
+    from reflexarc_sim_bridge.body.faults.script import FaultScript
+
+MIN_RATE_HZ, MAX_RATE_HZ = 0.1, 1000.0
+MAX_ROBOTS = 64
+
+
+@dataclass(frozen=True)
+class Sim:
+    """A simulated body: it moves, sees, and says so on the bus, in real time or in lockstep.
+
+    It builds its eye from a policy's contract: from --policy, or from the runtime that it meets on
+    the bus. Without a fresh and valid command it stops by itself.
+
+    Examples:
+      reflexarc sim
+      reflexarc sim --world crossing --seed 7 --policy runs/reflex-0/policy.onnx
+      reflexarc sim --lockstep --steps 500
+      reflexarc sim --faults seed:17
+      reflexarc sim --world crossing --robots 4
+    """
+
+    world: str = "reference-1"
+    """Which world: a name out of `reflexarc worlds`, or a file."""
+    seed: int = 0
+    """Which of the world's endless variants."""
+    policy: Path | None = None
+    """Build the eye from this policy; by default, ask the runtime on the bus."""
+    rate: float | None = None
+    """Steps a second; the contract's rate by default."""
+    lockstep: bool = False
+    """Wait for the command of every retina; time is the number of the step."""
+    steps: int | None = None
+    """End after so many steps; by default, at Ctrl-C."""
+    faults: str | None = None
+    """Harm the retinas on their way: a fault script (TOML), or seed:N for a random one."""
+    robots: int = 1
+    """So many robots in one world, robot0, robot1, …; each waits for a runtime of its own. They do
+    not see each other."""
+    joining: Joining = field(default_factory=Joining)
+    json: bool = False
+    """Print one JSON object at the end."""
+
+    def run(self) -> int:
+        """Drive until the end, then say what became of it."""
+        from reflexarc_sim_bridge.worlds.files import world_named
+
+        world_named(self.world)
+        self._check_flags()
+        script = self._script()
+        with StopFlag() as stop:
+            journeys = drive_together(
+                self.joining.fleet(self.robots),
+                lambda robot, number, must_stop: self._ride(robot, number, must_stop, script),
+                stop,
+            )
+        self._tell(journeys)
+        return 0
+
+    def _ride(
+        self,
+        robot: Joining,
+        number: int,
+        stop: Callable[[], bool],
+        script: "FaultScript | None",
+    ) -> "Journey | None":
+        """One robot's life; None when it was stopped before it met a runtime."""
+        from reflexarc_runtime.bus import Bus
+        from reflexarc_runtime.loop.clock import MonotonicClock
+
+        # The first robot listens for the others.
+        with Bus(robot.config(listens=number == 0), MonotonicClock().now_ns) as bus:
+            contract = contract_of(self.policy, bus, stop, self._who(robot.robot))
+            if contract is None:
+                return None
+            return self._drive(bus, contract, stop, script, robot.robot, number)
+
+    def _who(self, robot: str) -> str:
+        """Who speaks; the only robot needs no name."""
+        return f"reflexarc sim: {robot}" if self.robots > 1 else "reflexarc sim"
+
+    def _check_flags(self) -> None:
+        if self.rate is not None and not MIN_RATE_HZ <= self.rate <= MAX_RATE_HZ:
+            raise UsageError(
+                f"--rate: expected {MIN_RATE_HZ:g} to {MAX_RATE_HZ:g} Hz, got {self.rate}"
+            )
+        if self.steps is not None and self.steps < 1:
+            raise UsageError(f"--steps: expected 1 or more, got {self.steps}")
+        if not 1 <= self.robots <= MAX_ROBOTS:
+            raise UsageError(f"--robots: expected 1 to {MAX_ROBOTS}, got {self.robots}")
+        if not 0 <= self.seed < 1 << 64:
+            raise UsageError(f"--seed: expected 0 to 2^64 − 1, got {self.seed}")
+
+    def _script(self) -> "FaultScript | None":
+        from reflexarc_sim_bridge.body.faults.random_script import script_named
+
+        if self.faults is None:
+            return None
+        if self.lockstep:
+            raise UsageError(
+                "--faults: not with --lockstep, which waits for the command of every retina"
+            )
+        return script_named(self.faults)
+
+    def _drive(
+        self,
+        bus: "Bus",
+        contract: "PolicyContract",
+        stop: Callable[[], bool],
+        script: "FaultScript | None",
+        robot: str,
+        number: int,
+    ) -> "Journey":
+        from reflexarc_runtime.loop.clock import MonotonicClock
+        from reflexarc_runtime.loop.inbox import Inbox
+        from reflexarc_runtime.loop.pacer import RatePacer
+        from reflexarc_sim_bridge.body.body import Body
+        from reflexarc_sim_bridge.body.bridge import Bridge, faulty_retinas
+        from reflexarc_sim_bridge.worlds.files import world_named
+
+        rate_hz = self.rate or contract.rate_hz
+        world = world_named(self.world).drawn(self.seed)
+        body = Body(world, contract, rate_hz, self.seed, number)
+        inbox, clock = Inbox(), MonotonicClock()
+        with faulty_retinas(bus, script, clock.now_ns) if script else nullcontext() as retinas:
+            bridge = Bridge(bus, body, robot, inbox, retinas)
+            aside.print(f"{self._who(robot)}: {self.world}, seed {self.seed}, {rate_hz:g} Hz")
+            if self.lockstep:
+                return bridge.drive_in_lockstep(round(1e9 / rate_hz), stop, self.steps)
+            return bridge.drive(RatePacer(rate_hz, clock, inbox), stop, self.steps)
+
+    def _tell(self, journeys: "dict[str, Journey]") -> None:
+        """One robot's journey as it is, several by name."""
+        if self.json and journeys:
+            plain = {robot: asdict(journey) for robot, journey in journeys.items()}
+            print_json(plain if self.robots > 1 else next(iter(plain.values())))
+            return
+        for robot, journey in journeys.items():
+            said = {
+                "steps": journey.steps,
+                "distance": f"{journey.distance_m:.1f} m",
+                "contacts": journey.contacts,
+            }
+            console.print(facts({"robot": robot, **said} if self.robots > 1 else said))

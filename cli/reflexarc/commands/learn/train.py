@@ -1,0 +1,160 @@
+"""`reflexarc train`: learn a reflex."""
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from reflexarc.terminal.output import aside, console, facts, print_json
+from reflexarc.terminal.signals import StopFlag
+from reflexarc_runtime.errors import UsageError
+
+if TYPE_CHECKING:
+    from reflexarc_trainer.config.train_config import TrainConfig
+    from reflexarc_trainer.run.history import Row
+    from reflexarc_trainer.run.train import TrainResult
+
+_GIVEN_ONCE = ("steps", "worlds", "init_from", "stop_at")
+
+
+@dataclass(frozen=True)
+class Train:
+    """Learn a reflex with SARSA(λ) and export it as one ONNX file.
+
+    Writes policy.onnx (as the run left it), policy-best.onnx (best on validation worlds),
+    report.md with its pictures, metrics.csv, config.json and a checkpoint. Ctrl-C keeps what was
+    learned; --resume goes on from there to the same bits as a run that was never interrupted.
+
+    Examples:
+      reflexarc train
+      reflexarc train --presets
+      reflexarc train --preset paper --seed 3 --out runs/paper-3
+      reflexarc train --out runs/paper-3 --resume
+      reflexarc train --stop-at 5
+      reflexarc train --worlds tier-05:1 tier-15:1 tier-25:2
+      reflexarc train --worlds forest --init-from runs/reflex-0/policy-best.onnx --steps 100000
+    """
+
+    preset: str = "reflex"
+    """reflex: the default; paper: the paper's learner and eye; binocular: two eyes; rover: a body
+    that turns; lidar: for range scanners; and more, see --presets."""
+    presets: bool = False
+    """Say what each preset is for and what it reaches, and do nothing."""
+    seed: int = 0
+    """Seed of weights, exploration and world; the same seed gives the same bits."""
+    steps: int | None = None
+    """Transitions to learn from; the preset's by default."""
+    worlds: tuple[str, ...] = ()
+    """Worlds to learn in, one after another, names or files; NAME:SHARE for its share of the
+    steps. The policy is measured in the last."""
+    init_from: Path | None = None
+    """Begin with the weights of this policy, of the same eye, actions and network."""
+    stop_at: float | None = None
+    """End once so many contacts per 100 m on validation worlds are reached twice in a row."""
+    tensorboard: bool = False
+    """Write TensorBoard event files beside metrics.csv (extra: tensorboard)."""
+    out: Path | None = None
+    """Folder to write to; runs/<preset>-<seed> by default."""
+    resume: bool = False
+    """Go on with the run in --out."""
+    json: bool = False
+    """Print one JSON object at the end."""
+
+    def run(self) -> int:
+        """Train, and say what was learned."""
+        if self.presets:
+            return _tell_presets()
+        config = self._config()  # before torch is loaded, which takes seconds
+        from reflexarc.terminal.progress import show_progress
+        from reflexarc_trainer.run.train import resume, train
+
+        out = self.out or Path("runs") / f"{self.preset}-{self.seed}"
+        with self._events(out) as measured, StopFlag() as stop, show_progress() as progress:
+            if self.resume:
+                result = resume(out, progress=progress, measured=measured, should_stop=stop)
+            else:
+                result = train(
+                    config,
+                    out,
+                    init_from=self.init_from,
+                    progress=progress,
+                    measured=measured,
+                    should_stop=stop,
+                )
+        self._tell(result, out)
+        return 0
+
+    def _config(self) -> "TrainConfig":
+        from dataclasses import replace
+
+        from reflexarc_trainer.config.presets import preset_named
+        from reflexarc_trainer.config.training_world import parse_training_world
+
+        self._check_resume()
+        config = replace(preset_named(self.preset), seed=self.seed)
+        if self.steps is not None:
+            config = replace(config, steps=self.steps)
+        if self.worlds:
+            config = replace(config, worlds=tuple(map(parse_training_world, self.worlds)))
+        validation = replace(config.validation, stop_at=self.stop_at)
+        return replace(config, validation=validation)
+
+    def _check_resume(self) -> None:
+        for name in _GIVEN_ONCE if self.resume else ():
+            if getattr(self, name) not in (None, ()):
+                flag = "--" + name.replace("_", "-")
+                raise UsageError(f"{flag}: a resumed run goes on as it was begun; leave it out")
+
+    def _events(self, out: Path) -> AbstractContextManager["Callable[[Row], None] | None"]:
+        if not self.tensorboard:
+            return nullcontext()
+        from reflexarc_trainer.run.tensorboard_files import event_files
+
+        return event_files(out)
+
+    def _tell(self, result: "TrainResult", out: Path) -> None:
+        if self.json:
+            print_json(_summary(result))
+            return
+        rows: dict[str, object] = {
+            "learned from": f"{result.steps:,} steps in {result.seconds:.1f} s",
+            "validation worlds": _score(result.history[-1] if result.history else None),
+            "policy": result.policy_path,
+        }
+        if result.best is not None:
+            rows["best of them"] = _score(result.best)
+            rows["best policy"] = result.best_policy_path
+        console.print(facts(rows | {"report": out / "report.md"}))
+        if result.reached:
+            aside.print("ended early: --stop-at is reached")
+        if result.interrupted:
+            aside.print(f"interrupted; go on with: reflexarc train --out {out} --resume")
+
+
+def _summary(result: "TrainResult") -> dict[str, object]:
+    last, best = result.history[-1] if result.history else None, result.best
+    return {
+        "policy": result.policy_path,
+        "steps": result.steps,
+        "seconds": result.seconds,
+        "validation_contacts_per_100m": last and last.validation_contacts_per_100m,
+        "best_policy": best and result.best_policy_path,
+        "best_step": best and best.step,
+        "best_validation_contacts_per_100m": best and best.validation_contacts_per_100m,
+        "reached": result.reached,
+        "interrupted": result.interrupted,
+    }
+
+
+def _score(point: "Row | None") -> str:
+    if point is None:
+        return "not measured yet"
+    return f"{point.validation_contacts_per_100m:.2f} contacts per 100 m at step {point.step:,}"
+
+
+def _tell_presets() -> int:
+    from reflexarc_trainer.config.presets import HELP
+
+    console.print(facts(dict(HELP)))
+    return 0

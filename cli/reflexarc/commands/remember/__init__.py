@@ -1,0 +1,1 @@
+"""Commands on logs: record, play, replay, render, import, recover, info."""

@@ -1,0 +1,77 @@
+"""`reflexarc import`: real lidar logs as logs of ours."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import tyro
+
+from reflexarc.terminal.output import aside, console, facts, print_json
+
+if TYPE_CHECKING:
+    from reflexarc_logs.importing.lidar_import import Imported
+
+
+@dataclass(frozen=True)
+class Import:
+    """Make a log of ours of a lidar log: CARMEN (Radish) or CoreSLAM, plain or gzip.
+
+    Scans, corrected poses and odometry, as far as the file has them. What is broken is counted and
+    left out; distances that the sensor could not tell stay unknown; nothing is guessed. Recorded
+    times are kept only where they grow, because in many logs they do not.
+
+    Examples:
+      reflexarc import carmen intel.log.gz -o runs/intel.mcap
+      reflexarc import coreslam exp2.dat.gz -o runs/exp2.mcap --rate recorded
+    """
+
+    format: tyro.conf.Positional[Literal["carmen", "coreslam"]]
+    """Whose format it is."""
+    file: tyro.conf.Positional[Path]
+    """The log (text, or text in gzip)."""
+    out: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
+    """Where to write the log (MCAP); it must not exist yet."""
+    rate: float | Literal["recorded"] = 10.0
+    """Scans a second, spread evenly from 0; or recorded: the file's own times."""
+    robot: str = "robot0"
+    """Whose topics they become."""
+    json: bool = False
+    """Print one JSON object."""
+
+    def run(self) -> int:
+        """Import, and say what was in the file and what was not."""
+        from reflexarc_logs.importing.lidar_import import import_log
+        from reflexarc_runtime.bus import BusConfig
+
+        BusConfig(self.robot)  # refuses a name that cannot be part of a key
+        imported = import_log(self.file, self.out, self.format, rate=self.rate, robot=self.robot)
+        if self.json:
+            print_json(imported)
+            return 0
+        console.print(facts(_rows(imported)))
+        for note in imported.notes:
+            aside.print(f"note: {note}")
+        aside.print(f"try: reflexarc play {self.out}")
+        return 0
+
+
+def _rows(imported: "Imported") -> dict[str, object]:
+    rate = f"{imported.rate_hz:g} Hz" if imported.rate_hz else "the file's own times"
+    broken = _counts(imported.broken_lines)
+    if imported.first_broken_line is not None:
+        broken += f" (the first one is line {imported.first_broken_line})"
+    return {
+        "written": imported.log,
+        "scans": f"{imported.scans} in {imported.seconds:.1f} s, {rate}",
+        "poses": imported.poses,
+        "odometry": imported.odometry,
+        "beams": f"{imported.beams}, {imported.no_return} without return",
+        "unknown beams": _counts(imported.unknown),
+        "broken lines": broken,
+        "times left out": imported.times_left_out,
+        "passed over": _counts(imported.passed_over),
+    }
+
+
+def _counts(kinds: dict[str, int]) -> str:
+    return ", ".join(f"{count} {kind}" for kind, count in kinds.items()) or "none"

@@ -1,0 +1,133 @@
+"""`reflexarc play`: a log's sensor streams, on the bus again."""
+
+import math
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import tyro
+
+from reflexarc.terminal.keyboard import Keys
+from reflexarc.terminal.output import aside, console, facts, microseconds, print_json, progress_bar
+from reflexarc.terminal.signals import StopFlag
+from reflexarc.wiring.bus_flags import Joining
+from reflexarc_runtime.errors import UsageError
+
+if TYPE_CHECKING:
+    from reflexarc_logs.playing.player import Account
+    from reflexarc_logs.playing.schedule import Due, Streams
+    from reflexarc_logs.reading.reader import Log
+    from reflexarc_runtime.bus import Bus
+
+MAX_SPEED = 1000.0
+MS = 1_000_000
+
+
+@dataclass(frozen=True)
+class Play:
+    """Play a log's sensor streams onto the bus, as its body did.
+
+    Retina, scan, pose, tf, odometry, contact and scene; nothing that the runtime said. In real time
+    the messages bear the player's own clock, and nobody waits for anybody. In lockstep they bear
+    the log's time, and each retina or scan waits for its command. At a terminal the space bar
+    pauses and q quits. Records that cannot be decoded are counted and not sent.
+
+    Examples:
+      reflexarc play runs/drive.mcap
+      reflexarc play runs/intel.mcap --speed 5 --loop
+      reflexarc play runs/intel.mcap --lockstep
+    """
+
+    log: tyro.conf.Positional[Path]
+    """The log (MCAP): recorded or imported."""
+    speed: float = 1.0
+    """How much faster than it was recorded."""
+    loop: bool = False
+    """Begin again at the end, until Ctrl-C."""
+    lockstep: bool = False
+    """Wait for the command of every retina or scan; time is the log's."""
+    joining: Joining = field(default_factory=Joining)
+    json: bool = False
+    """Print one JSON object at the end."""
+
+    def run(self) -> int:
+        """Play to the end, then say what was sent and how late."""
+        from reflexarc_logs.playing.schedule import survey_streams
+        from reflexarc_logs.reading.reader import read_log
+        from reflexarc_runtime.bus import Bus
+        from reflexarc_runtime.loop.clock import MonotonicClock
+
+        self._check_flags()
+        log = read_log(self.log)
+        streams = survey_streams(log)
+        config = self.joining.config(listens=True)
+        with StopFlag() as stop, Bus(config, MonotonicClock().now_ns) as bus, Keys() as keys:
+            aside.print(
+                f"reflexarc play: {self.log}, {streams.messages} messages in "
+                f"{streams.length_ns / 1e9:.1f} s (space pauses, q quits)"
+            )
+            account = self._play(bus, log, streams, stop, keys)
+        self._tell(account, streams)
+        return 0
+
+    def _check_flags(self) -> None:
+        if not (math.isfinite(self.speed) and 0.0 < self.speed <= MAX_SPEED):
+            raise UsageError(f"--speed: expected 0 to {MAX_SPEED:g}, got {self.speed}")
+        if self.lockstep and self.speed != 1.0:
+            raise UsageError("--speed: lockstep is as fast as it can be; leave one of the two out")
+
+    def _play(
+        self, bus: "Bus", log: "Log", streams: "Streams", stop: StopFlag, keys: Keys
+    ) -> "Account":
+        from reflexarc.wiring.playing_body import PlayingBody
+        from reflexarc_logs.playing.player import Player
+        from reflexarc_logs.playing.schedule import schedule
+        from reflexarc_runtime.loop.clock import MonotonicClock
+
+        def should_stop() -> bool:
+            return stop() or keys.wants_to_quit()
+
+        body = PlayingBody(bus, streams.sensor, should_stop)
+        due = schedule(log, streams, speed=self.speed, loop=self.loop)
+        if self.lockstep:
+            aside.print(f"reflexarc play: waiting for a runtime in lockstep ({streams.sensor}) …")
+            body.wait_for_runtime()
+        with self._progress(streams) as saw:
+            player = Player(
+                MonotonicClock(),
+                body.publish,
+                should_stop=should_stop,
+                is_paused=keys.is_paused,
+                saw=saw,
+            )
+            if not self.lockstep:
+                return player.play(due)
+            return player.play_in_lockstep(
+                due, streams.first_ns, streams.sensor, body.await_command
+            )
+
+    @contextmanager
+    def _progress(self, streams: "Streams") -> "Iterator[Callable[[Due], None]]":
+        """A bar that shows how far into the log the player is."""
+        total_ms = max(1, (streams.length_ns + streams.interval_ns) // MS)
+        with progress_bar("playing", total_ms) as show:
+            yield lambda due: show(round(due.due_ns * self.speed) // MS % total_ms, total_ms)
+
+    def _tell(self, account: "Account", streams: "Streams") -> None:
+        if self.json:
+            print_json({**asdict(account), "undecodable": streams.undecodable})
+            return
+        rows: dict[str, object] = {
+            "sent": ", ".join(f"{name} {count}" for name, count in account.messages.items()),
+            "not sent": f"{streams.undecodable} undecodable",
+            "time": f"{account.seconds:.1f} s, {account.loops} times to the end",
+        }
+        if not self.lockstep:
+            rows["lateness"] = (
+                f"p50 {microseconds(account.lateness_p50_ns)}, "
+                f"p99 {microseconds(account.lateness_p99_ns)}, "
+                f"max {microseconds(account.lateness_max_ns)}"
+            )
+        console.print(facts(rows))

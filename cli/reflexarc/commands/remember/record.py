@@ -1,0 +1,81 @@
+"""`reflexarc record`: every stream on the bus, into one file."""
+
+import datetime
+import math
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import tyro
+
+from reflexarc.terminal.output import aside, console, facts, print_json
+from reflexarc.terminal.signals import StopFlag
+from reflexarc.wiring.bus_flags import Joining
+from reflexarc_runtime.errors import UsageError
+
+if TYPE_CHECKING:
+    from reflexarc_logs.recording.recorder import Recorder
+
+POLL_S = 0.05
+STOPPED = "stopped"
+"""How the state of a recording that failed begins."""
+
+
+@dataclass(frozen=True)
+class Record:
+    """Record every stream of a robot on the bus, until Ctrl-C.
+
+    The log holds what this process heard, in its own order; it replays at level `policy`. A log
+    that replays at level `node` too is made by `reflexarc run --record`. Exit status 1: the
+    recording failed, for example on a full disk.
+
+    Examples:
+      reflexarc record
+      reflexarc record -o runs/monday.mcap --robot rover1
+    """
+
+    out: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
+    """Where to write; runs/<date and time>.mcap by default."""
+    seconds: float | None = None
+    """End after so many seconds; by default, at Ctrl-C."""
+    joining: Joining = field(default_factory=Joining)
+    json: bool = False
+    """Print one JSON object at the end."""
+
+    def run(self) -> int:
+        """Record until the end."""
+        from reflexarc.wiring.recorders import recorder_of_bus
+        from reflexarc_runtime.bus import Bus
+        from reflexarc_runtime.loop.clock import MonotonicClock
+        from reflexarc_runtime.messages.topics import TOPICS
+
+        if self.seconds is not None and not 0.0 < self.seconds < math.inf:
+            raise UsageError(f"--seconds: expected a positive number, got {self.seconds}")
+        path = self.out or _default_path()
+        with StopFlag() as stop, Bus(self.joining.config(), MonotonicClock().now_ns) as bus:
+            policy = bus.fetch_policy() or b""
+            with recorder_of_bus(path, policy, self.joining.robot) as recorder:
+                bus.subscribe([topic for topic in TOPICS if topic.recorded], recorder.put)
+                aside.print(f"reflexarc record: {path} (Ctrl-C ends it)")
+                self._wait(stop, recorder)
+        self._tell(path, recorder.state)
+        return int(recorder.state.startswith(STOPPED))
+
+    def _wait(self, stop: StopFlag, recorder: "Recorder") -> None:
+        end_s = None if self.seconds is None else time.monotonic() + self.seconds
+        while not (stop() or recorder.state.startswith(STOPPED)) and (
+            end_s is None or time.monotonic() < end_s
+        ):
+            time.sleep(POLL_S)
+
+    def _tell(self, path: Path, state: str) -> None:
+        if self.json:
+            print_json({"log": path, "state": state})
+        else:
+            console.print(facts({"log": path, "recording": state}))
+
+
+def _default_path() -> Path:
+    now = datetime.datetime.now().strftime("%Y-%m-%d_%H-%M-%S")
+    return Path("runs") / f"{now}.mcap"

@@ -1,0 +1,1 @@
+"""Commands on worlds: list, show, check."""

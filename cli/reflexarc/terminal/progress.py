@@ -1,0 +1,37 @@
+"""Training as a person sees it go by."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
+from rich.progress import Progress as Bar
+
+from reflexarc.terminal.output import aside
+from reflexarc_trainer.run.train import Progress, ProgressCallback
+
+
+@contextmanager
+def show_progress() -> Iterator[ProgressCallback]:
+    """A bar with rate, ε, error and contacts on validation worlds, on standard error."""
+    columns = (
+        TextColumn("learning"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[said]}"),
+        TimeRemainingColumn(),
+    )
+    with Bar(*columns, console=aside, transient=True) as bar:
+        task = bar.add_task("learning", said="compiling", total=None)
+
+        def tell(progress: Progress) -> None:
+            bar.update(task, completed=progress.step, total=progress.steps, said=_said(progress))
+
+        yield tell
+
+
+def _said(progress: Progress) -> str:
+    rate = f"{progress.steps_per_s / 1e3:.0f} k steps/s"
+    said = f"{rate}  ε {progress.epsilon:.2f}  error {progress.mean_abs_error:.3f}"
+    if progress.last is None:
+        return said
+    return f"{said}  contacts per 100 m {progress.last.validation_contacts_per_100m:.1f}"

@@ -1,0 +1,71 @@
+"""What every command on the bus has in common: its flags, and how it joins."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from reflexarc.terminal.output import aside
+
+if TYPE_CHECKING:
+    from reflexarc_runtime.bus import Bus, BusConfig
+    from reflexarc_runtime.contract import PolicyContract
+
+ASK_AGAIN_S = 0.1
+ASK_S = 0.5
+"""How long one question to the runtime lasts."""
+
+
+@dataclass(frozen=True)
+class Joining:
+    """Where on the bus."""
+
+    robot: str = "robot0"
+    """First part of every key on the bus."""
+    port: int = 7447
+    """Port of 127.0.0.1 on which the body listens."""
+    zenoh: Path | None = None
+    """Zenoh configuration (JSON5) in place of the loopback: other machines, TLS, access."""
+
+    def config(self, *, listens: bool = False) -> "BusConfig":
+        """How to join; `listens` for the one body."""
+        from reflexarc_runtime.bus import BusConfig
+
+        return BusConfig(self.robot, self.port, listens, self.zenoh)
+
+    def fleet(self, robots: int) -> "list[Joining]":
+        """So many robots, numbered from this one on: robot0, then robot1, and so forth."""
+        stem = self.robot.rstrip("0123456789")
+        first = int(self.robot[len(stem) :] or 0)
+        names = (
+            [f"{stem}{first + number}" for number in range(robots)] if robots > 1 else [self.robot]
+        )
+        return [replace(self, robot=name) for name in names]
+
+
+def contract_of(
+    policy: Path | None, bus: "Bus", stop: Callable[[], bool], who: str
+) -> "PolicyContract | None":
+    """What a body should see: from a policy file, or from the runtime that it meets on the bus.
+
+    Args:
+        policy: the file; None: ask, and wait for an answer.
+        bus: where to ask.
+        stop: ends the waiting.
+        who: waits, for the notice.
+
+    Returns:
+        The contract, or None when asked to stop before anyone answered.
+    """
+    from reflexarc_runtime.policy.policy import load_policy
+
+    if policy is not None:
+        return load_policy(policy, verify=False).contract
+    aside.print(f"{who}: waiting for a runtime to say what it wants to see …")
+    while not stop():
+        found = bus.fetch_policy(timeout_s=ASK_S)
+        if found is not None:
+            return load_policy(found, verify=False).contract
+        time.sleep(ASK_AGAIN_S)  # where nobody is, the question is answered at once
+    return None

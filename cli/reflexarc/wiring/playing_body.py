@@ -1,0 +1,47 @@
+"""The body that a log becomes when it is played: its streams, and an ear for commands."""
+
+from collections.abc import Callable
+
+from reflexarc_logs.playing.schedule import PLAYED
+from reflexarc_runtime.bus import Bus
+from reflexarc_runtime.loop import lockstep
+from reflexarc_runtime.loop.inbox import Inbox
+from reflexarc_runtime.messages.topics import BODY_NODE, COMMAND, RUNTIME_NODE, Topic
+
+
+class PlayingBody:
+    """Says what a log says; obeys nobody.
+
+    Args:
+        bus: an open session that listens, as bodies do.
+        sensor: name of the topic that the runtime decides on.
+        should_stop: whether to wait no longer.
+    """
+
+    def __init__(self, bus: Bus, sensor: str, should_stop: Callable[[], bool]) -> None:
+        self._bus = bus
+        self._sensor = sensor
+        self._should_stop = should_stop
+        self._inbox = Inbox()
+        self._publishers = {topic.name: bus.publisher(topic) for topic in PLAYED}
+        bus.subscribe([COMMAND], self._inbox.put)
+        bus.announce(BODY_NODE)
+
+    def publish(self, topic: Topic, payload: bytes, time_ns: int) -> None:
+        """Send one message, with the next number of its topic."""
+        self._publishers[topic.name].put(payload, time_ns)
+
+    def wait_for_runtime(self) -> None:
+        """In lockstep, a message that nobody hears would be waited for in vain."""
+        lockstep.wait_for_runtime(self._inbox, self._is_heard, self._should_stop)
+
+    def await_command(self, number: int) -> None:
+        """Wait for the command of a sensor message.
+
+        Raises:
+            BusError: it did not come.
+        """
+        lockstep.await_command(self._inbox, number, lambda command: None, self._should_stop)
+
+    def _is_heard(self) -> bool:
+        return self._publishers[self._sensor].has_listener and self._bus.is_alive(RUNTIME_NODE)

@@ -1,0 +1,54 @@
+"""Recorders for the commands that record."""
+
+import json
+import platform
+import uuid
+from pathlib import Path
+
+from reflexarc_logs.container.run_info import UNKNOWN_BACKEND, RunInfo, installed_versions
+from reflexarc_logs.recording.recorder import Recorder
+from reflexarc_runtime.loop.clock import wall_offset_ns
+from reflexarc_runtime.policy.policy import LoadedPolicy
+
+
+def recorder_of_run(
+    path: Path, policy: LoadedPolicy, *, run_id: str, robot: str, sensor: str, lockstep: bool
+) -> Recorder:
+    """A recorder for `reflexarc run`: the policy attached, on the clock that the loop runs on.
+
+    Raises:
+        LogError: the path exists, or cannot be written.
+    """
+    contract = policy.contract
+    run = RunInfo(
+        run_id=run_id,
+        robot=robot,
+        input=sensor,
+        backend=policy.backend.value,
+        rate_hz=contract.rate_hz,
+        clock="lockstep" if lockstep else "monotonic",
+        seed=contract.provenance.seed,
+        commit=contract.provenance.commit,
+        host=platform.node(),
+        versions=installed_versions(),
+    )
+    config = {"contract": json.loads(contract.to_json())}
+    offset_ns = 0 if lockstep else wall_offset_ns()
+    return Recorder(path, run, policy.data, config, wall_offset_ns=offset_ns)
+
+
+def recorder_of_bus(path: Path, policy: bytes, robot: str) -> Recorder:
+    """A recorder for `reflexarc record`: whatever is said, in the order in which it is heard.
+
+    Raises:
+        LogError: the path exists, or cannot be written.
+    """
+    run = RunInfo(
+        run_id=uuid.uuid4().hex,
+        robot=robot,
+        recorded_by="record",
+        backend=UNKNOWN_BACKEND,
+        host=platform.node(),
+        versions=installed_versions(),
+    )
+    return Recorder(path, run, policy, {}, wall_offset_ns=wall_offset_ns())

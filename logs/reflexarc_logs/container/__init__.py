@@ -1,0 +1,1 @@
+"""The MCAP file: records, chunks, metadata, writing under a temporary name."""

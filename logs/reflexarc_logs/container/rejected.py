@@ -1,0 +1,110 @@
+"""What may go on its own channel of a log, and what goes on `<robot>/rejected`.
+
+The test is the one that the controller's senses apply: key, encoding, size, stamp, protobuf. So
+each proper channel stays readable for every viewer, and replay can put the two back together.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from google.protobuf.message import DecodeError
+from google.protobuf.message import Message as ProtobufMessage
+
+from reflexarc_runtime.messages.codec import SCHEMAS
+from reflexarc_runtime.messages.topics import REJECTED, TOPICS, Topic
+from reflexarc_runtime.messages.wire import (
+    MAX_PAYLOAD_BYTES,
+    Message,
+    Stamp,
+    UndecodableError,
+    check_encoding,
+    pack_stamp,
+    protobuf_encoding,
+    unpack_stamp,
+)
+from reflexarc_runtime.messages_pb2 import Rejected
+
+KEPT_BYTES = 64 * 1024
+"""How much of a rejected payload a log keeps."""
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One message as a log shall hold it."""
+
+    key: str
+    kind: type[ProtobufMessage]
+    payload: bytes
+    sequence: int
+    sent_ns: int | None
+    """Source time; None where there is no stamp to be trusted."""
+    received_ns: int
+
+
+class Intake:
+    """Sorts the messages of one robot."""
+
+    def __init__(self, robot: str) -> None:
+        self._topics = dict(_recorded(robot))
+        self._rejected_key = REJECTED.key(robot)
+        self._rejected = 0
+
+    def sort(self, message: Message) -> Entry:
+        """The message on its own channel, or wrapped for the channel of rejected ones."""
+        try:
+            return self._accept(message)
+        except UndecodableError as error:
+            return self._reject(message, str(error))
+
+    def _accept(self, message: Message) -> Entry:
+        topic = self._topics.get(message.key)
+        if topic is None:
+            raise UndecodableError("key: not one of this robot's recorded topics")
+        check_encoding(message, topic.schema)
+        stamp = unpack_stamp(message.attachment)
+        kind = SCHEMAS[topic.schema]
+        try:
+            kind.FromString(message.payload)
+        except DecodeError:
+            raise UndecodableError(f"payload: no {topic.schema}") from None
+        sequence, sent_ns = stamp.sequence, stamp.time_ns
+        return Entry(message.key, kind, message.payload, sequence, sent_ns, message.received_ns)
+
+    def _reject(self, message: Message, reason: str) -> Entry:
+        wrapped = Rejected(
+            key=message.key,
+            encoding=message.encoding,
+            payload=message.payload[:KEPT_BYTES],
+            attachment=message.attachment[:KEPT_BYTES],
+            reason=reason,
+            payload_bytes=len(message.payload),
+        )
+        sequence, self._rejected = self._rejected, self._rejected + 1
+        payload = wrapped.SerializeToString()
+        return Entry(self._rejected_key, Rejected, payload, sequence, None, message.received_ns)
+
+
+def accepted_message(
+    key: str, schema: str, payload: bytes, stamp: Stamp, received_ns: int
+) -> Message:
+    """A message of a proper channel as it came from the bus (but for its sender's identifier)."""
+    return Message(key, payload, protobuf_encoding(schema), pack_stamp(stamp), received_ns)
+
+
+def rejected_message(rejected: Rejected, received_ns: int) -> Message:
+    """A rejected message as it came from the bus, or one that is rejected for the same reason.
+
+    A payload that was cut becomes zeros of the same size: zeros are never protobuf, whereas the
+    part that was kept might be.
+    """
+    payload = rejected.payload
+    if rejected.payload_bytes > len(payload):
+        payload = bytes(min(rejected.payload_bytes, MAX_PAYLOAD_BYTES + 1))
+    return Message(rejected.key, payload, rejected.encoding, rejected.attachment, received_ns)
+
+
+def _recorded(robot: str) -> Iterator[tuple[str, Topic]]:
+    """Keys that may speak for themselves; nobody but the recorder speaks on `rejected`."""
+    for topic in TOPICS:
+        if topic.recorded and topic is not REJECTED:
+            yield topic.key(robot), topic

@@ -1,0 +1,117 @@
+"""What a log says about the run that it holds: the metadata record `reflexarc.run`.
+
+One string a field, so that any MCAP tool shows it as it is.
+"""
+
+import dataclasses
+import json
+import platform
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from importlib import metadata
+from typing import Any, Self
+
+from reflexarc_runtime.errors import LogError
+from reflexarc_runtime.messages.topics import DEFAULT_ROBOT, SENSORS
+from reflexarc_runtime.policy.policy import Backend
+
+RUN = "reflexarc.run"
+"""Name of the metadata record."""
+
+CLOCKS = ("monotonic", "lockstep")
+UNKNOWN_BACKEND = "unknown"
+"""A listener on the bus cannot tell what computed a tick; its log is compared to 1e-6."""
+
+RECORDERS = ("run", "record", "import")
+
+_PACKAGES = ("reflexarc", "numpy", "onnx", "onnxruntime", "protobuf", "mcap", "eclipse-zenoh")
+
+
+@dataclass(frozen=True)
+class RunInfo:
+    """One run: who, what, where and by which clock."""
+
+    run_id: str
+    """A uuid4 in hexadecimal, one a run, so that a restart never merges two."""
+    robot: str = DEFAULT_ROBOT
+    """First part of every key."""
+    input: str = "retina"
+    """Which sensor the runtime decided on: retina or scan."""
+    backend: str = Backend.NUMPY.value
+    """What computed the policy, as far as the recorder knows."""
+    rate_hz: float = 0.0
+    clock: str = "monotonic"
+    """monotonic or lockstep."""
+    recorded_by: str = "run"
+    """`run`: the loop handed over its own inputs, in the order in which it used them. `record`:
+    a listener on the bus wrote what it heard, in its own order; ticks and inputs do not pair.
+    `import`: made of a file of another system; it has no ticks."""
+    seed: int = 0
+    commit: str = ""
+    host: str = ""
+    versions: Mapping[str, str] = field(default_factory=dict)
+    policy_hash: str = ""
+    """SHA-256 of the attached policy; empty without one. The recorder fills it in."""
+    wall_offset_ns: int = 0
+    """Wall clock minus monotonic clock at the start; 0 in lockstep. The recorder fills it in."""
+
+    def to_metadata(self) -> dict[str, str]:
+        """One string a field."""
+        document = {f.name: str(getattr(self, f.name)) for f in dataclasses.fields(self)}
+        versions = json.dumps(dict(self.versions), sort_keys=True)
+        return {**document, "rate_hz": repr(float(self.rate_hz)), "versions": versions}
+
+    @property
+    def replay_backend(self) -> Backend:
+        """What replay computes with, unless told otherwise: the same; NumPy where unknown."""
+        return Backend.NUMPY if self.backend == UNKNOWN_BACKEND else Backend(self.backend)
+
+    @classmethod
+    def from_metadata(cls, document: Mapping[str, str]) -> Self:
+        """Read it back; fields of a newer version are left alone, missing ones have defaults.
+
+        Raises:
+            LogError: a field that cannot be what it should be.
+        """
+        known = {f.name: f.type for f in dataclasses.fields(cls)}
+        given = {name: text for name, text in document.items() if name in known}
+        if "run_id" not in given:
+            raise LogError(f"{RUN}: expected a run_id, got none; the log is damaged")
+        info = cls(**{name: _read(name, known[name], text) for name, text in given.items()})
+        _check(info)
+        return info
+
+
+def installed_versions() -> dict[str, str]:
+    """Versions of Python and of the packages that a run rests on."""
+    versions = {"python": platform.python_version()}
+    for name in _PACKAGES:
+        try:
+            versions[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            continue  # run from a checkout, or without an optional part
+    return versions
+
+
+def _read(name: str, kind: object, text: str) -> Any:
+    try:
+        if kind is int or kind is float:
+            return kind(text)
+        return json.loads(text) if name == "versions" else text
+    except (ValueError, RecursionError):
+        raise LogError(f"{RUN}.{name}: got {text[:40]!r}; the log is damaged") from None
+
+
+def _check(info: RunInfo) -> None:
+    choices = {
+        "input": (info.input, tuple(SENSORS)),
+        "backend": (info.backend, (*(b.value for b in Backend), UNKNOWN_BACKEND)),
+        "clock": (info.clock, CLOCKS),
+        "recorded_by": (info.recorded_by, RECORDERS),
+    }
+    for name, (value, allowed) in choices.items():
+        if value not in allowed:
+            expected = " or ".join(allowed)
+            raise LogError(f"{RUN}.{name}: expected {expected}, got {value[:40]!r}")
+    if not isinstance(info.versions, dict):
+        raise LogError(f"{RUN}.versions: expected a JSON object; the log is damaged")

@@ -1,0 +1,1 @@
+"""Other people's lidar logs (CARMEN, CoreSLAM) as logs of ours."""

@@ -1,0 +1,92 @@
+"""The log format of CoreSLAM (tinySLAM): one scan of a Hokuyo URG-04LX a line, numbers and blanks.
+
+Word 0 is the time in microseconds, words 2 and 3 the counts of the two wheel encoders, words 24 to
+705 are 682 ranges in millimetres from the right (−120°) to the left (+120°); one more number may
+stand at the end. Source: Steux and El Hamzaoui, "tinySLAM", and BreezySLAM's copy of its data.
+
+0 is no return; 1 to 19 are the sensor's error codes, and negative numbers none that it knows:
+unknown. The first and the last 70 beams see the robot itself or nothing, whatever number they give
+(the detection margin of tinySLAM's own example), so they are unknown too: ±95° remain. The wheels'
+geometry does not stand in the file, so no odometry is made of their counts.
+"""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from reflexarc_logs.decimals import ungrouped
+from reflexarc_logs.importing.distances import Distances, Ranges
+from reflexarc_logs.importing.scan_line import (
+    NO_NUMBER,
+    NO_RETURN,
+    UNKNOWN,
+    BrokenLineError,
+    Sweep,
+    calendar_ns,
+)
+
+BEAMS = 682
+BLIND_BEAMS = 70
+"""On each side."""
+FIRST_DISTANCE_MM = 20
+START_RAD, END_RAD = -math.radians(120.0), math.radians(120.0)
+
+_FIRST_RANGE = 24
+_WORDS = _FIRST_RANGE + BEAMS
+_SEEING = slice(BLIND_BEAMS, BEAMS - BLIND_BEAMS)
+_BLIND = np.full(BLIND_BEAMS, UNKNOWN)
+
+
+class CoreSlam:
+    """Reads the lines of one CoreSLAM log, in order."""
+
+    expects = f"lines of {_WORDS} or {_WORDS + 1} numbers"
+    no_distance = "error code"
+    blind_beams = 2 * BLIND_BEAMS
+
+    def __init__(self) -> None:
+        self.distances = Distances(int, _metres)
+        self._wheel_counts = 0
+
+    def ranges(self, line: bytes) -> bytes:
+        """See `LineReader.ranges`."""
+        return b"".join(line.split(None, _FIRST_RANGE)[_FIRST_RANGE:])
+
+    def sweep(self, line: bytes, ranges: Ranges) -> Sweep | None:
+        """See `LineReader.sweep`."""
+        words, beams = line.split(None, 1), len(ranges.distances_m)
+        if not words:
+            return None
+        if not BEAMS <= beams <= BEAMS + 1:
+            raise BrokenLineError("wrong count of numbers")
+        if beams == BEAMS and not line.endswith(b"\n"):
+            raise BrokenLineError("cut off")  # its last number may have lost digits
+        time_ns = _time_ns(words[0])
+        self._wheel_counts += 1
+        ranges_m = np.concatenate((_BLIND, ranges.distances_m[_SEEING], _BLIND), dtype="<f8")
+        unreadable = int(np.count_nonzero(ranges.unreadable[_SEEING]))
+        return Sweep(time_ns, START_RAD, END_RAD, ranges_m, unreadable)
+
+    def passed_over(self) -> dict[str, int]:
+        """See `LineReader.passed_over`."""
+        return {}
+
+    def notes(self) -> tuple[str, ...]:
+        """See `LineReader.notes`."""
+        return (
+            f"{self._wheel_counts} pairs of wheel encoder counts were read and not written: the "
+            "file does not say how far a count is",
+        )
+
+
+def _time_ns(word: bytes) -> int | None:
+    try:
+        return calendar_ns(int(ungrouped(word)) * 1000)
+    except ValueError:
+        raise BrokenLineError(NO_NUMBER) from None
+
+
+def _metres(numbers: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    known = np.where(numbers >= FIRST_DISTANCE_MM, numbers / 1000.0, UNKNOWN)
+    return np.where(numbers == 0.0, NO_RETURN, known)

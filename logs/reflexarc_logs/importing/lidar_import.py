@@ -1,0 +1,128 @@
+"""A lidar log of another system becomes a log of ours, in one pass and in little memory.
+
+`scan`, `pose`, `tf` and `odometry`, as far as the file has them. `log_time` and `publish_time` are
+the new times; the file's own time stays in the messages. What is broken is counted, never mended.
+"""
+
+import json
+import platform
+import uuid
+from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
+from functools import partial
+from pathlib import Path
+
+from reflexarc_logs.container.run_info import RUN, RunInfo, installed_versions
+from reflexarc_logs.container.writing import CONFIG_ATTACHMENT, LogFile
+from reflexarc_logs.importing.lidar_reading import (
+    DEFAULT_RATE_HZ,
+    FORMATS,
+    RECORDED,
+    Imported,
+    Record,
+    read_lidar,
+)
+from reflexarc_logs.importing.scan_times import EvenTimes, NewTimes, RecordedTimes
+from reflexarc_logs.lean_writer import LeanWriter
+from reflexarc_runtime.errors import LogError, UsageError
+from reflexarc_runtime.messages.codec import SCHEMAS
+from reflexarc_runtime.messages.topics import DEFAULT_ROBOT, ODOMETRY, POSE, SCAN, TRANSFORM, Topic
+
+__all__ = ["DEFAULT_RATE_HZ", "FORMATS", "RECORDED", "Imported", "import_log"]
+
+
+def import_log(
+    path: Path | str,
+    out: Path | str,
+    kind: str,
+    *,
+    rate: float | str = DEFAULT_RATE_HZ,
+    robot: str = DEFAULT_ROBOT,
+) -> Imported:
+    """Import one file.
+
+    Args:
+        path: a text log, plain or gzip.
+        out: the log to be; it must not exist. After an error it does not.
+        kind: carmen or coreslam.
+        rate: Hz at which the scans are spread, or "recorded" for the file's own times.
+        robot: whose topics they become.
+
+    Raises:
+        LogError: the file cannot be read, is of another format or has no scan; its times were
+            asked for and do not grow; `out` exists or cannot be written.
+        UsageError: no such format or rate.
+    """
+    if kind not in FORMATS:
+        raise UsageError(f"expected {' or '.join(FORMATS)}, got {kind!r}")
+    times = _times(rate)
+    said = Imported(str(path), kind, str(Path(out)), robot, times.rate_hz)
+    with ThreadPoolExecutor(max_workers=1) as beside:
+        file = LogFile(Path(out), make_writer=partial(LeanWriter, beside=beside))
+        try:
+            _begin(file, said)
+            with closing(read_lidar(Path(path), times, said)) as batches:
+                _write(file, robot, batches)
+            file.finish()
+        except OSError as error:
+            file.discard()
+            raise LogError(f"{out}: cannot be written: {error.strerror}; nothing is left") from None
+        except BaseException:
+            file.discard()
+            raise
+    return said
+
+
+class _Stream:
+    """One topic of the new log; its channel is there from the first message on."""
+
+    def __init__(self, file: LogFile, topic: Topic, robot: str) -> None:
+        self.messages = 0
+        self._file = file
+        self._channel: int | None = None
+        self._topic = f"/{topic.key(robot)}"
+        self._kind = SCHEMAS[topic.schema]
+
+    def add(self, payload: bytes, time_ns: int) -> None:
+        if self._channel is None:
+            self._channel = self._file.channel(self._topic, self._kind)
+        sequence = self.messages
+        self.messages += 1
+        self._file.add(
+            self._channel, payload, sequence=sequence, publish_ns=time_ns, log_ns=time_ns
+        )
+
+
+def _begin(file: LogFile, said: Imported) -> None:
+    run = RunInfo(
+        run_id=uuid.uuid4().hex,
+        robot=said.robot,
+        input=SCAN.name,
+        rate_hz=said.rate_hz,
+        recorded_by="import",
+        host=platform.node(),
+        versions=installed_versions(),
+    )
+    file.describe(RUN, run.to_metadata())
+    rate = said.rate_hz or RECORDED
+    config = {"import": {"format": said.format, "file": Path(said.source).name, "rate": rate}}
+    document = json.dumps(config, indent=2, sort_keys=True).encode()
+    file.attach(CONFIG_ATTACHMENT, "application/json", document)
+
+
+def _write(file: LogFile, robot: str, batches: Iterable[list[Record]]) -> None:
+    streams = {
+        topic.name: _Stream(file, topic, robot) for topic in (SCAN, POSE, TRANSFORM, ODOMETRY)
+    }
+    for batch in batches:
+        for name, time_ns, payload in batch:
+            streams[name].add(payload, time_ns)
+
+
+def _times(rate: float | str) -> NewTimes:
+    if rate == RECORDED:
+        return RecordedTimes()
+    if isinstance(rate, str):
+        raise UsageError(f"--rate: expected {RECORDED} or a number of Hz, got {rate!r}")
+    return EvenTimes(rate)

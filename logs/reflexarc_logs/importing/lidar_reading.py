@@ -1,0 +1,178 @@
+"""One pass over a lidar log: its lines become encoded messages with their new times.
+
+Nothing here knows the log that is written.
+"""
+
+from collections import Counter
+from collections.abc import Callable, Generator, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from reflexarc_logs.importing.carmen import Carmen
+from reflexarc_logs.importing.coreslam import CoreSlam
+from reflexarc_logs.importing.lidar_messages import ODOMETRY_FRAME, WORLD_FRAME, LidarMessages
+from reflexarc_logs.importing.scan_line import NO_RETURN, BrokenLineError, LineReader, Sweep
+from reflexarc_logs.importing.scan_times import NewTimes
+from reflexarc_logs.importing.text_blocks import MAX_LINE_BYTES, text_blocks
+from reflexarc_runtime.errors import LogError
+from reflexarc_runtime.messages.topics import ODOMETRY, POSE, SCAN, TRANSFORM
+
+FORMATS: dict[str, Callable[[], LineReader]] = {"carmen": Carmen, "coreslam": CoreSlam}
+DEFAULT_RATE_HZ = 10.0
+RECORDED = "recorded"
+"""In place of a rate: the file's own times."""
+
+Record = tuple[str, int, bytes]
+"""The name of a topic, the new time in nanoseconds, the payload."""
+
+
+@dataclass
+class Imported:
+    """What was in a file, and what became of it."""
+
+    source: str
+    format: str
+    log: str
+    robot: str
+    rate_hz: float
+    """0 where the file's own times were kept."""
+    lines: int = 0
+    scans: int = 0
+    seconds: float = 0.0
+    """From the first scan to the last one, by their new times."""
+    poses: int = 0
+    odometry: int = 0
+    beams: int = 0
+    no_return: int = 0
+    unknown: dict[str, int] = field(default_factory=dict)
+    """Beams that say nothing, by kind."""
+    broken_lines: dict[str, int] = field(default_factory=dict)
+    """Lines that were left out, by kind."""
+    first_broken_line: int | None = None
+    """Its number, from 1."""
+    passed_over: dict[str, int] = field(default_factory=dict)
+    """Good lines that carry no scan, by keyword."""
+    times_left_out: int = 0
+    """Scans whose own time no message can hold."""
+    notes: tuple[str, ...] = ()
+
+
+def read_lidar(path: Path, times: NewTimes, said: Imported) -> Generator[list[Record], None, None]:
+    """Yield the messages of a file in order, those of some lines at once.
+
+    Args:
+        path: a text log, plain or gzip.
+        times: gives every scan its new time.
+        said: names the format and the robot; the rest is filled in, in the end.
+
+    Raises:
+        LogError: the file cannot be read or has no scan; its times were asked for and do not grow.
+    """
+    reading = _Reading(path, times, said)
+    for lines in text_blocks(path):
+        yield reading.records(lines)
+    reading.conclude()
+
+
+class _Reading:
+    """Reads one file and keeps account of it."""
+
+    def __init__(self, path: Path, times: NewTimes, said: Imported) -> None:
+        self._path = path
+        self._times = times
+        self._said = said
+        self._format = FORMATS[said.format]()
+        self._messages = LidarMessages(said.robot)
+        self._broken: Counter[str] = Counter()
+        self._unknown = 0
+        self._unreadable = 0
+
+    def records(self, lines: list[bytes]) -> list[Record]:
+        """The messages of the next lines of the file."""
+        sweeps = list(self._sweeps(lines))
+        if sweeps:
+            self._count([sweep for sweep, _ in sweeps])
+        return [record for sweep, number in sweeps for record in self._encoded(sweep, number)]
+
+    def conclude(self) -> None:
+        """Complete the account.
+
+        Raises:
+            LogError: all this makes no log.
+        """
+        self._check()
+        self._sum_up()
+
+    def _sweeps(self, lines: list[bytes]) -> Iterator[tuple[Sweep, int]]:
+        """Every scan with the number of its line."""
+        log_format, first = self._format, self._said.lines + 1
+        self._said.lines += len(lines)
+        ranges = log_format.distances.of([log_format.ranges(line) for line in lines])
+        for number, (line, its_ranges) in enumerate(zip(lines, ranges, strict=True), first):
+            try:
+                sweep = log_format.sweep(line, its_ranges)
+            except BrokenLineError as error:
+                self._note_broken(number, line, str(error))
+                continue
+            if sweep is not None:
+                yield sweep, number
+
+    def _count(self, sweeps: list[Sweep]) -> None:
+        said, ranges_m = self._said, np.concatenate([sweep.ranges_m for sweep in sweeps])
+        said.scans += len(sweeps)
+        said.beams += len(ranges_m)
+        said.no_return += int(np.count_nonzero(ranges_m == NO_RETURN))
+        self._unknown += int(np.count_nonzero(np.isnan(ranges_m)))
+        self._unreadable += sum(sweep.unreadable for sweep in sweeps)
+        said.times_left_out += sum(sweep.time_ns is None for sweep in sweeps)
+        said.poses += sum(sweep.pose is not None for sweep in sweeps)
+        said.odometry += sum(sweep.odometry is not None for sweep in sweeps)
+
+    def _encoded(self, sweep: Sweep, line: int) -> list[Record]:
+        """The messages of one scan."""
+        messages, time_ns = self._messages, self._times.of(sweep.time_ns, line)
+        self._said.seconds = time_ns / 1e9
+        records = [(SCAN.name, time_ns, messages.scan(sweep))]
+        if sweep.pose is not None:
+            records.append((POSE.name, time_ns, messages.pose(sweep.pose, WORLD_FRAME)))
+            records.append((TRANSFORM.name, time_ns, messages.transform(sweep.pose)))
+        if sweep.odometry is not None:
+            odometry = messages.pose(sweep.odometry, ODOMETRY_FRAME)
+            records.append((ODOMETRY.name, time_ns, odometry))
+        return records
+
+    def _note_broken(self, number: int, line: bytes, kind: str) -> None:
+        if len(line) == MAX_LINE_BYTES:
+            kind = "longer than 1 MiB"
+        elif not line.endswith(b"\n"):
+            kind = "cut off at the end of the file"
+        self._broken[kind] += 1
+        self._said.first_broken_line = self._said.first_broken_line or number
+
+    def _check(self) -> None:
+        """Whether all this makes a log."""
+        if not self._said.scans:
+            raise LogError(
+                f"{self._path}: expected a {self._said.format} log ({self._format.expects}), "
+                f"found no scan in {self._said.lines} lines"
+            )
+        if fault := self._times.fault():
+            raise LogError(
+                f"{self._path}: --rate {RECORDED} needs times that grow; {fault}; "
+                f"spread the scans evenly instead: --rate {DEFAULT_RATE_HZ:g}"
+            )
+
+    def _sum_up(self) -> None:
+        said, log_format = self._said, self._format
+        blind = log_format.blind_beams * said.scans
+        kinds = {
+            log_format.no_distance: self._unknown - self._unreadable - blind,
+            "no number": self._unreadable,
+            "blind": blind,
+        }
+        said.unknown = {kind: count for kind, count in kinds.items() if count}
+        said.broken_lines = dict(self._broken)
+        said.passed_over = log_format.passed_over()
+        said.notes = log_format.notes()

@@ -1,0 +1,166 @@
+"""What a log has to say again, and when: the sensor streams of its body, in the order of time.
+
+    due = loop × period + (log_time − first log_time) / speed
+
+One period is the log's length and the mean interval between two scans or retinas more, so that a
+loop goes on as the log went. What the runtime said (commands, ticks, status) is not said again,
+nor what could not be decoded.
+"""
+
+import heapq
+import itertools
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from google.protobuf.message import DecodeError
+
+from reflexarc_logs.reading.reader import Log, Record
+from reflexarc_runtime.errors import LogError
+from reflexarc_runtime.messages.codec import SCHEMAS
+from reflexarc_runtime.messages.topics import (
+    CONTACT,
+    ODOMETRY,
+    POSE,
+    RETINA,
+    SCAN,
+    SCENE,
+    SENSORS,
+    TRANSFORM,
+    Topic,
+)
+
+PLAYED = (RETINA, SCAN, POSE, TRANSFORM, ODOMETRY, CONTACT, SCENE)
+
+REORDER_WINDOW_NS = 1_000_000_000
+"""A loop records its inputs a tick after they came, and other streams as they come: what a log
+holds in another order than that of time is never further apart than this."""
+LONELY_PERIOD_NS = 100_000_000
+"""What follows the only sensor message of a log when it is played in a loop."""
+
+
+@dataclass(frozen=True, slots=True)
+class Due:
+    """One message to be sent."""
+
+    due_ns: int
+    """Since the playing began."""
+    loop: int
+    """How often the whole log was played before."""
+    topic: Topic
+    record: Record
+
+
+@dataclass(frozen=True, slots=True)
+class Streams:
+    """What one pass over the log found."""
+
+    first_ns: int
+    """Time of the first message, on the recording's monotonic clock."""
+    length_ns: int
+    """From the first message to the last one."""
+    interval_ns: int
+    """Between two sensor messages, at the mean."""
+    messages: int
+    undecodable: int
+    """Records of these streams that will not be sent."""
+    sensor: str
+    """Which of retina and scan a loop decided on; or which there is."""
+
+
+@dataclass(slots=True)
+class _Span:
+    """When the messages of one topic came."""
+
+    first_ns: int
+    last_ns: int
+    count: int = 0
+
+    def add(self, time_ns: int) -> None:
+        self.first_ns = min(self.first_ns, time_ns)
+        self.last_ns = max(self.last_ns, time_ns)
+        self.count += 1
+
+    @property
+    def interval_ns(self) -> int:
+        """At the mean."""
+        length_ns = self.last_ns - self.first_ns
+        return length_ns // (self.count - 1) if length_ns else LONELY_PERIOD_NS
+
+
+def survey_streams(log: Log) -> Streams:
+    """Look at all that a log has to play.
+
+    Raises:
+        LogError: it has no retina and no scan, or is damaged.
+    """
+    spans: dict[Topic, _Span] = {}
+    undecodable = 0
+    for topic, record in _sensor_records(log):
+        if _decodes(topic, record):
+            spans.setdefault(topic, _Span(record.log_ns, record.log_ns)).add(record.log_ns)
+        else:
+            undecodable += 1
+    sensors = {topic.name: span for topic, span in spans.items() if topic.name in SENSORS}
+    if not sensors:
+        raise LogError(f"{log.path}: expected retinas or scans, found none; nothing to play")
+    first_ns = min(span.first_ns for span in spans.values())
+    return Streams(
+        first_ns=first_ns - log.run.wall_offset_ns,
+        length_ns=max(span.last_ns for span in spans.values()) - first_ns,
+        interval_ns=max(sensors.values(), key=lambda span: span.count).interval_ns,
+        messages=sum(span.count for span in spans.values()),
+        undecodable=undecodable,
+        sensor=log.run.input if log.run.input in sensors else min(sensors),
+    )
+
+
+def schedule(
+    log: Log, streams: Streams, *, speed: float = 1.0, loop: bool = False
+) -> Iterator[Due]:
+    """Every message with the time at which it is due; without end in a loop.
+
+    Args:
+        log: read anew for every loop, so that its size does not matter.
+        streams: what `survey_streams` found in it.
+        speed: how much faster than it was recorded.
+        loop: whether to begin again at the end.
+
+    Raises:
+        LogError: the log is damaged.
+    """
+    origin_ns = streams.first_ns + log.run.wall_offset_ns
+    period_ns = streams.length_ns + streams.interval_ns
+    for number in itertools.count() if loop else range(1):
+        for topic, record in _in_order_of_time(_sensor_records(log)):
+            if _decodes(topic, record):
+                elapsed_ns = number * period_ns + record.log_ns - origin_ns
+                yield Due(round(elapsed_ns / speed), number, topic, record)
+
+
+def _sensor_records(log: Log) -> Iterator[tuple[Topic, Record]]:
+    topics = {log.topic(topic.name): topic for topic in PLAYED}
+    for record in log.records(*topics):
+        yield topics[record.topic], record
+
+
+def _decodes(topic: Topic, record: Record) -> bool:
+    if record.schema != topic.schema:
+        return False
+    try:
+        SCHEMAS[topic.schema].FromString(record.payload)
+    except DecodeError:
+        return False
+    return True
+
+
+def _in_order_of_time(
+    records: Iterable[tuple[Topic, Record]],
+) -> Iterator[tuple[Topic, Record]]:
+    """Sorted by log time, and at one time as in the file, as far as the window reaches."""
+    waiting: list[tuple[int, int, Topic, Record]] = []
+    for number, (topic, record) in enumerate(records):
+        heapq.heappush(waiting, (record.log_ns, number, topic, record))
+        while record.log_ns - waiting[0][0] > REORDER_WINDOW_NS:
+            yield heapq.heappop(waiting)[2:]
+    while waiting:
+        yield heapq.heappop(waiting)[2:]

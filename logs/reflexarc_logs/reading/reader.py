@@ -1,0 +1,227 @@
+"""Reading a log: checked when it is opened, streamed in file order ever after.
+
+File order is the order in which the loop used things, and the only one that replay may use: a
+reader that sorts by time would put an input behind the tick that it led to.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeVar
+
+from google.protobuf.descriptor import Descriptor
+from google.protobuf.descriptor_pb2 import FileDescriptorSet
+from google.protobuf.descriptor_pool import DescriptorPool
+from google.protobuf.message import DecodeError
+from google.protobuf.message import Message as ProtobufMessage
+from mcap.records import Channel, Chunk, McapRecord, Schema
+from mcap.records import Message as McapMessage
+
+from reflexarc_logs.container.first_look import Survey, survey
+from reflexarc_logs.container.record_stream import (
+    DamagedError,
+    TruncatedError,
+    stream_records,
+    unpack,
+)
+from reflexarc_logs.container.run_info import RunInfo
+from reflexarc_logs.container.writing import CONFIG_ATTACHMENT, POLICY_ATTACHMENT
+from reflexarc_runtime.errors import LogError
+from reflexarc_runtime.messages.topics import TICK
+from reflexarc_runtime.messages_pb2 import Tick
+
+M = TypeVar("M", bound=ProtobufMessage)
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """One message as the log holds it. Times in nanoseconds."""
+
+    topic: str
+    """With a leading slash: "/robot0/retina"."""
+    schema: str
+    """Full name of the protobuf message."""
+    sequence: int
+    log_ns: int
+    """Arrival: the recorder's monotonic clock plus `RunInfo.wall_offset_ns`."""
+    publish_ns: int
+    """On the sender's clock."""
+    payload: bytes
+
+
+@dataclass(frozen=True)
+class Log:
+    """A log that was checked; every iteration reads the file anew, in its order."""
+
+    path: Path
+    run: RunInfo
+    attachments: Mapping[str, bytes]
+    """`policy.onnx` and `config.json`, where the log has them."""
+    complete: bool
+    """Whether the log was finished; a truncated one ends at its last intact record."""
+    dropped: int
+    """Records or chunks that are missing in the middle, as the recorder or `recover` said."""
+    size: int
+    """Bytes of the file."""
+    intact_size: int
+    """Bytes up to the end of the last intact record."""
+
+    @property
+    def policy(self) -> bytes | None:
+        """The attached policy file."""
+        return self.attachments.get(POLICY_ATTACHMENT)
+
+    @property
+    def config(self) -> bytes | None:
+        """The attached configuration, JSON."""
+        return self.attachments.get(CONFIG_ATTACHMENT)
+
+    def topic(self, name: str) -> str:
+        """The topic in this log for a name of the topic table: "retina" → "/robot0/retina"."""
+        return f"/{self.run.robot}/{name}"
+
+    def records(self, *topics: str) -> Iterator[Record]:
+        """Records in file order; of these topics ("/robot0/retina"), or of all.
+
+        Raises:
+            LogError: a chunk is damaged (in a truncated log, reading ends there instead).
+        """
+        channels = _Channels()
+        for record in self._mcap_records():
+            if isinstance(record, McapMessage):
+                channel, schema = channels.of(record, self.path)
+                if not topics or channel.topic in topics:
+                    yield _record(channel, schema, record)
+            else:
+                channels.learn(record)
+
+    def messages(self, topic: str, kind: type[M]) -> Iterator[tuple[Record, M]]:
+        """Records of one topic, decoded.
+
+        Raises:
+            LogError: a payload is no such message, or a chunk is damaged.
+        """
+        for record in self.records(topic):
+            yield record, decode(self, record, kind)
+
+    def ticks(self) -> Iterator[Tick]:
+        """The ticks, in order."""
+        for _, tick in self.messages(self.topic(TICK.name), Tick):
+            yield tick
+
+    def tick_descriptor(self) -> Descriptor:
+        """The descriptor of `reflexarc.Tick` that the log itself carries.
+
+        Raises:
+            LogError: the log has none, or a malformed one.
+        """
+        for record in self._mcap_records():
+            if isinstance(record, Schema) and record.name == TICK.schema:
+                return _descriptor(record, self.path)
+        raise LogError(
+            f"{self.path}: expected ticks ({TICK.schema}), found none; nothing to replay"
+        )
+
+    def _mcap_records(self) -> Iterator[McapRecord]:
+        """Every record, chunks unpacked; ends quietly where a truncated log is no longer intact."""
+        try:
+            for located in stream_records(self.path, self.intact_size):
+                if isinstance(located.record, Chunk):
+                    yield from unpack(located.record)
+                else:
+                    yield located.record
+        except TruncatedError:
+            return  # the end of the intact part
+        except DamagedError as error:
+            if self.complete:
+                raise LogError(f"{self.path}: damaged: {error}; `reflexarc recover` it") from None
+        except OSError as error:
+            raise LogError(f"{self.path}: cannot be read: {error.strerror}") from None
+
+
+def read_log(path: Path | str, *, allow_truncated: bool = False) -> Log:
+    """Open a log: one pass over the file checks its frame and its CRC.
+
+    Args:
+        path: an MCAP file that reflexarc recorded.
+        allow_truncated: whether a log that was never finished is good enough.
+
+    Raises:
+        LogError: it is missing, empty, no MCAP, damaged, truncated, or of another system.
+    """
+    found = survey(Path(path))
+    if not found.complete and not allow_truncated:
+        raise LogError(
+            f"{path}: expected a finished log, got a truncated one ({found.damage}); "
+            f"`reflexarc recover {path} -o FIXED.mcap` saves what is there"
+        )
+    return _log(Path(path), found)
+
+
+def decode(log: Log, record: Record, kind: type[M]) -> M:
+    """Decode one record.
+
+    Raises:
+        LogError: the payload is no such message.
+    """
+    name = kind.DESCRIPTOR.full_name
+    try:
+        if record.schema == name:
+            return kind.FromString(record.payload)
+    except DecodeError:
+        pass
+    raise LogError(f"{log.path}: {record.topic}: expected {name}, got something else; damaged?")
+
+
+class _Channels:
+    """Channels and schemas met so far."""
+
+    def __init__(self) -> None:
+        self._schemas: dict[int, str] = {}
+        self._channels: dict[int, Channel] = {}
+
+    def learn(self, record: McapRecord) -> None:
+        if isinstance(record, Schema):
+            self._schemas[record.id] = record.name
+        elif isinstance(record, Channel):
+            self._channels[record.id] = record
+
+    def of(self, message: McapMessage, path: Path) -> tuple[Channel, str]:
+        channel = self._channels.get(message.channel_id)
+        if channel is None:
+            raise LogError(f"{path}: a message on an unknown channel; `reflexarc recover` it")
+        return channel, self._schemas.get(channel.schema_id, "")
+
+
+def _record(channel: Channel, schema: str, message: McapMessage) -> Record:
+    return Record(
+        topic=channel.topic,
+        schema=schema,
+        sequence=message.sequence,
+        log_ns=message.log_time,
+        publish_ns=message.publish_time,
+        payload=message.data,
+    )
+
+
+def _log(path: Path, found: Survey) -> Log:
+    return Log(
+        path=path,
+        run=found.run,
+        attachments=found.attachments,
+        complete=found.complete,
+        dropped=found.dropped,
+        size=found.size,
+        intact_size=found.intact_size,
+    )
+
+
+def _descriptor(schema: Schema, path: Path) -> Descriptor:
+    pool = DescriptorPool()
+    try:
+        for file in FileDescriptorSet.FromString(schema.data).file:
+            pool.Add(file)
+        return pool.FindMessageTypeByName(schema.name)
+    except (DecodeError, TypeError, KeyError, ValueError) as error:
+        reason = " ".join(str(error).split())[:120]
+        raise LogError(f"{path}: the schema of {schema.name} is malformed: {reason}") from None

@@ -1,0 +1,90 @@
+"""What `reflexarc info` says of a log: what was recorded, how much, how fast, and is it whole?"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from reflexarc_logs.container.run_info import RunInfo
+from reflexarc_logs.reading.reader import Log, Record, read_log
+
+
+@dataclass(frozen=True)
+class TopicSummary:
+    """One topic of a log."""
+
+    topic: str
+    schema: str
+    messages: int
+    payload_bytes: int
+    rate_hz: float
+    """Messages a second between the first and the last; 0 with fewer than two."""
+
+
+@dataclass(frozen=True)
+class Summary:
+    """A log in numbers."""
+
+    path: str
+    complete: bool
+    """Finished; or truncated, and these are the numbers of its intact part."""
+    bytes: int
+    messages: int
+    duration_s: float
+    """From the first message to the last one, by arrival."""
+    dropped: int
+    """Records or chunks that are missing in the middle."""
+    run: RunInfo
+    topics: tuple[TopicSummary, ...]
+    """By name."""
+
+    @property
+    def policy_hash(self) -> str:
+        """SHA-256 of the attached policy; empty without one."""
+        return self.run.policy_hash
+
+
+@dataclass
+class _Count:
+    """A topic while it is counted."""
+
+    schema: str
+    first_ns: int
+    last_ns: int
+    messages: int = 0
+    payload_bytes: int = 0
+
+    def add(self, record: Record) -> None:
+        self.messages += 1
+        self.payload_bytes += len(record.payload)
+        self.first_ns = min(self.first_ns, record.log_ns)
+        self.last_ns = max(self.last_ns, record.log_ns)
+
+
+def summarise(log: Log | Path | str) -> Summary:
+    """Count a log, finished or truncated; reads all of it and checks every CRC.
+
+    Raises:
+        LogError: missing, no MCAP, damaged, or of another system.
+    """
+    source = log if isinstance(log, Log) else read_log(log, allow_truncated=True)
+    counts: dict[str, _Count] = {}
+    for record in source.records():
+        new = _Count(record.schema, record.log_ns, record.log_ns)
+        counts.setdefault(record.topic, new).add(record)
+    first_ns = min((c.first_ns for c in counts.values()), default=0)
+    last_ns = max((c.last_ns for c in counts.values()), default=0)
+    return Summary(
+        path=str(source.path),
+        complete=source.complete,
+        bytes=source.size,
+        messages=sum(c.messages for c in counts.values()),
+        duration_s=(last_ns - first_ns) * 1e-9,
+        dropped=source.dropped,
+        run=source.run,
+        topics=tuple(_topic(name, counts[name]) for name in sorted(counts)),
+    )
+
+
+def _topic(name: str, count: _Count) -> TopicSummary:
+    seconds = (count.last_ns - count.first_ns) * 1e-9
+    rate_hz = (count.messages - 1) / seconds if seconds > 0 else 0.0
+    return TopicSummary(name, count.schema, count.messages, count.payload_bytes, rate_hz)

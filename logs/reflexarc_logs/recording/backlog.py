@@ -1,0 +1,56 @@
+"""The queue between the loop and the recorder's thread: bounded in records and in bytes."""
+
+import queue
+import threading
+
+from reflexarc_runtime.messages.wire import Message
+
+MAX_RECORDS = 200_000
+MAX_BYTES = 256 << 20
+
+
+class Backlog:
+    """Records that wait to be written. When it is full, new ones are dropped and counted."""
+
+    def __init__(self, max_records: int = MAX_RECORDS, max_bytes: int = MAX_BYTES) -> None:
+        self._queue: queue.SimpleQueue[Message | None] = queue.SimpleQueue()
+        self._max_records = max_records
+        self._max_bytes = max_bytes
+        self._bytes = 0
+        self._lock = threading.Lock()  # held for an addition, never while waiting or writing
+        self.dropped = 0
+        self.ended = False
+        """Everything up to the end has been taken."""
+
+    def put(self, message: Message) -> None:
+        """Add a record, or count it as dropped; from any thread, without waiting."""
+        size = len(message.payload)
+        with self._lock:
+            full = self._queue.qsize() >= self._max_records
+            if full or self._bytes + size > self._max_bytes:
+                self.dropped += 1
+                return
+            self._bytes += size
+        self._queue.put(message)
+
+    def end(self) -> None:
+        """Say that no more will come."""
+        self._queue.put(None)
+
+    def take(self, timeout_s: float) -> Message | None:
+        """Take the oldest record, waiting for one; None when the time or the queue is over."""
+        try:
+            message = self._queue.get(timeout=max(0.0, timeout_s))
+        except queue.Empty:
+            return None
+        if message is None:
+            self.ended = True
+            return None
+        with self._lock:
+            self._bytes -= len(message.payload)
+        return message
+
+    def clear(self) -> None:
+        """Forget everything that waits."""
+        while not self._queue.empty():
+            self.take(0.0)

@@ -1,0 +1,1 @@
+"""Replay: a log's inputs decided again, and compared field by field with what was recorded."""

@@ -1,0 +1,1 @@
+"""Drives seen from above: the scenery, the path, the retina, frame by frame."""

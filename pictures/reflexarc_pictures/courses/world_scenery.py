@@ -1,0 +1,94 @@
+"""What stands in a simulated world, anywhere and at any time.
+
+A world is a grid of chunks, a layer that moves is a grid that moves: so what is to be seen in an
+area at a time is in the chunks under it, each layer's shifted by as much as it has moved.
+"""
+
+import math
+from collections.abc import Iterator
+
+from reflexarc_pictures.courses.course import Area, Colour, Silhouette, circle, reaches_into
+from reflexarc_sim_bridge.simulation.scene import Outline, outlines_of_chunk
+from reflexarc_sim_bridge.simulation.simulation import Simulation
+from reflexarc_sim_bridge.worlds.layers import CHUNK_M, Drift, Motion
+from reflexarc_sim_bridge.worlds.world import Edges
+
+SLATE: Colour = (0.54, 0.64, 0.74)
+"""What white becomes, the colour of most obstacles: it would not show on a pale ground."""
+
+
+class WorldScenery:
+    """The world of a simulation's first agent."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        tables, state = simulation.params.world, simulation.params.agents.state[0]
+        self._seed = int(state["seed"])
+        self._world = simulation.world.drawn(self._seed)
+        self._side_m = float(tables.planes[state["world"]]["chunk_width_m"])
+        self._chunks: dict[tuple[int, int], list[Outline]] = {}
+
+    def within(self, area: Area, time_s: float) -> list[Silhouette]:
+        """What reaches into an area at a time after the start."""
+        found = []
+        for number, layer in enumerate(self._world.layers):
+            now, before = moved_m(layer.motion, time_s), moved_m(layer.motion, time_s - 1.0)
+            wake_m = (now[0] - before[0], now[1] - before[1])
+            for outline in self._listed(number, _around(area, now, layer.reach_m)):
+                silhouette = _silhouette(outline, now, wake_m)
+                if reaches_into(silhouette.corners_m, area):
+                    found.append(silhouette)
+        return found
+
+    def _listed(self, layer: int, area: Area) -> Iterator[Outline]:
+        """A layer's obstacles in the chunks of an area of its own frame."""
+        for i in _chunks(area.low_x_m, area.high_x_m, CHUNK_M):
+            for j in _chunks(area.low_y_m, area.high_y_m, self._side_m):
+                yield from (outline for outline in self._chunk(i, j) if outline.layer == layer)
+
+    def _chunk(self, i: int, j: int) -> list[Outline]:
+        is_outside = self._world.edges is Edges.OPEN and not (
+            0 <= (j + 0.5) * self._side_m < self._world.width_m
+        )
+        if (i, j) not in self._chunks:
+            listed = [] if is_outside else outlines_of_chunk(self._world, self._seed, i, j)
+            self._chunks[i, j] = listed
+        return self._chunks[i, j]
+
+
+def moved_m(motion: Motion | None, time_s: float) -> tuple[float, float]:
+    """How far a layer has moved: ahead, left. As the simulator's, which is compiled."""
+    if motion is None:
+        return 0.0, 0.0
+    if isinstance(motion, Drift):
+        return motion.ahead_mps * time_s, motion.left_mps * time_s
+    share = math.sin(2.0 * math.pi * time_s / motion.period_s)
+    return motion.ahead_m * share, motion.left_m * share
+
+
+def _around(area: Area, way_m: tuple[float, float], reach_m: float) -> Area:
+    """Where the middles are, in a layer's frame, of what reaches into an area."""
+    (x_m, y_m), (low_x, high_x, low_y, high_y) = way_m, area
+    return Area(
+        low_x - x_m - reach_m, high_x - x_m + reach_m, low_y - y_m - reach_m, high_y - y_m + reach_m
+    )
+
+
+def _chunks(low_m: float, high_m: float, side_m: float) -> range:
+    return range(math.floor(low_m / side_m), math.floor(high_m / side_m) + 1)
+
+
+def _silhouette(
+    outline: Outline, way_m: tuple[float, float], wake_m: tuple[float, float]
+) -> Silhouette:
+    corners_m = outline.corners_m
+    if outline.is_disc:
+        corners_m = circle(outline.x_m, outline.y_m, outline.radius_m)
+    return Silhouette(corners_m + way_m, _on_pale_ground(outline.colour), wake_m)
+
+
+def _on_pale_ground(colour: Colour) -> Colour:
+    """Grey ones in shades of slate; colours as they are."""
+    red, green, blue = colour
+    if red == green == blue:
+        return (red * SLATE[0], green * SLATE[1], blue * SLATE[2])
+    return colour

@@ -1,0 +1,119 @@
+"""From a world or a log to a file: a picture (PNG) or a film (GIF, MP4)."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal, TypeAlias
+
+from reflexarc.terminal.output import progress_bar
+from reflexarc_runtime.errors import UsageError
+from reflexarc_runtime.whole_file import whole_file
+
+if TYPE_CHECKING:
+    from reflexarc_pictures.courses.course import Course
+    from reflexarc_pictures.log_pictures.log_picture import Kind
+    from reflexarc_sim_bridge.worlds.world import WorldSource
+
+PICTURE, GIF, MP4 = ".png", ".gif", ".mp4"
+FILM_S, STRETCH_S = 10.0, 20.0
+"""How long a film lasts, and a drive that becomes a picture, unless told otherwise."""
+
+What: TypeAlias = Literal["stretch", "drive", "floor", "film"]
+
+
+@dataclass(frozen=True)
+class Rendered:
+    """What became of it."""
+
+    picture: Path
+    kind: What
+    bytes: int
+    frames: int
+    """Of a film; 1 of a picture."""
+
+
+def check_format(out: Path) -> None:
+    """Refuse what nobody here can write.
+
+    Raises:
+        UsageError: another suffix, or an MP4 without ffmpeg.
+    """
+    if out.suffix.lower() not in (PICTURE, GIF, MP4):
+        raise UsageError(f"--out: expected a name that ends in .png, .gif or .mp4, got {out}")
+    if out.suffix.lower() == MP4:
+        from reflexarc_pictures.courses.film import check_ffmpeg
+
+        check_ffmpeg()
+
+
+def render_world(
+    source: "WorldSource",
+    out: Path,
+    policy: Path | None = None,
+    seed: int = 0,
+    duration_s: float | None = None,
+) -> Rendered:
+    """Let an agent drive in a world and draw that.
+
+    Args:
+        source: the world.
+        out: PNG: the whole stretch; GIF or MP4: a film.
+        policy: who drives; None: an agent that never steers, with the reference eye.
+        seed: which of the world's variants, 0 to 2⁶⁴ − 1.
+        duration_s: in the world's time; None: `FILM_S` or `STRETCH_S`.
+
+    Raises:
+        PolicyError: the policy cannot be loaded.
+        WorldError: the world does not support the policy's contract.
+        UsageError: nothing here can write such a film.
+    """
+    from reflexarc_pictures.courses.world_course import drive_in_world
+    from reflexarc_runtime.policy.policy import Policy, load_policy
+    from reflexarc_sim_bridge.evaluation.reference_field import reference_contract
+    from reflexarc_sim_bridge.evaluation.simple_policies import BlindPolicy
+
+    contract = reference_contract()
+    driver: Policy = BlindPolicy(len(contract.actions))
+    if policy is not None:
+        loaded = load_policy(policy)
+        contract, driver = loaded.contract, loaded
+    is_picture = out.suffix.lower() == PICTURE
+    duration_s = duration_s or (STRETCH_S if is_picture else FILM_S)
+    with progress_bar(f"driving in {source.name}", 1) as progress:
+        course = drive_in_world(source, contract, driver, seed, duration_s, progress)
+    if not is_picture:
+        return _film(course, out)
+    from reflexarc_pictures.courses.stretch import draw_stretch
+
+    with whole_file(out) as unfinished:
+        draw_stretch(course, unfinished)
+    return Rendered(out, "stretch", out.stat().st_size, 1)
+
+
+def render_log(
+    path: Path, out: Path, kind: "Kind" = "auto", duration_s: float | None = None
+) -> Rendered:
+    """Draw a log of `reflexarc run --record`: PNG all of it, GIF or MP4 its first seconds.
+
+    Raises:
+        LogError: the log cannot be read, or there is nothing in it to draw.
+        UsageError: it has not got what the kind of picture needs; or nothing writes such a film.
+    """
+    if out.suffix.lower() == PICTURE:
+        from reflexarc_pictures.log_pictures.log_picture import draw_log
+
+        with whole_file(out) as unfinished:
+            made = draw_log(path, unfinished, kind)
+        return Rendered(out, made, out.stat().st_size, 1)
+    from reflexarc_logs.reading.reader import read_log
+    from reflexarc_pictures.courses.log_course import course_of
+
+    return _film(course_of(read_log(path), duration_s or FILM_S), out)
+
+
+def _film(course: "Course", out: Path) -> Rendered:
+    from reflexarc_pictures.courses.film import write_gif, write_mp4
+
+    write = write_mp4 if out.suffix.lower() == MP4 else write_gif
+    with progress_bar(f"drawing {out.name}", 1) as progress, whole_file(out) as unfinished:
+        frames = write(course, unfinished, progress)
+    return Rendered(out, "film", out.stat().st_size, frames)

@@ -1,0 +1,50 @@
+"""The inbox: everything that arrived since the last tick, oldest first.
+
+A subscriber's callback appends; a tick drains. It is bounded: when full, the oldest message is
+lost and counted, so that a runtime that hangs wakes to fresh input and not to its past.
+"""
+
+import threading
+from collections import deque
+
+from reflexarc_runtime.messages.wire import Message
+
+DEFAULT_CAPACITY = 1024
+
+
+class Inbox:
+    """A bounded queue between the bus's threads and the loop."""
+
+    def __init__(self, capacity: int = DEFAULT_CAPACITY) -> None:
+        self._messages: deque[Message] = deque()
+        self._capacity = capacity
+        self._arrival = threading.Condition()
+        self._overflows = 0
+
+    @property
+    def overflows(self) -> int:
+        """Messages lost because the inbox was full."""
+        return self._overflows
+
+    def put(self, message: Message) -> None:
+        """Add a message; from any thread."""
+        with self._arrival:
+            if len(self._messages) >= self._capacity:
+                self._messages.popleft()
+                self._overflows += 1
+            self._messages.append(message)
+            self._arrival.notify()
+
+    def drain(self) -> tuple[Message, ...]:
+        """Take all that is there."""
+        with self._arrival:
+            messages = tuple(self._messages)
+            self._messages.clear()
+            return messages
+
+    def take(self, timeout_s: float) -> Message | None:
+        """Take the oldest message, waiting for one; None when the time is over."""
+        with self._arrival:
+            if not self._messages:
+                self._arrival.wait(timeout_s)
+            return self._messages.popleft() if self._messages else None

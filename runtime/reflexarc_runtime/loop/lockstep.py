@@ -1,0 +1,65 @@
+"""Lockstep from the body's side: it waits for the command of each sensor message.
+
+The runtime in lockstep makes one tick an input and numbers its commands from 0, as the body numbers
+its sensor messages; so the command of message n is command n. The other side is
+`pacer.LockstepPacer`.
+"""
+
+from collections.abc import Callable
+
+from reflexarc_runtime.decision import Command
+from reflexarc_runtime.errors import BusError
+from reflexarc_runtime.loop.inbox import Inbox
+from reflexarc_runtime.messages.codec import decode_command
+
+PATIENCE_S = 10.0
+"""How long a body waits for the command of a sensor message before it gives up."""
+
+_POLL_S = 0.05
+
+
+def wait_for_runtime(
+    inbox: Inbox, is_ready: Callable[[], bool], should_stop: Callable[[], bool]
+) -> None:
+    """Wait until a runtime hears the body, and is heard; what came before that is dropped.
+
+    Args:
+        inbox: where the bus delivers the commands.
+        is_ready: whether it listens to the sensor and has announced itself.
+        should_stop: whether to wait no longer.
+    """
+    while not is_ready() and not should_stop():
+        inbox.take(_POLL_S)
+
+
+def await_command(
+    inbox: Inbox,
+    sequence: int,
+    hear: Callable[[Command], None],
+    should_stop: Callable[[], bool],
+) -> None:
+    """Wait for the command of a sensor message.
+
+    Args:
+        inbox: where the bus delivers the commands.
+        sequence: number of the sensor message.
+        hear: called with every command that comes, up to the one that is waited for.
+        should_stop: whether to wait no longer.
+
+    Raises:
+        BusError: it did not come.
+    """
+    waited_s = 0.0
+    while not should_stop():
+        message = inbox.take(_POLL_S)
+        command = None if message is None else decode_command(message.payload)
+        if command is not None:
+            hear(command)
+            if command.sequence == sequence:
+                return
+        waited_s += _POLL_S if message is None else 0.0
+        if waited_s > PATIENCE_S:
+            raise BusError(
+                f"lockstep: no command for sensor message {sequence} within {PATIENCE_S:g} s; "
+                "is `reflexarc run --lockstep` still there, and newly started?"
+            )

@@ -1,0 +1,111 @@
+"""Scratch of one thread: nothing in it outlives the look or the step that filled it."""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from reflexarc_sim_bridge.arrays.layout import TILE_RAYS, TURNED_ROWS, Floats32, Params, WorldTables
+from reflexarc_sim_bridge.arrays.parts import Parts
+from reflexarc_sim_bridge.native.intrinsics import LANES
+from reflexarc_sim_bridge.obstacles.automaton import MAX_ROWS
+from reflexarc_sim_bridge.obstacles.belt import Picks
+from reflexarc_sim_bridge.obstacles.belt_drawing import EIGHT, Draws
+from reflexarc_sim_bridge.vision.faces import Faces
+from reflexarc_sim_bridge.vision.ray_directions import reciprocals
+from reflexarc_sim_bridge.vision.visible import Sieve
+
+
+class Workspace(NamedTuple):
+    """What an eye needs while it looks, and an agent while it moves."""
+
+    parts: Parts
+    """What they call."""
+    sieve: Sieve
+    """For picking what a tile of rays can meet."""
+    seen: Floats32
+    """What the eye can see of a near list, relative to it, rows as there: (7, capacity)."""
+    faces: Faces
+    """What the eye can see of turned boxes and polygons."""
+    ahead: Floats32
+    """Direction of each sub-ray in the world's frame: (subrays,); so the three below."""
+    left: Floats32
+    per_ahead: Floats32
+    per_left: Floats32
+    per_m: Floats32
+    """1 / distance of what a tile of rays meets: (TILE_RAYS,)."""
+    distance_m: Floats32
+    """What each sub-ray met, the range where nothing: (subrays,)."""
+    paint: Floats32
+    """Its colour, 8 bits each of red, green, blue; below 0 where nothing: (subrays,)."""
+    bright: npt.NDArray[np.float64]
+    """How bright each sub-ray is: (subrays,)."""
+    total: npt.NDArray[np.float64]
+    """The sum of a ray's: (rays,)."""
+    lists: npt.NDArray[np.uint32]
+    """Faces that each tile can meet: (tiles, capacity)."""
+    ends: npt.NDArray[np.int64]
+    """How many: (tiles,)."""
+    draws: Draws
+    """For drawing the boxes of a belt."""
+    picks: Picks
+    """For picking near ones from a belt."""
+    cells: npt.NDArray[np.uint64]
+    """Rows of an automaton's cells: (MAX_ROWS,)."""
+    retina: npt.NDArray[np.uint8]
+    """Of both eyes: (values,)."""
+
+
+def new_workspace(params: Params, parts: Parts) -> Workspace:
+    """The scratch that a thread needs for these worlds, eyes and agents."""
+    world, eye, agents = params
+    layers, boxes, discs = agents.layer_cells.shape[1], agents.boxes.shape[3], agents.discs.shape[3]
+    turned, sides = agents.turned.shape[3], agents.sides.shape[3]
+    columns, faces = max(boxes, turned, discs, sides), layers * (turned + sides) + LANES
+    rays = len(eye.ahead)
+    tiles = rays // TILE_RAYS
+    everything = np.arange(max(columns, faces) + LANES, dtype=np.uint32)
+    return Workspace(
+        parts=parts,
+        sieve=Sieve(np.empty(len(everything), np.bool_), everything, everything.copy()),
+        seen=np.empty((TURNED_ROWS, columns + LANES), np.float32),
+        faces=Faces(*np.empty((len(Faces._fields), faces), np.float32)),
+        # An eye that does not turn looks along x for good.
+        ahead=eye.ahead.copy(),
+        left=eye.left.copy(),
+        per_ahead=reciprocals(eye.ahead),
+        per_left=reciprocals(eye.left),
+        per_m=np.empty(TILE_RAYS, np.float32),
+        distance_m=np.empty(rays, np.float32),
+        paint=np.empty(rays, np.float32),
+        bright=np.empty(rays, np.float64),
+        total=np.empty(eye.rays, np.float64),
+        # Until they are chosen from, all of them.
+        lists=np.tile(everything, (tiles, 1)),
+        ends=np.empty(tiles, np.int64),
+        draws=_new_draws(world),
+        picks=_new_picks(agents.belt_places.shape[3]),
+        cells=np.empty(MAX_ROWS, np.uint64),
+        retina=np.empty(agents.delayed.shape[2], np.uint8),
+    )
+
+
+def _new_draws(world: WorldTables) -> Draws:
+    chunks = max(1, world.across)
+    entries = chunks * world.counts.shape[3] + EIGHT
+    return Draws(
+        np.empty(chunks, np.uint64),
+        np.empty(chunks, np.float64),
+        np.empty(chunks, np.int64),
+        np.empty(entries, np.uint64),
+        np.empty(entries, np.float64),
+    )
+
+
+def _new_picks(boxes: int) -> Picks:
+    return Picks(
+        np.empty(boxes, np.float32),
+        np.empty(boxes, np.float32),
+        np.empty(boxes, np.bool_),
+        np.empty(boxes, np.int32),
+    )

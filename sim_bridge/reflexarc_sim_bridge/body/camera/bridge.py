@@ -1,0 +1,105 @@
+"""The bridge: a camera on the bus. It shows retinas and moves nothing."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Protocol
+
+from reflexarc_runtime.bus import Bus
+from reflexarc_runtime.contract import RetinaSpec
+from reflexarc_runtime.loop.clock import Clock
+from reflexarc_runtime.messages.codec import Status, encode_retina, encode_status
+from reflexarc_runtime.messages.topics import BODY_NODE, RETINA, STATUS
+from reflexarc_sim_bridge.body.camera.eye import CameraEye, Image
+
+_SECOND_NS = 1_000_000_000
+_POLL_NS = 10_000_000
+
+Moment = tuple[Image | None, ...]
+"""One image an eye, taken at one moment; None where one cannot be decoded."""
+
+
+class Pace(Protocol):
+    """Decides when the next image is shown."""
+
+    def wait(self, should_stop: Callable[[], bool]) -> object | None:
+        """Wait; None when asked to stop meanwhile."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Account:
+    """What was shown."""
+
+    retinas: int
+    undecodable: int
+
+
+class CameraBridge:
+    """Shows on the bus what a camera sees.
+
+    Args:
+        bus: an open session.
+        eye: how images are looked at.
+        spec: what the policy sees.
+        robot: whose camera it is.
+        clock: source time of the retinas.
+    """
+
+    def __init__(
+        self, bus: Bus, eye: CameraEye, spec: RetinaSpec, robot: str, clock: Clock
+    ) -> None:
+        self._retinas = bus.publisher(RETINA)
+        self._status = bus.publisher(STATUS)
+        self._status_due_ns = 0
+        self._eye = eye
+        self._spec = spec
+        self._robot = robot
+        self._clock = clock
+        bus.announce(BODY_NODE)
+
+    def wait_for_listener(self, should_stop: Callable[[], bool]) -> None:
+        """Wait until somebody listens: what is in a file is shown only once."""
+        while not self._retinas.has_listener and not should_stop():
+            self._clock.sleep_until_ns(self._clock.now_ns() + _POLL_NS)
+
+    def show(
+        self,
+        moments: Iterable[Moment],
+        should_stop: Callable[[], bool],
+        pace: Pace | None = None,
+        progress: Callable[[int], None] = lambda done: None,
+    ) -> Account:
+        """Show one moment after another.
+
+        Args:
+            moments: what to show.
+            should_stop: asked between two.
+            pace: when each is due; without one, as they come.
+            progress: told how many there were.
+        """
+        retinas = undecodable = 0
+        for images in moments:
+            if should_stop() or (pace is not None and pace.wait(should_stop) is None):
+                break
+            seen = tuple(image for image in images if image is not None)
+            if len(seen) == len(images):
+                self._show(seen)
+                retinas += 1
+            else:
+                undecodable += 1
+            progress(retinas + undecodable)
+        return Account(retinas, undecodable)
+
+    def _show(self, images: tuple[Image, ...]) -> None:
+        # Taken just now, as far as anyone here can know: exposure and transfer came before.
+        now_ns = self._clock.now_ns()
+        payload = encode_retina(self._eye.look(images), self._spec, now_ns, self._robot)
+        self._retinas.put(payload, now_ns)
+        self._say_every_second(now_ns)
+
+    def _say_every_second(self, now_ns: int) -> None:
+        if now_ns < self._status_due_ns:
+            return
+        self._status_due_ns = now_ns + _SECOND_NS
+        status = Status(node=BODY_NODE, ticks=self._retinas.next_sequence)
+        self._status.put(encode_status(status), now_ns)

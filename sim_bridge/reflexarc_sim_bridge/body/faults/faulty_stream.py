@@ -1,0 +1,217 @@
+"""Faults on purpose: between what a body says and what goes onto the bus.
+
+    stream of (time, retina) → stream of (time, bytes, attachment, encoding)
+
+Pure and seeded: no clock, no bus. Each sending carries the truth that no receiver can know: when
+what it shows was seen, or that nobody should drive on it. Who judges a run compares with that.
+"""
+
+import heapq
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from foxglove_schemas_protobuf.RawImage_pb2 import RawImage
+
+from reflexarc_runtime.messages.topics import RETINA
+from reflexarc_runtime.messages.wire import Stamp, pack_stamp, protobuf_encoding
+from reflexarc_sim_bridge.body.faults.malformed import Parts, malformed
+from reflexarc_sim_bridge.body.faults.script import (
+    ClockStep,
+    Delay,
+    Duplication,
+    Fault,
+    FaultScript,
+    Freezing,
+    Frozen,
+    Jitter,
+    Loss,
+    Malformed,
+    Reordering,
+    SecondSender,
+    Silence,
+)
+
+_ENCODING = protobuf_encoding(RETINA.schema)
+_SENDER_BYTES = 16
+
+
+@dataclass(frozen=True, slots=True)
+class Sending:
+    """One message on its way onto the bus."""
+
+    due_ns: int
+    """When it goes out, on the body's clock."""
+    payload: bytes
+    attachment: bytes
+    encoding: str
+    seen_ns: int | None
+    """The truth: when what it shows was seen, on the body's clock. None: it is malformed, not of
+    this body, or stamped with another time than that, and is no ground to drive on."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Retina:
+    """A retina before it is packed."""
+
+    payload: bytes
+    stamp: Stamp
+    seen_ns: int | None
+
+
+class _Sender:
+    """Somebody who numbers its messages from 0."""
+
+    def __init__(self, rng: np.random.Generator) -> None:
+        self.identity = rng.bytes(_SENDER_BYTES)
+        self._sequence = -1
+
+    def stamp(self, time_ns: int) -> Stamp:
+        self._sequence += 1
+        return Stamp(self._sequence, time_ns)
+
+
+class FaultyStream:
+    """Turns each retina into what a faulty body makes of it: nothing, one message, or many."""
+
+    def __init__(self, script: FaultScript) -> None:
+        self._script = script
+        self._rng = np.random.default_rng(script.seed)
+        self._own = _Sender(self._rng)
+        self._others: dict[SecondSender, _Sender] = {}
+        self._frozen: dict[Freezing, _Retina] = {}
+        self._start_ns: int | None = None
+        self._was_silent = False
+
+    def say(self, payload: bytes, time_ns: int) -> list[Sending]:
+        """What becomes of one retina.
+
+        Args:
+            payload: the retina, `foxglove.RawImage`.
+            time_ns: when it was seen, on the body's clock; never decreases.
+        """
+        self._start_ns = time_ns if self._start_ns is None else self._start_ns
+        active = self._script.active((time_ns - self._start_ns) * 1e-9)
+        sendings = [
+            *self._speak(payload, time_ns, active),
+            *self._intrude(payload, time_ns, active),
+        ]
+        for fault in active:
+            sendings = [out for sending in sendings for out in self._carry(fault, sending)]
+        return sendings
+
+    def _speak(self, payload: bytes, time_ns: int, active: tuple[Fault, ...]) -> list[Sending]:
+        """The body's own message, if it is not dead."""
+        silent = any(isinstance(fault, Silence) for fault in active)
+        if self._was_silent and not silent:
+            self._own = _Sender(self._rng)
+        self._was_silent = silent
+        self._frozen = {fault: held for fault, held in self._frozen.items() if fault in active}
+        if silent:
+            return []
+        retina = _Retina(payload, self._own.stamp(time_ns), time_ns)
+        for fault in active:
+            retina = self._mistake(fault, retina)
+        return [_packed(retina, self._own, time_ns)]
+
+    def _intrude(self, payload: bytes, time_ns: int, active: tuple[Fault, ...]) -> list[Sending]:
+        """What others say in the body's place. On the body's own clock it is a rightful body."""
+        others = [fault for fault in active if isinstance(fault, SecondSender)]
+        sendings = []
+        for fault in others:
+            sender = self._others.setdefault(fault, _Sender(self._rng))
+            stamp = sender.stamp(_moved(time_ns, fault.ahead_s))
+            seen_ns = time_ns if stamp.time_ns == time_ns else None
+            sendings.append(_packed(_Retina(_blank(payload), stamp, seen_ns), sender, time_ns))
+        return sendings
+
+    def _mistake(self, fault: Fault, retina: _Retina) -> _Retina:
+        """What the sender itself does wrong."""
+        match fault:
+            case Freezing():
+                return _frozen(retina, self._frozen.setdefault(fault, retina), fault.what)
+            case ClockStep():
+                time_ns = _moved(retina.stamp.time_ns, fault.step_s)
+                return replace(retina, stamp=replace(retina.stamp, time_ns=time_ns), seen_ns=None)
+            case _:
+                return retina
+
+    def _carry(self, fault: Fault, sending: Sending) -> list[Sending]:
+        """What happens to a message on its way."""
+        match fault:
+            case Delay():
+                return [_later(sending, fault.delay_s)]
+            case Jitter():
+                return [_later(sending, self._rng.uniform(0.0, fault.jitter_s))]
+            case Loss():
+                return [] if self._strikes(fault.share) else [sending]
+            case Duplication():
+                return [sending] * (fault.copies if self._strikes(fault.share) else 1)
+            case Reordering():
+                return [_later(sending, fault.held_s if self._strikes(fault.share) else 0.0)]
+            case Malformed():
+                return [_spoilt(sending, fault) if self._strikes(fault.share) else sending]
+            case _:
+                return [sending]
+
+    def _strikes(self, share: float) -> bool:
+        return bool(self._rng.random() < share)
+
+
+def transform(script: FaultScript, stream: Iterable[tuple[int, bytes]]) -> Iterator[Sending]:
+    """A whole stream of (time in ns, retina), in the order in which it goes onto the bus."""
+    faulty = FaultyStream(script)
+    waiting: list[tuple[int, int, Sending]] = []
+    pushed = 0
+    for time_ns, payload in stream:
+        while waiting and waiting[0][0] < time_ns:
+            yield heapq.heappop(waiting)[2]
+        for sending in faulty.say(payload, time_ns):
+            heapq.heappush(waiting, (sending.due_ns, pushed, sending))
+            pushed += 1
+    while waiting:
+        yield heapq.heappop(waiting)[2]
+
+
+def _packed(retina: _Retina, sender: _Sender, time_ns: int) -> Sending:
+    attachment = pack_stamp(retina.stamp, sender.identity)
+    return Sending(time_ns, retina.payload, attachment, _ENCODING, retina.seen_ns)
+
+
+def _frozen(retina: _Retina, held: _Retina, what: Frozen) -> _Retina:
+    """The retina with a part of an earlier one. A frozen picture with a fresh stamp is a lie
+    that nothing but the world itself could disprove, so it counts as seen now; a fresh picture
+    with a frozen stamp is worth no more than it says.
+    """
+    match what:
+        case Frozen.IMAGE:
+            return replace(retina, payload=held.payload)
+        case Frozen.SEQUENCE:
+            stamp = replace(retina.stamp, sequence=held.stamp.sequence)
+            return replace(retina, stamp=stamp)
+        case Frozen.TIME:
+            stamp = replace(retina.stamp, time_ns=held.stamp.time_ns)
+            return replace(retina, stamp=stamp, seen_ns=held.seen_ns)
+        case Frozen.MESSAGE:
+            return held
+
+
+def _spoilt(sending: Sending, fault: Malformed) -> Sending:
+    parts = malformed(Parts(sending.payload, sending.attachment, sending.encoding), fault.how)
+    return Sending(sending.due_ns, parts.payload, parts.attachment, parts.encoding, None)
+
+
+def _later(sending: Sending, by_s: float) -> Sending:
+    return replace(sending, due_ns=sending.due_ns + round(by_s * 1e9))
+
+
+def _moved(time_ns: int, by_s: float) -> int:
+    """A time on a clock that is ahead; no stamp goes below zero."""
+    return max(0, time_ns + round(by_s * 1e9))
+
+
+def _blank(payload: bytes) -> bytes:
+    """The same picture of a world without obstacles."""
+    image = RawImage.FromString(payload)
+    image.data = bytes(len(image.data))
+    return image.SerializeToString()

@@ -1,0 +1,123 @@
+"""Where ROS 2 lives on Zenoh: one pure function a format.
+
+zenoh-plugin-ros2dds (`ros2_name_to_key_expr`): a topic's key is its full name without the leading
+slash.
+
+rmw_zenoh (its docs/design.md, "Topic and service name mapping" and "Graph cache"): a topic's key is
+`<domain>/<topic>/<type>/<hash>`; nodes and their endpoints are liveliness tokens under `@ros2_lv`,
+in which each `/` within a name becomes `%`. A message carries the 33 bytes that our own bus took
+over (`reflexarc_runtime.messages.wire`).
+"""
+
+import re
+from dataclasses import dataclass
+from enum import StrEnum
+
+from reflexarc_runtime.errors import UsageError
+
+MAX_DOMAIN = 232
+"""The highest ROS_DOMAIN_ID (docs.ros.org, "The ROS_DOMAIN_ID")."""
+
+_TOPIC = re.compile(r"/?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*")
+"""Names as design.ros2.org/articles/topic_and_service_names.html allows them, once expanded."""
+
+_TYPE_NAME = re.compile(r"(\w+)/msg/(\w+)")
+
+
+@dataclass(frozen=True, slots=True)
+class RosType:
+    """A message type: its name and its version-1 hash (REP-2016, RIHS01)."""
+
+    name: str
+    """As `ros2 interface` spells it: `sensor_msgs/msg/LaserScan`."""
+    type_hash: str
+    """As `ros2 topic info --verbose` prints it on Jazzy. It changes with the definition only."""
+
+
+LASER_SCAN = RosType(
+    "sensor_msgs/msg/LaserScan",
+    "RIHS01_64c191398013af96509d518dac71d5164f9382553fce5c1f8cca5be7924bd828",
+)
+TWIST = RosType(
+    "geometry_msgs/msg/Twist",
+    "RIHS01_9c45bf16fe0983d80e3cfe750d6835843d265a9a6c46bd2e609fcddde6fb8d2a",
+)
+TWIST_STAMPED = RosType(
+    "geometry_msgs/msg/TwistStamped",
+    "RIHS01_5f0fcd4f81d5d06ad9b4c4c63e3ea51b82d6ae4d0558f1d475229b1121db6f64",
+)
+
+
+class Endpoint(StrEnum):
+    """What an endpoint's token says that it is."""
+
+    PUBLISHER = "MP"
+    SUBSCRIPTION = "MS"
+
+
+RELIABLE = "::,10:,:,:,,"
+"""Reliable, volatile, the last 10: what ROS 2 calls the default profile."""
+BEST_EFFORT = "2::,5:,:,:,,"
+"""Best effort, volatile, the last 5: the profile of sensor data. It matches every publisher."""
+
+
+@dataclass(frozen=True, slots=True)
+class RosNode:
+    """A node of the ROS graph, in the root namespace, without an enclave."""
+
+    domain: int
+    session_id: str
+    """Of the Zenoh session, in hexadecimal."""
+    name: str
+
+
+def check_topic(flag: str, topic: str) -> str:
+    """The topic with its leading slash.
+
+    Raises:
+        UsageError: no name that ROS 2 allows.
+    """
+    if not _TOPIC.fullmatch(topic):
+        raise UsageError(
+            f"{flag}: expected a topic name (letters, digits, _, parts divided by /), got {topic!r}"
+        )
+    return "/" + topic.removeprefix("/")
+
+
+def ros2dds_key(topic: str) -> str:
+    """Key of a topic under zenoh-plugin-ros2dds."""
+    return topic.strip("/")
+
+
+def rmw_key(domain: int, topic: str, kind: RosType) -> str:
+    """Key of a topic under rmw_zenoh."""
+    return f"{domain}/{topic.strip('/')}/{dds_name(kind)}/{kind.type_hash}"
+
+
+def dds_name(kind: RosType) -> str:
+    """A type's name as DDS spells it: `sensor_msgs::msg::dds_::LaserScan_`."""
+    return _TYPE_NAME.sub(r"\1::msg::dds_::\2_", kind.name)
+
+
+def rmw_node_token(node: RosNode) -> str:
+    """Liveliness token of a node; its own identifier is 0."""
+    return f"@ros2_lv/{node.domain}/{node.session_id}/0/0/NN/%/%/{node.name}"
+
+
+def rmw_endpoint_token(
+    node: RosNode, number: int, endpoint: Endpoint, topic: str, kind: RosType, quality: str
+) -> str:
+    """Liveliness token of a publisher or subscription.
+
+    Args:
+        node: whose it is.
+        number: tells the node's endpoints apart.
+        endpoint: which of the two.
+        topic: full name, with its leading slash.
+        kind: of its messages.
+        quality: of service, as rmw_zenoh's `qos_to_keyexpr` writes it: what is left out is default.
+    """
+    return (
+        f"@ros2_lv/{node.domain}/{node.session_id}/0/{number}/{endpoint}/%/%/{node.name}/"
+        f"{topic.replace('/', '%')}/{dds_name(kind)}/{kind.type_hash}/{quality}"
+    )

@@ -1,0 +1,156 @@
+"""Between CDR, which ROS 2 speaks, and our own values.
+
+`sensor_msgs/LaserScan` measures from `angle_min` in steps of `angle_increment`, of either sign;
+ours go counter-clockwise. Its `angle_max` is not used: drivers disagree on whether it is the last
+beam or one step further. Ranges, after the message's comments and REP 117: below `range_min`, or
+NaN, says nothing (NaN); above `range_max`, or +inf, says that nothing was met (+inf).
+"""
+
+import math
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, Protocol
+
+import numpy as np
+from foxglove_schemas_protobuf.LaserScan_pb2 import LaserScan
+from rosbags.serde import SerdeError
+from rosbags.typesys import Stores, get_typestore
+
+from reflexarc_runtime.arrays import Ranges
+from reflexarc_runtime.messages.codec import timestamp
+from reflexarc_runtime.messages.wire import MAX_PAYLOAD_BYTES
+from reflexarc_runtime.sensing.retina import Scan
+from reflexarc_sim_bridge.body.ros2.keys import LASER_SCAN, TWIST, TWIST_STAMPED
+
+LITTLE_ENDIAN_CDR = b"\x00\x01"
+"""First bytes of the encapsulation (DDS-XTYPES 1.3, 7.6.3.1.2); two of options follow."""
+MAX_BEAMS = 100_000
+"""As our own scan has 8 bytes a beam and a payload at most 1 MiB."""
+
+_ENCAPSULATION_BYTES = 4
+_SECOND_NS = 1_000_000_000
+
+
+class UnusableMessageError(ValueError):
+    """A message that is no scan; its words are one of a few, so that they can be counted."""
+
+
+class Motion(Protocol):
+    """Speeds in the robot's frame: x ahead, y to the left, counter-clockwise."""
+
+    @property
+    def linear_mps(self) -> float:
+        """Ahead."""
+        ...
+
+    @property
+    def lateral_mps(self) -> float:
+        """To the left."""
+        ...
+
+    @property
+    def angular_radps(self) -> float:
+        """Counter-clockwise."""
+        ...
+
+
+@dataclass(frozen=True)
+class RosScan:
+    """A scan as the robot took it, with our order and our meaning of the ranges."""
+
+    stamp_ns: int
+    """The header's, on the robot's clock."""
+    frame_id: str
+    sweep: Scan
+
+
+def decode_scan(payload: bytes) -> RosScan:
+    """Read `sensor_msgs/LaserScan`.
+
+    Raises:
+        UnusableMessageError: no little-endian CDR, no such message, or not fit to be a scan.
+    """
+    _check_envelope(payload)
+    try:
+        message: Any = _types().deserialize_cdr(payload, LASER_SCAN.name)
+    except SerdeError:
+        raise UnusableMessageError(f"no {LASER_SCAN.name}") from None
+    stamp = message.header.stamp
+    return RosScan(
+        stamp_ns=stamp.sec * _SECOND_NS + stamp.nanosec,
+        frame_id=message.header.frame_id,
+        sweep=_sweep(message),
+    )
+
+
+def encode_scan(scan: RosScan) -> bytes:
+    """A scan as `foxglove.LaserScan`; intensities stay behind, a retina has no use for them."""
+    message = LaserScan(
+        timestamp=timestamp(scan.stamp_ns),
+        frame_id=scan.frame_id,
+        start_angle=scan.sweep.start_rad,
+        end_angle=scan.sweep.end_rad,
+        ranges=scan.sweep.ranges_m,
+    )
+    message.pose.orientation.w = 1.0
+    return message.SerializeToString()
+
+
+def encode_twist(motion: Motion) -> bytes:
+    """A motion as `geometry_msgs/Twist`."""
+    return bytes(_types().serialize_cdr(_twist(motion), TWIST.name, little_endian=True))
+
+
+def encode_twist_stamped(motion: Motion, stamp_ns: int, frame_id: str) -> bytes:
+    """A motion as `geometry_msgs/TwistStamped`."""
+    types = _types().types
+    seconds, nanoseconds = divmod(stamp_ns, _SECOND_NS)
+    stamp = types["builtin_interfaces/msg/Time"](sec=seconds, nanosec=nanoseconds)
+    header = types["std_msgs/msg/Header"](stamp=stamp, frame_id=frame_id)
+    message = types[TWIST_STAMPED.name](header=header, twist=_twist(motion))
+    return bytes(_types().serialize_cdr(message, TWIST_STAMPED.name, little_endian=True))
+
+
+@cache
+def _types() -> Any:
+    return get_typestore(Stores.ROS2_JAZZY)
+
+
+def _check_envelope(payload: bytes) -> None:
+    if len(payload) > MAX_PAYLOAD_BYTES:
+        raise UnusableMessageError("more than 1 MiB")
+    if len(payload) < _ENCAPSULATION_BYTES or payload[:2] != LITTLE_ENDIAN_CDR:
+        raise UnusableMessageError("no little-endian CDR")
+
+
+def _sweep(message: Any) -> Scan:
+    """The beams in our order, or the reason why they are none."""
+    start_rad, step_rad = message.angle_min, message.angle_increment
+    if not (math.isfinite(start_rad) and math.isfinite(step_rad)) or step_rad == 0.0:
+        raise UnusableMessageError("angles that are none")
+    count = len(message.ranges)
+    if not 2 <= count <= MAX_BEAMS:
+        raise UnusableMessageError(f"fewer than 2 or more than {MAX_BEAMS} beams")
+    last_rad = start_rad + (count - 1) * step_rad
+    with np.errstate(invalid="ignore"):  # a signalling NaN is a beam that says nothing, too
+        ranges_m = message.ranges.astype(np.float64)
+    ranges_m = _meaning(ranges_m, message.range_min, message.range_max)
+    if step_rad < 0.0:
+        return Scan(last_rad, start_rad, ranges_m[::-1])
+    return Scan(start_rad, last_rad, ranges_m)
+
+
+def _meaning(ranges_m: Ranges, range_min_m: float, range_max_m: float) -> Ranges:
+    if math.isnan(range_min_m) or math.isnan(range_max_m):
+        raise UnusableMessageError("limits of range that are none")
+    seen = np.where(ranges_m > range_max_m, np.inf, ranges_m)
+    return np.where(ranges_m < range_min_m, np.nan, seen)
+
+
+def _twist(motion: Motion) -> Any:
+    types = _types().types
+    vector = types["geometry_msgs/msg/Vector3"]
+    return types[TWIST.name](
+        linear=vector(x=motion.linear_mps, y=motion.lateral_mps, z=0.0),
+        angular=vector(x=0.0, y=0.0, z=motion.angular_radps),
+    )

@@ -1,1 +1,0 @@
-"""A real camera as the body's eye: from images to retinas."""

@@ -1,0 +1,1 @@
+"""Gymnasium environments of the simulated worlds, for one agent and for many."""

@@ -1,0 +1,114 @@
+"""One agent in a world, as a Gymnasium environment: `reflexarc/Reference-v1` and its like.
+
+The task is continuing: a contact costs 1 and the agent goes on elsewhere, so an episode is never
+terminated, only truncated by the time limit; value learners bootstrap through it. Only a world
+whose contacts end the episode (`after_contact`: terminate) terminates. `reset(seed=…)` chooses the
+world; without a seed each episode is in a new world drawn from the last seed (`episodes.py`).
+"""
+
+from operator import index
+from typing import Any
+
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+
+from reflexarc_runtime.contract import PolicyContract
+from reflexarc_runtime.errors import WorldError
+from reflexarc_sim_bridge.environments.episodes import (
+    CONTACT_REWARD,
+    INFO,
+    STEP_REWARD,
+    WorldSequence,
+    action_space,
+    checked_seeds,
+    ends_at_contact,
+    observation_space,
+    the_world,
+)
+from reflexarc_sim_bridge.environments.registration import (
+    EPISODE_STEPS,
+    REFERENCE_ID,
+    register_environments,
+)
+from reflexarc_sim_bridge.evaluation.reference_field import WORLD_NAME, reference_contract
+from reflexarc_sim_bridge.simulation.simulation import Simulation
+from reflexarc_sim_bridge.simulation.single_agent import REFUSED, OneAgent
+from reflexarc_sim_bridge.worlds.world import WorldSource
+
+__all__ = ["CONTACT_REWARD", "EPISODE_STEPS", "REFERENCE_ID", "STEP_REWARD", "ReferenceEnv"]
+
+_REWARDS = (STEP_REWARD, CONTACT_REWARD)
+_ONLY = np.zeros(1, np.int64)
+
+
+class ReferenceEnv(gymnasium.Env[npt.NDArray[np.uint8], np.int64]):
+    """One agent in the reference field, or in another world, with any supported contract.
+
+    Observation: what the policy sees, flat, uint8 (frames · eyes · rays · channels,): oldest frame
+    first, ray 0 the leftmost; `reshape(contract.retina.stack_shape)` gives the axes back. Action:
+    an index into the contract's actions, by default stay, left, right. Reward: 0.1 a step, −1 for
+    one with a contact. Info: `x_m`, `y_m`, `distance_m`, `contacts` of the episode.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012  # gymnasium's own declaration
+
+    def __init__(
+        self, contract: PolicyContract | None = None, world: WorldSource | str = WORLD_NAME
+    ) -> None:
+        """Make ready; `reset` begins.
+
+        Args:
+            contract: what the agent sees and how each action moves it; the reference's if None.
+            world: the kind of world, or its name.
+
+        Raises:
+            WorldError: no such world, or a contract that the simulator does not support.
+        """
+        self._contract = contract or reference_contract()
+        self.observation_space = observation_space(self._contract)
+        self.action_space = action_space(self._contract)
+        self._terminates = ends_at_contact(the_world(world))
+        self._worlds = WorldSequence(1)
+        seeds = np.zeros(1, np.uint64)
+        self._agent = OneAgent(Simulation(the_world(world), self._contract, seeds))
+        self._has_begun = False
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[npt.NDArray[np.uint8], dict[str, Any]]:
+        """Begin in the world of `seed`, or in a new one.
+
+        Raises:
+            WorldError: a seed that is no world's.
+        """
+        super().reset(seed=seed)
+        if seed is not None:
+            self._worlds.seed(_ONLY, checked_seeds([seed]))
+        simulation = self._agent.simulation
+        simulation.place(_ONLY, self._worlds.next(_ONLY, self.np_random))
+        self._agent.sense()
+        self._has_begun = True
+        info = {name: getattr(simulation, name)[0].item() for name in INFO}
+        return self._agent.stack.copy(), info
+
+    def step(
+        self, action: np.int64
+    ) -> tuple[npt.NDArray[np.uint8], float, bool, bool, dict[str, Any]]:
+        """Move once, then look.
+
+        Raises:
+            WorldError: an action that the contract does not have.
+            ResetNeeded: before the first reset.
+        """
+        if not self._has_begun:
+            raise gymnasium.error.ResetNeeded("call reset() before step()")
+        met, x_m, y_m, distance_m, contacts = self._agent.step_and_sense(index(action))
+        if met == REFUSED:
+            known = len(self._contract.actions)
+            raise WorldError(f"action: expected 0 to {known - 1}, the contract's, got {action}")
+        info = {"x_m": x_m, "y_m": y_m, "distance_m": distance_m, "contacts": contacts}
+        return self._agent.stack.copy(), _REWARDS[met], self._terminates and met == 1, False, info
+
+
+register_environments()

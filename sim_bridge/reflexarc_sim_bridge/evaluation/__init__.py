@@ -1,0 +1,1 @@
+"""Measuring policies and worlds: contacts per 100 m, confidence intervals, fairness of a world."""

@@ -1,0 +1,158 @@
+"""How much of each lateral place of a world is covered by obstacles, measured without an agent.
+
+Places are drawn evenly: columns anywhere along the way, and in each column one place in every bin
+across. The bins share out the width of the world; of a corridor, the room between its walls. Every
+seed is an independent sample; errors are standard errors over them.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from reflexarc_sim_bridge.arrays.world_tables import world_tables
+from reflexarc_sim_bridge.evaluation.reference_field import reference_contract
+from reflexarc_sim_bridge.native.decorators import compiled
+from reflexarc_sim_bridge.obstacles.chunks import layer_key
+from reflexarc_sim_bridge.obstacles.structures import corridor_middle_m
+from reflexarc_sim_bridge.simulation.simulation import covered
+from reflexarc_sim_bridge.worlds.world import World, WorldSource
+
+BINS = 40
+
+Floats = npt.NDArray[np.float64]
+Progress = Callable[[int, int], None]
+
+_LENGTH_M = 10_000.0
+_FIRST_COLUMNS, _MOST_COLUMNS = 64, 1024
+_WANTED_ERROR = 0.01
+_WALL_MARGIN_M = 0.1
+"""A wall is a chain of straight pieces, which leave its curve by so much at most."""
+_RANDOM_SEED = 20_250_102
+
+
+@dataclass(frozen=True)
+class CoverProfile:
+    """Cover across a world, right to left."""
+
+    width_m: float
+    """From side to side, or from wall to wall; the mean over seeds where they differ."""
+    cover: Floats
+    """Share of each bin that obstacles cover: (bins,)."""
+    deviation: Floats
+    """Cover of each bin ÷ mean cover − 1: (bins,); 0 where nothing is covered anywhere."""
+    error: Floats
+    """Standard error of each deviation: (bins,)."""
+
+    @property
+    def mean(self) -> float:
+        """Mean cover."""
+        return float(self.cover.mean())
+
+    @property
+    def lateral_m(self) -> Floats:
+        """Middles of the bins, from the right side on: (bins,)."""
+        return (np.arange(len(self.cover)) + 0.5) / len(self.cover) * self.width_m
+
+
+def measure_profile(
+    source: WorldSource, seeds: Sequence[int], progress: Callable[[int, int], None]
+) -> CoverProfile:
+    """Measure the profile of a world, or of a family over its seeds.
+
+    A first look says how many places it takes to know the deviations to 1 %.
+
+    Args:
+        source: the world.
+        seeds: two or more.
+        progress: told how many seeds are done, and of how many.
+    """
+    generator = np.random.default_rng(_RANDOM_SEED)
+    worlds = [source.drawn(seed) for seed in seeds]
+    first = [_shares(w, s, _FIRST_COLUMNS, generator) for w, s in zip(worlds, seeds, strict=True)]
+    columns, shares = _columns_for(float(np.mean(first)), len(seeds)), []
+    for done, (world, seed) in enumerate(zip(worlds, seeds, strict=True), start=1):
+        shares.append(_shares(world, seed, columns, generator))
+        progress(done, len(seeds))
+    width_m = float(np.mean([_room_m(world) for world in worlds]))
+    return CoverProfile(width_m, np.mean(shares, axis=0), *_deviations(np.array(shares)))
+
+
+def are_covered(world: World, seed: int, x_m: Floats, y_m: Floats) -> npt.NDArray[np.bool_]:
+    """Which points lie within obstacles or walls, at the start.
+
+    Args:
+        world: which world.
+        seed: which of its variants.
+        x_m: (n,).
+        y_m: (n,).
+    """
+    pointlike = replace(world, chassis=replace(world.chassis, radius_m=0.0))
+    return covered(pointlike, reference_contract(), seed, np.stack([x_m, y_m], axis=1))
+
+
+def right_side_m(world: World, seed: int, x_m: Floats) -> Floats:
+    """Where the bins begin at each x: at the right side, or just left of the right wall: (n,)."""
+    if world.corridor is None:
+        return np.zeros(len(x_m))
+    tables = world_tables([world], reference_contract())
+    number = int(tables.planes[0]["corridor"])
+    walls = tables.layers[0, number]
+    key = np.uint64(_layer_key(world.stream, np.uint64(seed), number))
+    middles_m = [corridor_middle_m(walls, key, x) for x in x_m.tolist()]
+    return np.array(middles_m) - _room_m(world) / 2
+
+
+def ratio(parts: Floats, wholes: Floats) -> tuple[Floats, Floats]:
+    """Ratio of the sums of parts to that of wholes, and its standard error.
+
+    Linearised (Cochran, "Sampling Techniques", 1977, section 6.4): the rows are independent.
+
+    Args:
+        parts: (samples, columns).
+        wholes: (samples,), with a sum above 0.
+    """
+    ratios: Floats = parts.sum(axis=0) / wholes.sum()
+    rests, n = parts - ratios * wholes[:, np.newaxis], len(wholes)
+    errors: Floats = np.sqrt((rests**2).sum(axis=0) * n / max(n - 1, 1)) / wholes.sum()
+    return ratios, errors
+
+
+def _shares(world: World, seed: int, columns: int, generator: np.random.Generator) -> Floats:
+    """Share of the places of each bin that are covered: (bins,)."""
+    x_m = generator.uniform(0.0, _LENGTH_M, columns)
+    across = (np.arange(BINS) + generator.random((columns, BINS))) / BINS
+    y_m = right_side_m(world, seed, x_m)[:, np.newaxis] + across * _room_m(world)
+    is_covered = are_covered(world, seed, np.repeat(x_m, BINS), y_m.ravel())
+    share: Floats = is_covered.reshape(columns, BINS).mean(axis=0)
+    return share
+
+
+def _columns_for(cover: float, seeds: int) -> int:
+    """Columns a seed for the wanted error of a deviation, √((1 − c) / (c n)) with n columns."""
+    if cover == 0.0:
+        return _FIRST_COLUMNS
+    columns = (1.0 - cover) / cover / _WANTED_ERROR**2 / seeds
+    return int(np.clip(columns, _FIRST_COLUMNS, _MOST_COLUMNS))
+
+
+def _deviations(shares: Floats) -> tuple[Floats, Floats]:
+    """Deviation of each bin from the mean, and its standard error; `shares` is (seeds, bins)."""
+    wholes = shares.mean(axis=1)
+    if not wholes.any():
+        return np.zeros(shares.shape[1]), np.zeros(shares.shape[1])
+    ratios, errors = ratio(shares, wholes)
+    return ratios - 1.0, errors
+
+
+def _room_m(world: World) -> float:
+    """Width of all bins together."""
+    if world.corridor is None:
+        return world.width_m
+    return world.corridor.width_m - 2 * _WALL_MARGIN_M
+
+
+@compiled
+def _layer_key(stream: int, seed: np.uint64, number: int) -> np.uint64:
+    return layer_key(stream, seed, number)

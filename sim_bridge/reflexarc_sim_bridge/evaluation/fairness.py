@@ -1,0 +1,209 @@
+"""Is a world fair? Measured without an agent, and with one that never steers.
+
+**Lateral cover profile.** Where obstacles cover less than elsewhere an agent can hide, and learns
+nothing but to go there. A fair world is flat within 5 %. In a corridor that means: beside its walls
+there are as many obstacles as in its middle. The walls themselves are seen, and can be touched.
+
+**Blind contact rate.** In an even, unthinned Poisson field at rest an agent that never steers meets
+2ρR obstacles a metre. A simulated one must do so too, or space, vision and motion disagree.
+
+**Clutter number** ρR²v/w: an agent passes for ever only below a critical value (Karaman and
+Frazzoli, arXiv 1202.0253), which for v = w lies between 0.20 and 0.25. A world above it is hard,
+and not unfair.
+
+Errors are standard errors. A world is called unfair only where it leaves a tolerance by four of
+them.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from reflexarc_runtime.errors import WorldError
+from reflexarc_sim_bridge.evaluation.cover_profile import CoverProfile, measure_profile, ratio
+from reflexarc_sim_bridge.evaluation.reference_field import reference_contract
+from reflexarc_sim_bridge.simulation.simulation import Simulation
+from reflexarc_sim_bridge.worlds.layers import Scatter
+from reflexarc_sim_bridge.worlds.shapes import Rectangles
+from reflexarc_sim_bridge.worlds.world import World, WorldSource
+
+SEEDS = 64
+MAX_SEEDS = 10_000
+FLATNESS = 0.05
+"""Largest share of the mean by which cover may deviate anywhere across."""
+BLIND_TOLERANCE, BLIND_TOLERANCE_ROUND = 0.02, 0.05
+"""Largest deviation from 2ρR; where a shape is wider elsewhere than where it was met, its wider
+part still lies ahead, and is met again by some."""
+CRITICAL_CLUTTER = 0.25
+"""Above it, at equal speeds ahead and aside, no agent passes for ever."""
+
+_SURE = 4.0
+"""Standard errors."""
+_BLIND_AGENTS, _BLIND_STEPS, _DISCARDED_STEPS = 1024, 1000, 50
+_SIDES = 0.1
+"""Share of the width that counts as a side."""
+
+
+@dataclass(frozen=True)
+class WorldReport:
+    """What a world is like."""
+
+    name: str
+    fair: bool
+    reasons: tuple[str, ...]
+    """Why it is unfair, in words; none for a fair world."""
+    notes: tuple[str, ...]
+    """What else is to be known."""
+    seeds: int
+    cover: float
+    """Share of the plane that obstacles cover."""
+    flatness: float
+    """Largest deviation of a bin's cover, as a share of the mean."""
+    flatness_error: float
+    """Its standard error."""
+    blind_contacts_per_100m: float
+    """Of a simulated agent that never steers."""
+    blind_error: float
+    """Its standard error."""
+    expected_blind_contacts_per_100m: float | None
+    """100 · 2ρR, the mean over seeds; None where that is not known."""
+    mean_free_path_m: float | None
+    """From contact to contact of that agent; None without any contact."""
+    clutter: float
+    """ρR²v/w at equal speeds, of the scattered obstacles; the mean over seeds."""
+    lateral_m: tuple[float, ...]
+    """Middles of the profile's bins, from the right side on."""
+    profile: tuple[float, ...]
+    """Cover of each bin."""
+    profile_error: tuple[float, ...]
+    """Standard error of each bin's cover, without that of the mean."""
+
+
+def check_world(
+    source: WorldSource,
+    seeds: int = SEEDS,
+    progress: Callable[[int, int], None] = lambda done, of: None,
+) -> WorldReport:
+    """Measure a world, or a family of worlds, on its first seeds.
+
+    Args:
+        source: the world.
+        seeds: how many, 2 or more.
+        progress: told what is done, and of how much.
+
+    Raises:
+        WorldError: too few or too many seeds, or a world that cannot be simulated.
+    """
+    if not 2 <= seeds <= MAX_SEEDS:
+        raise WorldError(f"seeds: expected 2 to {MAX_SEEDS}, got {seeds}")
+    profile = measure_profile(source, range(seeds), lambda n, of: progress(n, 2 * of))
+    blind, error = _blind_rate(source, seeds, lambda n, of: progress(of + n, 2 * of))
+    worlds = [source.drawn(seed) for seed in range(seeds)]
+    expected, clutter = _expected_blind(worlds), math.fsum(w.clutter() for w in worlds) / seeds
+    worst = int(np.abs(profile.deviation).argmax())
+    reasons = (*_unevenness(profile), *_disagreement(worlds[0], blind, error, expected))
+    return WorldReport(
+        name=source.name,
+        fair=not reasons,
+        reasons=reasons,
+        notes=_notes(profile, clutter, blind),
+        seeds=seeds,
+        cover=profile.mean,
+        flatness=float(np.abs(profile.deviation[worst])),
+        flatness_error=float(profile.error[worst]),
+        blind_contacts_per_100m=blind,
+        blind_error=error,
+        expected_blind_contacts_per_100m=expected,
+        mean_free_path_m=100.0 / blind if blind > 0.0 else None,
+        clutter=clutter,
+        lateral_m=tuple(profile.lateral_m.tolist()),
+        profile=tuple(profile.cover.tolist()),
+        profile_error=tuple((profile.error * profile.mean).tolist()),
+    )
+
+
+def _blind_rate(
+    source: WorldSource, seeds: int, progress: Callable[[int, int], None]
+) -> tuple[float, float]:
+    """Contacts per 100 m of agents that never steer, and its standard error.
+
+    Each agent has a seed of its own; in a family, where each is another world, one of the seeds.
+    """
+    worlds = _BLIND_AGENTS if isinstance(source, World) else seeds
+    own = np.resize(np.arange(worlds), max(_BLIND_AGENTS, seeds))
+    simulation = Simulation(source, reference_contract(), own.astype(np.uint64))
+    onwards = np.zeros(len(own), np.int64)
+    contacts, distance_m = simulation.contacts.copy(), simulation.distance_m.copy()
+    for step in range(_DISCARDED_STEPS + _BLIND_STEPS):
+        if step == _DISCARDED_STEPS:
+            contacts, distance_m = simulation.contacts.copy(), simulation.distance_m.copy()
+        simulation.step(onwards)
+        progress(step + 1, _DISCARDED_STEPS + _BLIND_STEPS)
+    # Agents of one seed meet the same obstacles: together they are one sample.
+    met, gone_m = np.zeros((worlds, 1)), np.zeros(worlds)
+    np.add.at(met[:, 0], own, simulation.contacts - contacts)
+    np.add.at(gone_m, own, simulation.distance_m - distance_m)
+    rate, error = ratio(100.0 * met, gone_m)
+    return float(rate[0]), float(error[0])
+
+
+def _expected_blind(worlds: list[World]) -> float | None:
+    known = [world.blind_contacts_per_100m for world in worlds]
+    rates = [rate for rate in known if rate is not None]
+    return math.fsum(rates) / len(rates) if len(rates) == len(known) else None
+
+
+def _unevenness(profile: CoverProfile) -> tuple[str, ...]:
+    """What is wrong with the profile, if anything."""
+    beyond = np.abs(profile.deviation) - FLATNESS - _SURE * profile.error
+    if beyond.max() <= 0.0:
+        return ()
+    lowest = int(profile.deviation.argmin())
+    if beyond[lowest] <= 0.0:
+        lowest = int(profile.deviation.argmax())
+    where, share = _place(lowest, profile), 1.0 + profile.deviation[lowest]
+    meaning = "an agent can hide there" if share < 1.0 else "elsewhere an agent has it easier"
+    return (f"cover {where} is {share:.0%} of the mean: {meaning}",)
+
+
+def _place(bin_number: int, profile: CoverProfile) -> str:
+    bins = len(profile.cover)
+    if min(bin_number, bins - 1 - bin_number) < _SIDES * bins:
+        return "at the sides"
+    from_m, to_m = (profile.width_m * edge / bins for edge in (bin_number, bin_number + 1))
+    return f"between {from_m:.1f} and {to_m:.1f} m from the right"
+
+
+def _disagreement(
+    world: World, blind: float, error: float, expected: float | None
+) -> tuple[str, ...]:
+    """What is wrong with the blind agent, if anything."""
+    if expected is None:
+        return ()
+    tolerance = BLIND_TOLERANCE if _is_all_upright(world) else BLIND_TOLERANCE_ROUND
+    if abs(blind - expected) <= tolerance * expected + _SURE * error:
+        return ()
+    return (
+        f"an agent that never steers has {blind:.1f} contacts per 100 m, and 2ρR says "
+        f"{expected:.1f}: what is met is not what there is",
+    )
+
+
+def _is_all_upright(world: World) -> bool:
+    shapes = [s for layer in world.layers if isinstance(layer, Scatter) for s in layer.shapes]
+    upright = (isinstance(shape, Rectangles) and not shape.is_turned for shape in shapes)
+    return all(upright) and world.chassis.radius_m == 0.0
+
+
+def _notes(profile: CoverProfile, clutter: float, blind: float) -> tuple[str, ...]:
+    notes = []
+    if blind == 0.0:
+        notes.append("nobody meets anything here")
+    if round(clutter, 2) > CRITICAL_CLUTTER:
+        notes.append(f"clutter {clutter:.2f}: above {CRITICAL_CLUTTER} nobody passes for ever")
+    unsure = float(profile.error.max())
+    if unsure > FLATNESS / 2:
+        notes.append(f"obstacles are rare: the profile is known to ±{unsure:.0%} only; more seeds")
+    return tuple(notes)

@@ -1,0 +1,1 @@
+"""How bodies move, what they touch, and where they may be placed."""

@@ -1,0 +1,1 @@
+"""Compilation to machine code: decorators, cache, pointers, intrinsics. See README.md."""

@@ -1,0 +1,72 @@
+"""Listing what is marked, sixteen at a time.
+
+Which entries of a list pass a test is known for a whole vector at once; to write only those behind
+each other is one instruction where the processor has it (AVX-512: `vpcompressd`), and a loop that
+writes first and counts after would take one step an entry.
+"""
+
+from typing import Any
+
+from llvmlite import ir  # type: ignore[import-untyped]  # it has no stubs
+from numba.core import types
+from numba.extending import intrinsic
+
+from reflexarc_sim_bridge.native.decorators import compiled
+
+LANES = 16
+"""Entries that are treated together; arrays have room for so many more than they hold."""
+
+
+def _keep(_: Any, values: Any, marks: Any, first: Any, kept: Any, count: Any) -> Any:
+    """Write those of `values[first : first + LANES]` that are marked from `kept[count]` on.
+
+    Args:
+        values: 32-bit numbers: (n + LANES,).
+        marks: bytes 0 or 1: (n + LANES,).
+        first: where they begin.
+        kept: as `values`; up to `LANES` entries are written, whatever is marked.
+        count: where those kept so far end.
+
+    Returns:
+        Where those kept end now.
+    """
+
+    def emit(context: Any, builder: Any, __: Any, args: Any) -> Any:
+        def at(kind: Any, array: Any, index: Any) -> Any:
+            data = context.make_array(kind)(context, builder, array).data
+            lanes = ir.VectorType(context.get_data_type(kind.dtype), LANES)
+            return builder.bitcast(builder.gep(data, [index]), lanes.as_pointer())
+
+        bits, one = ir.VectorType(ir.IntType(1), LANES), ir.IntType(16)
+        marked = builder.load(at(marks, args[1], args[2]), align=1)
+        mask = builder.icmp_unsigned("!=", marked, ir.Constant(marked.type, None))
+        lanes = builder.load(at(values, args[0], args[2]), align=4)
+        name = "llvm.experimental.vector.compress.v16" + _SUFFIXES[values.dtype]
+        form = ir.FunctionType(lanes.type, [lanes.type, bits, lanes.type])
+        compress = declared(builder.module, form, name)
+        packed = builder.call(compress, [lanes, mask, ir.Constant(lanes.type, ir.Undefined)])
+        builder.store(packed, at(kept, args[3], args[4]), align=4)
+        found = builder.ctpop(builder.bitcast(mask, one))
+        return builder.add(args[4], builder.zext(found, args[4].type))
+
+    return types.int64(values, marks, types.int64, kept, types.int64), emit
+
+
+def declared(module: Any, form: Any, name: str) -> Any:
+    """A function of LLVM's own, made known to a module once."""
+    return module.globals.get(name) or ir.Function(module, form, name)
+
+
+_SUFFIXES = {types.float32: "f32", types.int32: "i32", types.uint32: "i32"}
+
+
+@compiled
+def whole(count: int) -> int:
+    """So many and as many more as it takes for whole vectors.
+
+    A loop over them has no rest that goes one by one.
+    """
+    return (count + LANES - 1) // LANES * LANES
+
+
+keep: Any = intrinsic(_keep)  # its stub says that a call returns nothing

@@ -1,0 +1,223 @@
+"""A field of white boxes across a periodic world: the common case, in vectors.
+
+An agent's belt holds all boxes of the columns of chunks within its reach, over the whole period.
+What is near it is picked from there: aside, or after a contact, it finds nothing that would have
+to be drawn. Only where it enters another column of chunks a belt loses one and gains one.
+
+Places on a belt are 32-bit integers that wrap: along x 1/2²⁴ of a chunk, across 1/2³² of the
+period. The difference of two is right whichever way round it is, up to half a period, and the same
+after a metre or a thousand kilometres. What can be seen or met is here as `gather_scatter` lists
+it, but for rounding (0.2 µm); of what lies beyond, a belt has a little more.
+
+All work is in phases over flat arrays, each of which the compiler turns into vector instructions.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from reflexarc_sim_bridge.arrays.layout import (
+    BELT_X,
+    BELT_Y,
+    BOX,
+    BOX_COS,
+    BOX_HALF_LENGTH,
+    BOX_HALF_WIDTH,
+    BOX_PAINT,
+    BOX_ROWS,
+    BOX_SIN,
+    BOX_X,
+    BOX_Y,
+    COS,
+    HALF_LENGTH,
+    HALF_WIDTH,
+    SIN,
+    TURNED_BOX,
+    Belt,
+    Floats32,
+    Integers32,
+)
+from reflexarc_sim_bridge.native.decorators import (
+    compiled_disjoint,
+    compiled_inline,
+    compiled_inner,
+)
+from reflexarc_sim_bridge.native.intrinsics import LANES, keep, whole
+from reflexarc_sim_bridge.obstacles.belt_drawing import (
+    CHUNK_BITS,
+    TURN,
+    Draws,
+    draw_boxes,
+    place_boxes,
+    turn_boxes,
+)
+from reflexarc_sim_bridge.obstacles.chunks import Row, chunks_between, column_key
+from reflexarc_sim_bridge.worlds.layers import CHUNK_M
+
+WHITE = np.float32(0xFFFFFF)
+
+
+class Picks(NamedTuple):
+    """Scratch: the boxes of a belt as an agent's cell has them."""
+
+    x_m: Floats32
+    """From the corner of the cell: (capacity,)."""
+    y_m: Floats32
+    is_near: npt.NDArray[np.bool_]
+    integers: Integers32
+    """For places that move: (capacity,)."""
+
+
+@compiled_inner
+def move_belt(
+    plane: Row,
+    layer: Row,
+    shape: Row,
+    counts: npt.NDArray[np.float64],
+    key: np.uint64,
+    column: int,
+    steps: int,
+    draws: Draws,
+    picks: Picks,
+    belt: Belt,
+) -> None:
+    """Let a belt hold what is in reach from a column of chunks.
+
+    Args:
+        plane: row of `PLANE_DTYPE`.
+        layer: row of `LAYER_DTYPE`.
+        shape: row of `SHAPE_DTYPE`.
+        counts: probability of at most so many in a chunk: (counts,).
+        key: key of the layer.
+        column: the agent's.
+        steps: how many columns it has gone since it was here last; 1 keeps all but one of them.
+        draws: scratch.
+        picks: scratch.
+        belt: moved.
+    """
+    reach_m = layer.reach_m
+    first, last = chunks_between(
+        -plane.behind_m - reach_m, CHUNK_M + plane.ahead_m + reach_m, CHUNK_M
+    )
+    columns, kept, end = last + 1 - first, 0, 0
+    if steps == 1:
+        rows = 2 if shape.kind == BOX else 4
+        kept, end = columns - 1, _drop_first(columns, rows, belt, picks)
+    for k in range(kept, columns):
+        i, begun = column + first + k, end
+        boxes = place_boxes(plane.across, counts, column_key(key, i), draws)
+        end = min(begun + boxes, int(belt.places.shape[1]))
+        draw_boxes(plane, shape, i, draws, belt, begun, end)
+        if shape.kind == TURNED_BOX:
+            turn_boxes(shape, draws, belt, begun, end)
+        belt.counts[k] = end - begun
+    for k in range(columns, belt.counts.size):  # of a world that the agent was in before
+        belt.counts[k] = 0
+
+
+@compiled_inner
+def pick_near(
+    plane: Row, cell: npt.NDArray[np.int64], picks: Picks, belt: Belt, boxes: Floats32
+) -> int:
+    """List the boxes of a belt that reach into the box around an agent's cell.
+
+    Args:
+        plane: row of `PLANE_DTYPE`.
+        cell: the agent's: (2,).
+        picks: scratch.
+        belt: its belt.
+        boxes: filled, rows BOX_*, those for turned boxes if there are any: (5 or 7, capacity).
+
+    Returns:
+        How many.
+    """
+    end, is_upright = 0, boxes.shape[0] == BOX_ROWS
+    for count in belt.counts:
+        end += count
+    x_m, y_m, is_near, sizes = picks.x_m, picks.y_m, picks.is_near, belt.sizes
+    _judge(plane, cell, x_m, y_m, is_near, belt.places, sizes, end, is_upright)
+    n = _list(is_near, x_m, end, boxes[BOX_X])
+    _list(is_near, y_m, end, boxes[BOX_Y])
+    _list(is_near, sizes[HALF_LENGTH], end, boxes[BOX_HALF_LENGTH])
+    _list(is_near, sizes[HALF_WIDTH], end, boxes[BOX_HALF_WIDTH])
+    if not is_upright:
+        _list(is_near, sizes[COS], end, boxes[BOX_COS])
+        _list(is_near, sizes[SIN], end, boxes[BOX_SIN])
+    for k in range(n):
+        boxes[BOX_PAINT, k] = WHITE
+    return n
+
+
+@compiled_inline
+def _drop_first(columns: int, rows: int, belt: Belt, picks: Picks) -> int:
+    """Drop the hindmost column; returns how many boxes are left."""
+    gone, left = belt.counts[0], 0
+    for k in range(1, columns):
+        left += belt.counts[k]
+        belt.counts[k - 1] = belt.counts[k]
+    for row in range(2):
+        _move_down(belt.places[row], belt.places[row, gone:], left, picks.integers)
+    for row in range(rows):
+        _move_down(belt.sizes[row], belt.sizes[row, gone:], left, picks.x_m)
+    return left
+
+
+@compiled_inline
+def _move_down(
+    row: npt.NDArray[Any], kept: npt.NDArray[Any], left: int, scratch: npt.NDArray[Any]
+) -> None:
+    """By way of scratch: a row that is moved within itself is no work for vectors."""
+    _copy(kept, left, scratch)
+    _copy(scratch, left, row)
+
+
+@compiled_disjoint
+def _copy(values: npt.NDArray[Any], count: int, copies: npt.NDArray[Any]) -> None:
+    for k in range(count):
+        copies[k] = values[k]
+
+
+@compiled_disjoint
+def _judge(
+    plane: Row,
+    cell: npt.NDArray[np.int64],
+    x_m: Floats32,
+    y_m: Floats32,
+    is_near: npt.NDArray[np.bool_],
+    places: Integers32,
+    sizes: Floats32,
+    end: int,
+    is_upright: bool,
+) -> None:
+    """Where the boxes of a belt are from a cell, and which reach into the box around it."""
+    length_m, width_m = CHUNK_M + plane.ahead_m + plane.behind_m, plane.chunk_width_m
+    middle_x, half_x = np.float32(0.5 * length_m - plane.behind_m), np.float32(0.5 * length_m)
+    middle_y, half_y = np.float32(0.5 * width_m), np.float32(0.5 * width_m + plane.aside_m)
+    unit_x = np.float32(CHUNK_M / (1 << CHUNK_BITS))
+    unit_y = np.float32(plane.chunk_width_m * plane.across / TURN)
+    corner_x = np.int32(cell[0] << CHUNK_BITS)
+    corner_y = np.int32(np.int64((cell[1] % plane.across) * (TURN / plane.across)))
+    for k in range(whole(end)):
+        x = np.float32(np.int32(places[BELT_X, k] - corner_x)) * unit_x
+        y = np.float32(np.int32(places[BELT_Y, k] - corner_y)) * unit_y
+        x_m[k], y_m[k] = x, y
+        half_length, half_width = sizes[HALF_LENGTH, k], sizes[HALF_WIDTH, k]
+        longest = half_length if is_upright else half_length + half_width
+        widest = half_width if is_upright else half_length + half_width
+        is_near[k] = (
+            (k < end)
+            & (abs(x - middle_x) <= half_x + longest)
+            & (abs(y - middle_y) <= half_y + widest)
+        )
+
+
+@compiled_disjoint
+def _list(is_near: npt.NDArray[np.bool_], values: Floats32, end: int, listed: Floats32) -> int:
+    """List a value of the near ones; returns how many."""
+    n, room = 0, len(listed) - LANES
+    for first in range(0, end, LANES):
+        if n > room:  # never: there is room for the mean and ten standard deviations
+            return room
+        n = keep(values, is_near, first, listed, n)
+    return min(n, room)

@@ -1,0 +1,1 @@
+"""The simulation: one compiled step for many agents, and its face in Python."""

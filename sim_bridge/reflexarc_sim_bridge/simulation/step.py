@@ -1,0 +1,106 @@
+"""The compiled step of agents in their worlds: sense, move, and keep near what can be met.
+
+`advance` treats a range of agents. Whatever an agent does touches its own rows only, so the bits
+are the same on any number of threads.
+"""
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from reflexarc_sim_bridge.motion.chassis import step_agent
+from reflexarc_sim_bridge.motion.overlap import touches
+from reflexarc_sim_bridge.motion.placing import set_place
+from reflexarc_sim_bridge.native import function_pointers as by_address
+from reflexarc_sim_bridge.native.decorators import compiled_called, compiled_free
+from reflexarc_sim_bridge.obstacles.near import forget_near, keep_near
+from reflexarc_sim_bridge.simulation.prefetch import foresee
+from reflexarc_sim_bridge.simulation.step_pointer import step_world
+from reflexarc_sim_bridge.vision.ray_casting import look
+
+__all__ = ["LOOK", "MOVE", "PLACE", "advance", "call_cast", "call_cover", "call_step"]
+
+PLACE, MOVE, LOOK = 1, 2, 4
+"""What `advance` does, in this order; their sum for several."""
+
+
+@compiled_called
+def advance(
+    held: Any,
+    actions: npt.NDArray[np.int64],
+    met_out: npt.NDArray[np.bool_],
+    tasks: int,
+    first: int,
+    end: int,
+) -> None:
+    """Let the agents from `first` to `end` take their places, move and look.
+
+    Args:
+        held: address of the simulation's parameters, workspace and motions: a `Held`.
+        actions: one an agent: (n,).
+        met_out: filled where they move: which met an obstacle: (n,).
+        tasks: sum of PLACE, MOVE and LOOK.
+        first: first agent.
+        end: agent behind the last.
+    """
+    params, work, motions, parts = held.params, held.work, held.motions, held.work.parts
+    for i in range(first, end):
+        if i + 1 < end:
+            foresee(params, i + 1, 0)
+        if tasks & PLACE:
+            forget_near(params.agents, i)
+            by_address.call(parts.put, (params, work, i))
+        if tasks & MOVE:
+            motion = motions[actions[i]]
+            met_out[i] = step_agent(params, work, i, motion[0], motion[1], motion[2])
+        if i + 1 < end:
+            foresee(params, i + 1, 1)
+        if tasks & LOOK:
+            by_address.call(parts.look, (params, work, i))
+
+
+@compiled_called
+def cover(held: Any, places_m: npt.NDArray[np.float64], found_out: npt.NDArray[np.bool_]) -> None:
+    """Whether agent 0 would cover or touch an obstacle: at (x, y): (n, 2); filled: (n,)."""
+    params = held.params
+    state = params.agents.state[0]
+    forget_near(params.agents, 0)
+    for k in range(len(places_m)):
+        set_place(params.world.planes[state.world], state, 0, places_m[k, 0], 0, places_m[k, 1])
+        keep_near(params, held.work, 0)
+        found_out[k] = touches(params, 0)
+
+
+@compiled_called
+def cast(held: Any) -> None:
+    """What the sub-rays of agent 0's first eye meet is in `work.distance_m` (subrays,)."""
+    look(held.params, held.work, 0, 0)
+
+
+@compiled_free
+def call_step(
+    step: int,
+    held: int,
+    actions: npt.NDArray[np.int64],
+    met_out: npt.NDArray[np.bool_],
+    tasks: int,
+    first: int,
+    end: int,
+) -> None:
+    """Call `advance` from Python; `step` is its address, `held` that of a `Held`."""
+    step_world(step, held, actions, met_out, tasks, first, end)
+
+
+@compiled_free
+def call_cover(
+    at: int, held: int, places_m: npt.NDArray[np.float64], found_out: npt.NDArray[np.bool_]
+) -> None:
+    """The same of `cover`."""
+    by_address.call(at, (by_address.pointer(held), places_m, found_out))
+
+
+@compiled_free
+def call_cast(at: int, held: int) -> None:
+    """The same of `cast`."""
+    by_address.call(at, (by_address.pointer(held),))

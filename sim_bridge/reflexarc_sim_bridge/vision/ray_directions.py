@@ -1,0 +1,43 @@
+"""Where the rays of an eye point, in the world's frame."""
+
+import numpy as np
+
+from reflexarc_sim_bridge.arrays.layout import EyeParams, Floats32
+from reflexarc_sim_bridge.native.decorators import compiled_disjoint
+from reflexarc_sim_bridge.obstacles.geometry import reciprocal
+
+_STEEPEST = np.float32(1e-9)
+
+
+def reciprocals(components: Floats32) -> Floats32:
+    """1 / component, finite, as `aim` gives it."""
+    steepest = np.maximum(np.abs(components), _STEEPEST)
+    return (1.0 / np.copysign(steepest, components)).astype(np.float32)
+
+
+@compiled_disjoint
+def aim(
+    eye: EyeParams,
+    cos: np.float32,
+    sin: np.float32,
+    ahead: Floats32,
+    left: Floats32,
+    per_ahead: Floats32,
+    per_left: Floats32,
+) -> None:
+    """Turn the rays of an eye.
+
+    Args:
+        eye: gives their directions in its own frame.
+        cos: of the agent's heading.
+        sin: the same.
+        ahead: filled with the x parts of their directions: (subrays,).
+        left: filled with the y parts.
+        per_ahead: filled with 1 / ahead, finite.
+        per_left: filled with 1 / left, finite.
+    """
+    for k in range(eye.ahead.size):
+        ahead[k] = eye.ahead[k] * cos - eye.left[k] * sin
+        left[k] = eye.ahead[k] * sin + eye.left[k] * cos
+        per_ahead[k] = reciprocal(ahead[k], _STEEPEST)
+        per_left[k] = reciprocal(left[k], _STEEPEST)

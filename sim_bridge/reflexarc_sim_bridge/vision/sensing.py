@@ -1,0 +1,82 @@
+"""From what the eyes see to what the policy sees: disturbed, delayed, stacked.
+
+Noise is added to every value and clipped, a lost ray says nothing; both are drawn anew at every
+look from the agent's own stream. With latency the newest retina of the stack is an older one.
+"""
+
+import numpy as np
+import numpy.typing as npt
+
+from reflexarc_sim_bridge.arrays.layout import Params
+from reflexarc_sim_bridge.arrays.workspace import Workspace
+from reflexarc_sim_bridge.motion.placing import draw
+from reflexarc_sim_bridge.native.decorators import compiled_called, compiled_inner, compiled_part
+from reflexarc_sim_bridge.native.splitmix64 import normal, uniform
+from reflexarc_sim_bridge.obstacles.chunks import Row
+from reflexarc_sim_bridge.vision.ray_casting import look
+from reflexarc_sim_bridge.vision.shading import shade_rays, shade_tiles
+
+_FULL = 255.0
+
+
+@compiled_called
+def sense_agent(params: Params, work: Workspace, i: int) -> None:
+    """Look: agent `i`'s stack of retinas advances by what it sees now. Once a step."""
+    eye, agents = params.eye, params.agents
+    state = agents.state[i]
+    plane = params.world.planes[state.world]
+    is_disturbed = plane.noise > 0.0 or plane.dropout > 0.0
+    is_plain = eye.frames == 1 and plane.latency_steps == 0 and not is_disturbed
+    values = agents.stack[i] if is_plain else work.retina
+    for eye_index in range(eye.eyes):
+        look(params, work, i, eye_index)
+        if eye.is_plain:
+            shade_tiles(eye, work, plane.background, values)
+        else:
+            start = eye_index * eye.rays * eye.channels
+            shade_rays(eye, work, plane.background, values, start)
+    if is_plain:
+        state.looks += 1
+        return
+    if is_disturbed:
+        _disturb(plane, state, eye.alive, eye.channels, work.retina)
+    _remember(params, work, i)
+
+
+@compiled_inner
+def _disturb(
+    plane: Row,
+    state: Row,
+    alive: npt.NDArray[np.bool_],
+    channels: int,
+    retina: npt.NDArray[np.uint8],
+) -> None:
+    """Noise on every value, and rays that say nothing, both drawn anew at every look."""
+    for ray in range(retina.size // channels):
+        lost = plane.dropout > 0.0 and uniform(draw(plane, state)) < plane.dropout
+        silent = lost or not alive[ray % alive.size]
+        for at in range(ray * channels, (ray + 1) * channels):
+            noise = plane.noise * normal(draw(plane, state)) if plane.noise > 0.0 else 0.0
+            bright = min(max(retina[at] / _FULL + noise, 0.0), 1.0)
+            retina[at] = 0 if silent else int(_FULL * bright + 0.5)
+
+
+@compiled_part
+def _remember(params: Params, work: Workspace, i: int) -> None:
+    """Push what was seen some looks ago onto the stack; at first the stack is copies of it."""
+    agents, state = params.agents, params.agents.state[i]
+    delayed, stack, size = agents.delayed[i], agents.stack[i], agents.delayed.shape[2]
+    depth, frames = delayed.shape[0], params.eye.frames
+    now = state.looks % depth if depth > 1 else 0
+    for slot in range(depth):
+        if slot == now or state.looks == 0:
+            for at in range(size):
+                delayed[slot, at] = work.retina[at]
+    oldest = (now + 1) % depth if depth > 1 else 0
+    if state.looks > 0:
+        for at in range(stack.size - size):
+            stack[at] = stack[at + size]
+    for frame in range(frames - 1 if state.looks > 0 else 0, frames):
+        for at in range(size):
+            stack[frame * size + at] = delayed[oldest, at]
+    state.looks += 1

@@ -1,0 +1,126 @@
+"""From what the sub-rays of an eye met to the values of its rays.
+
+The formula is `reflexarc_runtime.sensing.retina`'s, compiled; the share of the range that it takes is made
+without a division, to the same bit (`quotient.py`). A simulated eye and a real scan cannot differ.
+"""
+
+import numpy as np
+import numpy.typing as npt
+
+from reflexarc_runtime.sensing import retina
+from reflexarc_sim_bridge.arrays.layout import TILE_RAYS, EyeParams, Floats32
+from reflexarc_sim_bridge.arrays.workspace import Workspace
+from reflexarc_sim_bridge.native.decorators import compiled_disjoint, compiled_inline, compiled_part
+from reflexarc_sim_bridge.vision.quotient import quotient
+
+_ZERO = np.float32(0.0)
+_BYTE, _FULL = 0xFF, 255.0
+_RED, _GREEN, _BLUE, _GREY = 299.0, 587.0, 114.0, 255_000.0
+"""Shares of the colours in a grey value (ITU-R BT.601), in thousandths, and what white adds up to.
+"""
+_PER_FULL, _PER_GREY = 1.0 / _FULL, 1.0 / _GREY
+
+
+brightness = compiled_inline(retina.brightness)
+value = compiled_inline(retina.value)
+
+
+@compiled_part
+def shade_tiles(
+    eye: EyeParams, work: Workspace, background: float, values: npt.NDArray[np.uint8]
+) -> None:
+    """Value of each ray of a grey eye without samples whose rays fill whole tiles: (rays,)."""
+    for first in range(0, eye.rays, TILE_RAYS):
+        distance_m, paint = work.distance_m[first:], work.paint[first:]
+        _shade_tile(eye, distance_m, paint, eye.alive[first:], background, values[first:])
+
+
+@compiled_disjoint
+def _shade_tile(
+    eye: EyeParams,
+    distance_m: Floats32,
+    paint: Floats32,
+    alive: npt.NDArray[np.bool_],
+    background: float,
+    values: npt.NDArray[np.uint8],
+) -> None:
+    per_range = 1.0 / eye.range_m
+    for ray in range(TILE_RAYS):
+        bright = _grey_brightness(eye, per_range, distance_m[ray], paint[ray], background)
+        values[ray] = value(bright) if alive[ray] else 0
+
+
+@compiled_part
+def shade_rays(
+    eye: EyeParams, work: Workspace, background: float, values: npt.NDArray[np.uint8], start: int
+) -> None:
+    """Value of each ray from what its sub-rays met: `values` from `start` on."""
+    for channel in range(eye.channels):
+        _shade_subrays(eye, work.distance_m, work.paint, channel, background, work.bright)
+        _add_up(eye.rays, eye.samples, work.bright, work.total)
+        _round(eye.alive, eye.samples, eye.channels, work.total, values, start + channel)
+
+
+@compiled_disjoint
+def _add_up(
+    rays: int, samples: int, bright: npt.NDArray[np.float64], total: npt.NDArray[np.float64]
+) -> None:
+    """Sum of the sub-rays of each ray."""
+    total[:] = 0.0
+    for sample in range(samples):
+        for ray in range(rays):
+            total[ray] += bright[np.uintp(ray * samples + sample)]
+
+
+@compiled_disjoint
+def _round(
+    alive: npt.NDArray[np.bool_],
+    samples: int,
+    channels: int,
+    total: npt.NDArray[np.float64],
+    values: npt.NDArray[np.uint8],
+    start: int,
+) -> None:
+    for ray in range(total.size):
+        at = np.uintp(start + ray * channels)
+        values[at] = value(total[ray] / samples) if alive[ray] else 0
+
+
+@compiled_disjoint
+def _shade_subrays(
+    eye: EyeParams,
+    distance_m: Floats32,
+    paint: Floats32,
+    channel: int,
+    background: float,
+    bright: npt.NDArray[np.float64],
+) -> None:
+    per_range = 1.0 / eye.range_m
+    if eye.channels == 1:
+        for k in range(bright.size):
+            bright[k] = _grey_brightness(eye, per_range, distance_m[k], paint[k], background)
+        return
+    shift = 16 - 8 * channel
+    for k in range(bright.size):
+        byte = np.float64((np.int32(paint[k]) >> shift) & _BYTE)
+        tint = quotient(byte, _FULL, _PER_FULL)
+        share = quotient(np.float64(distance_m[k]), eye.range_m, per_range)
+        shade = brightness(tint, share, eye.nearness)
+        bright[k] = shade if paint[k] >= _ZERO else background
+
+
+@compiled_inline
+def _grey_brightness(
+    eye: EyeParams,
+    per_range: float,
+    distance_m: np.float32,
+    paint: np.float32,
+    background: float,
+) -> float:
+    bits = np.int32(paint)
+    red, green = np.int32((bits >> 16) & _BYTE), np.int32((bits >> 8) & _BYTE)
+    white = _RED * red + _GREEN * green + _BLUE * np.int32(bits & _BYTE)
+    tint = quotient(white, _GREY, _PER_GREY)
+    share = quotient(np.float64(distance_m), eye.range_m, per_range)
+    bright = brightness(tint, share, eye.nearness)
+    return bright if paint >= _ZERO else background

@@ -1,0 +1,198 @@
+"""Worlds as small TOML files, and those that have a name.
+
+name = "mine"                      # this and one layer are enough; see `World` for all fields
+width_m = 20.0
+edges = "periodic"
+
+[[layers]]
+kind = "scatter"                   # or gates, corridor, automaton
+density_per_m2 = { from = 0.2, to = 0.6 }   # a range: every seed draws its own
+colour = [0.5, 1.0]                # grey, or three of these: red, green, blue
+
+[[layers.shapes]]
+kind = "discs"                     # or rectangles, polygons, curves
+radius_m = [0.15, 0.75]
+
+[layers.motion]
+kind = "drift"                     # or swing
+left_mps = 0.5
+
+[senses]
+noise = 0.02
+
+[chassis]
+radius_m = 0.2
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cache, cached_property
+from pathlib import Path
+
+from reflexarc_runtime.config.fill import fill
+from reflexarc_runtime.config.toml_lines import KeyPath, dotted
+from reflexarc_runtime.config.toml_source import TomlSource, read_text
+from reflexarc_runtime.errors import WorldError
+from reflexarc_sim_bridge.worlds import ranges as world_ranges
+from reflexarc_sim_bridge.worlds.checks import Span
+from reflexarc_sim_bridge.worlds.layers import telling_widths_m
+from reflexarc_sim_bridge.worlds.ranges import Choose, resolving
+from reflexarc_sim_bridge.worlds.world import World, WorldSource
+
+SUFFIX = ".toml"
+MAX_SEED = (1 << 64) - 1
+
+_FOLDER = Path(__file__).parent / "shipped"
+_TRIED_SEEDS = 8
+_LONGEST_NAME = 60
+_SHARED = ("scanner", "senses.dead_sectors", "senses.latency_steps")
+"""The eye is the same in all worlds of a family."""
+
+
+@dataclass(frozen=True, eq=False)
+class WorldFamily:
+    """Worlds that differ in some numbers: a file with ranges in it."""
+
+    name: str
+    description: str
+    ranges: Mapping[str, Span]
+    """The ends of each range, by the place of the number in the file."""
+    _source: TomlSource = field(repr=False)
+
+    @property
+    def blind_contacts_per_100m(self) -> None:
+        """Unknown: it differs from world to world."""
+        return
+
+    @cached_property
+    def fullest(self) -> tuple[World, ...]:
+        """Worlds with all that is drawn large, many and fast, in the widths that matter."""
+        # Where no width is drawn, one that nobody asks for.
+        widths_m = telling_widths_m(*self.ranges.get(world_ranges.WIDTH, (0.0, 0.0)))
+        return tuple(_world(self._source, world_ranges.farthest_at(w)) for w in widths_m)
+
+    def drawn(self, seed: int) -> World:
+        """The world of a seed.
+
+        Raises:
+            WorldError: no seed; or a draw that makes no world, which loading has not come across.
+        """
+        if not 0 <= seed <= MAX_SEED:
+            raise WorldError(f"seed: expected 0 to 2^64 − 1, got {seed}")
+        return _world(self._source, world_ranges.drawn(int(seed)))
+
+
+def read_world(path: Path) -> WorldSource:
+    """Read a world, or a family where numbers are ranges, from a TOML file.
+
+    Raises:
+        WorldError: the file cannot be read, or says what no world can be; with line and field.
+    """
+    return parse_world(read_text(path, str(path), WorldError), str(path))
+
+
+def parse_world(text: str, name: str = "") -> WorldSource:
+    """Read a world, or a family, from TOML text.
+
+    A family has been tried at the lower ends of all ranges, at the upper ends, with its spans at
+    their narrowest, at its fullest, and on some seeds.
+
+    Args:
+        text: the TOML.
+        name: how complaints name it.
+
+    Raises:
+        WorldError: it says what no world can be.
+    """
+    source, ranges = TomlSource(text, name, WorldError), dict[str, Span]()
+
+    def note(ends: Span, kind: type, path: KeyPath) -> float:
+        if dotted(path).startswith(_SHARED):
+            raise ValueError("expected one number for all seeds, got a range")
+        ranges[dotted(path)] = ends
+        return ends[0]
+
+    world = _world(source, note)
+    _check_words(source, world)
+    if not ranges:
+        return world
+    draws = map(world_ranges.drawn, range(_TRIED_SEEDS))
+    for choose in (world_ranges.highest, world_ranges.narrowest, *draws):
+        _world(source, choose)
+    family = WorldFamily(world.name, world.description, ranges, source)
+    _ = family.fullest
+    return family
+
+
+def world_text(name: str) -> str:
+    """The TOML of a world: of one with that name, or of that file.
+
+    Raises:
+        WorldError: no such world, or no such file.
+    """
+    path = _path_of(name)
+    return read_text(path, str(path), WorldError)
+
+
+def world_named(name: str) -> WorldSource:
+    """The world of that name, or of that file.
+
+    Raises:
+        WorldError: no such world; or the file says what no world can be.
+    """
+    return WORLDS[name] if name in WORLDS else read_world(_path_of(name))
+
+
+class _ShippedWorlds(Mapping[str, WorldSource]):
+    """The worlds of this package by their names, each read when it is first asked for."""
+
+    def __getitem__(self, name: str) -> WorldSource:
+        if name not in _names():
+            raise KeyError(name)
+        return _shipped(name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(_names())
+
+    def __len__(self) -> int:
+        return len(_names())
+
+    def __contains__(self, name: object) -> bool:
+        return name in _names()
+
+
+WORLDS: Mapping[str, WorldSource] = _ShippedWorlds()
+
+
+@cache
+def _names() -> tuple[str, ...]:
+    return tuple(sorted(path.stem for path in _FOLDER.glob(f"*{SUFFIX}")))
+
+
+@cache
+def _shipped(name: str) -> WorldSource:
+    return read_world(_FOLDER / f"{name}{SUFFIX}")
+
+
+def _path_of(name: str) -> Path:
+    if name in _names():
+        return _FOLDER / f"{name}{SUFFIX}"
+    if "/" in name or name.endswith(SUFFIX):
+        return Path(name)
+    known = ", ".join(_names())
+    raise WorldError(
+        f"world: no world is named {name!r}; known: {known}; or give a file, *{SUFFIX}"
+    )
+
+
+def _world(source: TomlSource, choose: Choose) -> World:
+    return fill(World, source, resolving(choose))
+
+
+def _check_words(source: TomlSource, world: World) -> None:
+    """What ends up in terminals, tables and logs stays on its line."""
+    if not (world.name.isprintable() and 1 <= len(world.name) <= _LONGEST_NAME):
+        wanted = f"1 to {_LONGEST_NAME} printable characters"
+        raise source.complaint(("name",), f"expected {wanted}, got {world.name[:80]!r}")
+    if not world.description.isprintable():
+        raise source.complaint(("description",), "expected one line, got a line break in it")

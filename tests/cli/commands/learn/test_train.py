@@ -1,0 +1,75 @@
+"""`reflexarc train`: what its flags become, and what it says."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from reflexarc.commands.learn.train import Train
+from reflexarc.main import main
+from reflexarc.terminal.progress import show_progress
+from reflexarc_runtime.errors import UsageError
+from reflexarc_trainer.config.presets import HELP, preset_named
+from reflexarc_trainer.config.train_config import TrainConfig
+from reflexarc_trainer.run.train import Progress
+
+
+def configured(command: Train) -> TrainConfig:
+    return command._config()
+
+
+def test_without_flags_it_is_the_preset() -> None:
+    assert configured(Train()) == preset_named("reflex")
+    assert configured(Train(preset="rover")) == preset_named("rover")
+
+
+def test_flags_change_what_they_name() -> None:
+    config = configured(Train(seed=3, steps=9, worlds=("tier-05:1", "tier-15:3"), stop_at=5.0))
+    assert (config.seed, config.steps, config.validation.stop_at) == (3, 9, 5.0)
+    assert [(world.name, world.share) for world in config.worlds] == [
+        ("tier-05", 1),
+        ("tier-15", 3),
+    ]
+
+
+@pytest.mark.parametrize(
+    "flags",
+    [
+        {"steps": 5},
+        {"worlds": ("plane",)},
+        {"init_from": Path("p.onnx")},
+        {"stop_at": 0.0},
+    ],
+)
+def test_resumed_run_takes_no_flag_that_it_was_begun_with(flags: dict[str, object]) -> None:
+    name = next(iter(flags)).replace("_", "-")
+    with pytest.raises(UsageError, match=f"--{name}: a resumed run goes on as it was begun"):
+        configured(Train(resume=True, **flags))  # type: ignore[arg-type]  # one flag each
+
+
+def test_presets_are_told_with_what_they_reach(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["train", "--presets"]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert all(name in said for name in HELP)
+    assert said.count("contacts per 100 m") >= 4
+
+
+def test_short_run_says_both_policies(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["train", "--preset", "online", "--steps", "200", "--out", str(tmp_path), "--json"]
+    assert main(words) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert Path(said["policy"]).is_file()
+    assert Path(said["best_policy"]).name == "policy-best.onnx"
+    assert said["best_validation_contacts_per_100m"] <= said["validation_contacts_per_100m"]
+    assert (said["steps"], said["reached"], said["interrupted"]) == (200, False, False)
+
+
+def test_progress_says_rate_exploration_error_and_contacts(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    from reflexarc.terminal.progress import _said
+
+    said = _said(Progress(10, 100, 0.5, 1.0, 250_000.0, 0.125, None))
+    assert said == "250 k steps/s  ε 0.50  error 0.125"
+    with show_progress() as tell:
+        tell(Progress(10, 100, 0.5, 1.0, 250_000.0, 0.125, None))

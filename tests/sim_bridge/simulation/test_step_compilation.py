@@ -1,0 +1,238 @@
+"""The parts of the world's step: compiled where a world needs them, called with what they take."""
+
+import math
+import pickle
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from numba.core import types
+
+from reflexarc_sim_bridge.evaluation.reference_field import reference_contract
+from reflexarc_sim_bridge.native import function_pointers as by_address
+from reflexarc_sim_bridge.native.decorators import compiled, compiled_called, compiled_inner
+from reflexarc_sim_bridge.simulation import step_compilation as compiled_step
+from reflexarc_sim_bridge.simulation.simulation import Simulation, motions_of
+from reflexarc_sim_bridge.simulation.step_compilation import Step, step_for
+from reflexarc_sim_bridge.worlds.files import parse_world
+from reflexarc_sim_bridge.worlds.layers import Automaton, Corridor, Drift, Gates, Layer, Scatter
+from reflexarc_sim_bridge.worlds.shapes import Discs, Rectangles
+from reflexarc_sim_bridge.worlds.world import Edges, World, WorldSource
+
+Numbers = npt.NDArray[np.int64]
+ARRAY = types.int64[::1]
+
+
+@compiled_inner
+def note_one(noted: Numbers) -> None:
+    """Part of its callers."""
+    noted[0] = 1
+
+
+@compiled_called
+def note_three(noted: Numbers, first: int, second: int) -> None:
+    """A part of one form."""
+    noted[0], noted[1], noted[2] = 3, first, second
+
+
+@compiled_called
+def note_four(noted: Numbers, factors: Numbers, first: int, second: int) -> None:
+    """A part of another."""
+    noted[0], noted[1], noted[2] = 4, first * factors[0], second * factors[0]
+
+
+@compiled
+def note(three: int, four: int, noted: Numbers, factors: Numbers) -> None:
+    """Calls whichever has an address."""
+    if three != 0:
+        by_address.call(three, (noted, 10, 20))
+    else:
+        by_address.call(four, (noted, factors, noted[1], 20))
+
+
+def test_what_lies_at_an_address_gets_its_arguments() -> None:
+    three = by_address.address_of(note_three, (ARRAY, types.int64, types.int64))
+    four = by_address.address_of(note_four, (ARRAY, ARRAY, types.int64, types.int64))
+    noted, factors = np.zeros(3, np.int64), np.array([7])
+    note(three, 0, noted, factors)
+    assert noted.tolist() == [3, 10, 20]
+    note(0, four, noted, factors)
+    assert noted.tolist() == [4, 70, 140]
+
+
+def test_what_has_no_machine_code_has_no_address() -> None:
+    with pytest.raises(TypeError, match="note_one: expected a function that is `compiled_called`"):
+        by_address.address_of(note_one, (ARRAY,))
+
+
+def test_a_part_lies_in_one_place() -> None:
+    first, second = (
+        by_address.address_of(note_three, (ARRAY, types.int64, types.int64)) for _ in range(2)
+    )
+    assert first == second
+
+
+def step_of(source: WorldSource) -> Step:
+    contract = reference_contract()
+    simulation = Simulation(source, contract, np.arange(4, dtype=np.uint64))
+    return step_for(source, simulation.params, motions_of(contract))
+
+
+def gathered(source: WorldSource) -> set[str]:
+    parts = step_of(source).parts
+    return {way for way in ("belt", "scatter", "structure") if getattr(parts, way) != 0}
+
+
+THINNED = Scatter(gap_m=0.5)
+GATES, DISCS = Gates(), Scatter(density_per_m2=0.1, shapes=(Discs(),))
+
+
+@pytest.mark.parametrize(
+    ("layers", "needed"),
+    [
+        ((), {"scatter"}),  # a row of zeros is an empty scatter, which is never gathered
+        ((Scatter(),), {"belt"}),
+        ((Scatter(shapes=(Rectangles(turned_rad=(0.0, 1.0)),)),), {"belt"}),
+        ((THINNED,), {"scatter"}),
+        ((DISCS, Scatter(motion=Drift(-1.0, 0.0))), {"belt", "scatter"}),
+        ((GATES,), {"structure"}),
+        ((GATES, Scatter(density_per_m2=0.05)), {"belt", "structure"}),
+        ((Automaton(), THINNED), {"scatter", "structure"}),
+    ],
+)
+def test_a_world_has_the_parts_that_its_layers_need(
+    layers: tuple[Layer, ...], needed: set[str]
+) -> None:
+    assert gathered(World("some", layers=layers)) == needed
+
+
+def test_where_there_is_no_period_there_is_no_belt() -> None:
+    assert gathered(World("lane", width_m=6.0, edges=Edges.OPEN)) == {"scatter"}
+    layers = Corridor(), Scatter(density_per_m2=0.05)
+    assert gathered(World("canyon", edges=Edges.UNBOUNDED, layers=layers)) == {
+        "scatter",
+        "structure",
+    }
+
+
+NARROW_OR_WIDE = """
+name = "narrow or wide"
+width_m = { from = 6.0, to = 30.0 }
+[[layers]]
+kind = "scatter"
+density_per_m2 = 0.3
+"""
+
+
+def test_in_a_family_one_world_may_have_a_belt_and_the_next_none() -> None:
+    family, seeds = parse_world(NARROW_OR_WIDE), np.arange(12, dtype=np.uint64)
+    together = Simulation(family, reference_contract(), seeds)
+    belts = together.params.world.layers["has_belt"][:, 0]
+    assert set(belts.tolist()) == {0, 1}
+    assert gathered(family) == {"belt", "scatter"}
+    alone = [
+        Simulation(family.drawn(int(s)), reference_contract(), seeds[s : s + 1]) for s in seeds
+    ]
+    for _ in range(30):
+        met = together.step_and_sense(np.ones(12, np.int64))
+        apart = [one.step_and_sense(np.ones(1, np.int64))[0] for one in alone]
+        assert met.tolist() == apart
+    assert together.stacks.tobytes() == b"".join(one.stacks.tobytes() for one in alone)
+
+
+def test_an_agent_goes_on_where_its_next_world_has_no_belt() -> None:
+    family = parse_world(NARROW_OR_WIDE)
+    simulation = Simulation(family, reference_contract(), np.zeros(1, np.uint64))
+    for seed in range(1, 12):
+        simulation.place(np.zeros(1, np.int64), np.array([seed], np.uint64))
+        scratch = simulation.held_step()[1].work.draws.keys
+        assert len(scratch) >= simulation.params.world.planes["across"].max()
+        fresh = Simulation(family, reference_contract(), np.array([seed], np.uint64))
+        assert simulation.sense().tobytes() == fresh.sense().tobytes()
+
+
+LONG_OR_SHORT = """
+name = "long or short"
+width_m = 18.0
+[[layers]]
+kind = "scatter"
+density_per_m2 = 0.2
+[[layers.shapes]]
+kind = "rectangles"
+length_m = [0.2, { from = 0.3, to = 9.0 }]
+"""
+
+
+def test_where_the_fullest_world_has_no_room_for_a_belt_no_world_has_one() -> None:
+    """Its boxes reach too far around the period; those of another seed would not."""
+    family, seeds = parse_world(LONG_OR_SHORT), np.arange(12, dtype=np.uint64)
+    together = Simulation(family, reference_contract(), seeds)
+    alone = [
+        Simulation(family.drawn(int(s)), reference_contract(), seeds[s : s + 1]) for s in seeds
+    ]
+    assert any(one.params.world.layers["has_belt"][0, 0] for one in alone)
+    assert not together.params.world.layers["has_belt"].any()
+    for agent, one in enumerate(alone):
+        near, wanted = within_reach(together, agent), within_reach(one, 0)
+        assert len(near) > 0
+        np.testing.assert_allclose(near, wanted, atol=1e-5)
+
+
+def within_reach(simulation: Simulation, agent: int) -> npt.NDArray[np.float64]:
+    """Middles of the obstacles that an agent may see, in order; a list may hold more: (n, 2)."""
+    range_m = simulation.contract.retina.range_m
+    x_m, y_m = simulation.x_m[agent], simulation.y_m[agent]
+    near = simulation.outlines_near(agent)
+    middles = sorted((o.x_m, o.y_m) for o in near)
+    return np.array([m for m in middles if math.dist(m, (x_m, y_m)) < range_m]).reshape(-1, 2)
+
+
+SLOW_OR_FAST = """
+name = "slow or fast"
+[[layers]]
+kind = "scatter"
+density_per_m2 = 0.2
+motion = { kind = "drift", ahead_mps = { from = -20.0, to = -1.0 } }
+"""
+
+
+def test_an_agent_takes_nothing_along_from_a_world_with_a_longer_belt() -> None:
+    family, one = parse_world(SLOW_OR_FAST), np.zeros(1, np.int64)
+    fast, slow = np.array([8], np.uint64), np.array([2], np.uint64)
+    moved = Simulation(family, reference_contract(), fast)
+    columns = np.count_nonzero(moved.params.agents.belt_counts)
+    fresh = Simulation(family, reference_contract(), slow)
+    assert np.count_nonzero(fresh.params.agents.belt_counts) < columns
+    moved.place(one, slow)
+    for _ in range(60):
+        assert moved.step_and_sense(one) == fresh.step_and_sense(one)
+        assert moved.stacks.tobytes() == fresh.stacks.tobytes()
+        middles = [[(o.x_m, o.y_m) for o in s.outlines_near(0)] for s in (moved, fresh)]
+        assert middles[0] == middles[1]
+
+
+def test_what_compiles_a_part_on_its_own_is_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    done: list[str] = []
+
+    @contextmanager
+    def alone(what: str) -> Iterator[None]:
+        done.append(what)
+        yield
+
+    monkeypatch.setattr(compiled_step, "compiling_alone", alone)
+    monkeypatch.setattr(compiled_step, "_others", {})
+    contract = reference_contract()
+    params = Simulation(World("plain"), contract, np.zeros(1, np.uint64)).params
+    done.clear()
+    for _ in range(2):
+        compiled_step.cover_for(params, motions_of(contract))
+        compiled_step.cast_for(params, motions_of(contract))
+    assert done == ["cover", "cast"]
+
+
+def test_what_holds_addresses_is_not_copied() -> None:
+    held = Simulation(World("plain"), reference_contract(), np.zeros(1, np.uint64)).held_step()[1]
+    with pytest.raises(TypeError, match="Held: expected to stay in its place"):
+        pickle.dumps(held)

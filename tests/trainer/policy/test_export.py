@@ -1,0 +1,236 @@
+"""The policy file: the same policy for torch, NumPy and onnxruntime, or no file at all."""
+
+import dataclasses
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import onnx
+import pytest
+import torch
+from torch import Tensor, nn
+
+from reflexarc_runtime.contract import Action, PolicyContract, RetinaSpec
+from reflexarc_runtime.errors import PolicyError
+from reflexarc_runtime.policy.policy import flips, load_policy, within_tolerance
+from reflexarc_trainer.config.presets import PRESETS
+from reflexarc_trainer.config.train_config import NetworkConfig
+from reflexarc_trainer.policy import parity
+from reflexarc_trainer.policy.export import export
+from reflexarc_trainer.policy.q_network import new_network
+
+CONTRACT = PolicyContract()
+
+
+def random_retinas(contract: PolicyContract, count: int = 1000) -> npt.NDArray[np.uint8]:
+    shape = (count, *contract.retina.stack_shape)
+    return np.random.default_rng(77).integers(0, 256, shape, np.uint8)
+
+
+def torch_q_values(module: nn.Module, retinas: npt.NDArray[np.uint8]) -> npt.NDArray[np.float64]:
+    """What the module says in float64, its weights rounded to those of the file."""
+    rounded = module.float().double().eval()
+    with torch.no_grad():
+        q_values: npt.NDArray[np.float64] = rounded(torch.from_numpy(retinas / 255.0)).numpy()
+    return q_values
+
+
+class Residual(nn.Module):
+    """Adds, multiplies, and owns a bare parameter."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.first, self.last = nn.Linear(16, 16), nn.Linear(16, 3)
+        self.gain = nn.Parameter(torch.full((16,), 0.7))
+
+    def forward(self, x: Tensor) -> Tensor:
+        x = torch.flatten(x, 1)
+        x = torch.relu(self.first(x)) * self.gain + x
+        last: Tensor = self.last(torch.tanh(x - 0.25))
+        return last
+
+
+def modules() -> dict[str, nn.Module]:
+    torch.manual_seed(0)
+    normal = NetworkConfig(output="sigmoid", initial_weights="normal")
+    deep = NetworkConfig(hidden=(9, 8, 7), units="tanh", output="linear", input_power=13)
+    return {
+        "network": new_network(CONTRACT, NetworkConfig(), 0),
+        "sigmoid network": new_network(CONTRACT, normal, 0),
+        "deep network": new_network(CONTRACT, deep, 0),
+        "sequential": nn.Sequential(
+            nn.Flatten(), nn.Linear(16, 8), nn.ReLU(), nn.Dropout(), nn.Linear(8, 3, bias=False)
+        ),
+        "residual": Residual(),
+    }
+
+
+@pytest.mark.parametrize("name", modules())
+def test_every_backend_says_what_torch_says(name: str, tmp_path: Path) -> None:
+    module, path = modules()[name], tmp_path / "policy.onnx"
+    export(module, CONTRACT, path)
+    retinas = random_retinas(CONTRACT)
+    expected = torch_q_values(module, retinas).astype(np.float32)
+    for backend in ("numpy", "onnxruntime"):
+        q_values, actions = load_policy(path, backend).decide(retinas)
+        assert within_tolerance(q_values, expected)
+        assert not flips(actions, np.argmax(expected, axis=1), expected).any()
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_presets_export_with_their_own_contract(name: str, tmp_path: Path) -> None:
+    config, path = PRESETS[name], tmp_path / "policy.onnx"
+    contract = config.contract()
+    written = export(new_network(contract, config.network, 1), contract, path)
+    assert load_policy(path).contract == written
+    assert dataclasses.replace(written, golden=contract.golden) == contract
+    assert len(written.golden.retinas) == 16
+
+
+def test_other_eyes_and_actions_are_exported(tmp_path: Path) -> None:
+    contract = PolicyContract(
+        retina=RetinaSpec(rays=5, frames=2, eyes=2, baseline_m=0.2, channels=3),
+        actions=(Action("go", 1.0, 0.0), Action("turn", 1.0, 0.0, 0.5)),
+    )
+    export(new_network(contract, NetworkConfig(), 0), contract, tmp_path / "p.onnx")
+    q_values, actions = load_policy(tmp_path / "p.onnx").decide(random_retinas(contract, 7))
+    assert (q_values.shape, actions.shape) == ((7, 2), (7,))
+
+
+def test_graph_is_old_enough_and_says_what_goes_in_and_out(tmp_path: Path) -> None:
+    path = tmp_path / "policy.onnx"
+    export(new_network(CONTRACT, NetworkConfig(), 0), CONTRACT, path)
+    model = onnx.load(path)
+    assert (model.ir_version, model.opset_import[0].version) == (8, 17)
+    values = {v.name: v.type.tensor_type for v in [*model.graph.input, *model.graph.output]}
+    assert list(values) == ["retina", "q_values", "action"]
+    shapes = [[d.dim_param or d.dim_value for d in v.shape.dim] for v in values.values()]
+    assert shapes == [["N", 1, 1, 16, 1], ["N", 3], ["N"]]
+    kinds = [v.elem_type for v in values.values()]
+    assert kinds == [onnx.TensorProto.UINT8, onnx.TensorProto.FLOAT, onnx.TensorProto.INT64]
+
+
+def test_tie_takes_the_first_action_on_every_backend(tmp_path: Path) -> None:
+    module = nn.Sequential(nn.Flatten(), nn.Linear(16, 3))
+    nn.init.zeros_(module[1].weight)
+    nn.init.zeros_(module[1].bias)
+    export(module, CONTRACT, tmp_path / "p.onnx")
+    for backend in ("numpy", "onnxruntime"):
+        actions = load_policy(tmp_path / "p.onnx", backend).decide(random_retinas(CONTRACT))[1]
+        assert not actions.any()
+
+
+def test_same_module_gives_the_same_bytes(tmp_path: Path) -> None:
+    for name in ("a.onnx", "b.onnx"):
+        export(new_network(CONTRACT, NetworkConfig(), 4), CONTRACT, tmp_path / name)
+    assert (tmp_path / "a.onnx").read_bytes() == (tmp_path / "b.onnx").read_bytes()
+
+
+def test_recorded_retinas_are_among_the_golden_vectors(tmp_path: Path) -> None:
+    recorded = random_retinas(CONTRACT, 3)
+    network = new_network(CONTRACT, NetworkConfig(), 4)
+    written = export(network, CONTRACT, tmp_path / "p.onnx", recorded=recorded)
+    assert written.golden.retinas[0] == tuple(recorded[0].ravel().tolist())
+
+
+def test_export_leaves_the_module_as_it_was(tmp_path: Path) -> None:
+    module = nn.Sequential(nn.Flatten(), nn.Linear(16, 3)).train()
+    before = module[1].weight.clone()
+    export(module, CONTRACT, tmp_path / "p.onnx")
+    assert module.training
+    assert torch.equal(module[1].weight, before)
+
+
+class Branching(nn.Module):
+    """Cannot be traced: what it does depends on what it sees."""
+
+    def forward(self, x: Tensor) -> Tensor:
+        return x.flatten(1)[:, :3] if x.sum() > 0 else x.flatten(1)[:, 3:6]
+
+
+class Sorting(nn.Module):
+    """Uses an operator that no table has."""
+
+    def forward(self, x: Tensor) -> Tensor:
+        return torch.sort(x.flatten(1)[:, :3]).values
+
+
+@pytest.mark.parametrize(
+    ("module", "message"),
+    [
+        (nn.Sequential(nn.Flatten(), nn.Linear(16, 3), nn.Softmax(1)), "operator Softmax"),
+        (nn.Sequential(nn.Flatten(), nn.Linear(16, 3), nn.Flatten(0)), "expected Q-values"),
+        (nn.Sequential(nn.Flatten(), nn.Linear(16, 4)), "expected Q-values"),
+        (nn.Sequential(nn.Flatten(), nn.Linear(8, 3)), "the module fails on retinas"),
+        (nn.Sequential(nn.Linear(1, 3), nn.Flatten(2, -1), nn.Flatten()), "expected Q-values"),
+        (nn.Sequential(nn.Flatten(2), nn.Flatten(), nn.Linear(16, 3)), "use flatten"),
+        (Branching(), "cannot be traced"),
+        (Sorting(), "operator getitem"),
+    ],
+    ids=str,
+)
+def test_what_cannot_be_exported_is_refused_in_one_line(
+    module: nn.Module, message: str, tmp_path: Path
+) -> None:
+    with pytest.raises(PolicyError, match=message) as refusal:
+        export(module, CONTRACT, tmp_path / "p.onnx")
+    assert "\n" not in str(refusal.value)
+    assert not list(tmp_path.iterdir())
+
+
+def test_rays_that_are_not_flattened_are_refused_by_the_checker(tmp_path: Path) -> None:
+    class Unflattened(nn.Module):
+        def __init__(self) -> None:
+            super().__init__()
+            self.linear, self.flatten = nn.Linear(1, 1), nn.Flatten()
+
+        def forward(self, x: Tensor) -> Tensor:
+            y: Tensor = self.flatten(self.linear(x))
+            return y
+
+    contract = PolicyContract(retina=RetinaSpec(rays=3))
+    with pytest.raises(PolicyError, match="checker refuses"):
+        export(Unflattened(), contract, tmp_path / "p.onnx")
+
+
+@pytest.mark.parametrize("shift", [1e-5, float("nan")])
+def test_disagreement_leaves_the_file_that_was_there(
+    shift: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "policy.onnx"
+    path.write_bytes(b"the old policy")
+    honest = parity.torch_decide
+
+    def wrong(module: nn.Module, retinas: npt.NDArray[np.uint8]) -> Any:
+        q_values, actions = honest(module, retinas)
+        return q_values + np.float32(shift), actions
+
+    monkeypatch.setattr(parity, "torch_decide", wrong)
+    with pytest.raises(PolicyError, match="NumPy and torch do not agree"):
+        export(new_network(CONTRACT, NetworkConfig(), 0), CONTRACT, path)
+    assert [p.name for p in tmp_path.iterdir()] == ["policy.onnx"]
+    assert path.read_bytes() == b"the old policy"
+
+
+def test_onnxruntime_that_disagrees_is_noticed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def load(model: bytes, backend: str = "numpy") -> Any:
+        return load_policy(model, "numpy") if backend == "numpy" else Shifted()
+
+    class Shifted:
+        def decide(self, retinas: npt.NDArray[np.uint8]) -> Any:
+            return np.full((len(retinas), 3), 9.0, np.float32), np.zeros(len(retinas), np.int64)
+
+    monkeypatch.setattr(parity, "load_policy", load)
+    with pytest.raises(PolicyError, match=r"onnxruntime .* and NumPy do not agree"):
+        export(new_network(CONTRACT, NetworkConfig(), 0), CONTRACT, tmp_path / "p.onnx")
+    assert not list(tmp_path.iterdir())
+
+
+def test_module_that_is_not_finite_is_refused(tmp_path: Path) -> None:
+    module = nn.Sequential(nn.Flatten(), nn.Linear(16, 3))
+    nn.init.constant_(module[1].bias, float("nan"))
+    with pytest.raises(PolicyError):
+        export(module, CONTRACT, tmp_path / "p.onnx")

@@ -1,0 +1,65 @@
+"""Exploration: the stream, the winner, the schedule."""
+
+import numpy as np
+import pytest
+
+from reflexarc_trainer.sarsa.exploration import choose, expected_value, new_streams, uniform, winner
+from reflexarc_trainer.sarsa.schedules import linear
+
+MASK = (1 << 64) - 1
+
+
+def splitmix64(state: int) -> tuple[int, int]:
+    """The published algorithm in Python's own integers."""
+    state = (state + 0x9E3779B97F4A7C15) & MASK
+    z = state
+    z = ((z ^ (z >> 30)) * 0xBF58476D1CE4E5B9) & MASK
+    z = ((z ^ (z >> 27)) * 0x94D049BB133111EB) & MASK
+    return state, z ^ (z >> 31)
+
+
+def test_stream_is_splitmix64() -> None:
+    streams = new_streams(9, 3)
+    state, others = int(streams[1]), streams[[0, 2]].copy()
+    for _ in range(100):
+        state, z = splitmix64(state)
+        assert uniform(streams, 1) == (z >> 11) * 2.0**-53
+    assert int(streams[1]) == state
+    assert np.array_equal(streams[[0, 2]], others)
+
+
+def test_streams_of_different_seeds_and_agents_differ() -> None:
+    assert len({int(word) for seed in range(100) for word in new_streams(seed, 5)}) == 500
+
+
+def test_of_equal_values_the_first_wins() -> None:
+    assert winner(np.array([[0.0, 1.0], [0.0, 1.0], [9.0, 1.0]]), 1) == 0
+    assert winner(np.array([[0.0], [1.0], [1.0]]), 0) == 1
+
+
+def test_epsilon_is_the_share_of_random_actions() -> None:
+    streams, q_values = new_streams(0), np.array([[0.0], [1.0], [0.0]])
+    chosen = np.array([choose(q_values, 0, 0.3, streams, 0) for _ in range(20_000)])
+    shares = np.bincount(chosen, minlength=3) / len(chosen)
+    np.testing.assert_allclose(shares, [0.1, 0.8, 0.1], atol=0.01)
+
+
+def test_without_epsilon_the_winner_is_chosen() -> None:
+    streams, q_values = new_streams(0), np.array([[0.0], [0.0], [1.0]])
+    assert {choose(q_values, 0, 0.0, streams, 0) for _ in range(100)} == {2}
+
+
+def test_epsilon_falls_linearly_and_then_stays() -> None:
+    values = [linear(step, 1.0, 0.02, 100.0) for step in (0, 25, 50, 100, 101, 10**9)]
+    assert values == pytest.approx([1.0, 0.755, 0.51, 0.02, 0.02, 0.02])
+
+
+def test_epsilon_without_a_decay_is_its_end() -> None:
+    assert linear(0, 1.0, 0.02, 0.0) == 0.02
+
+
+def test_expected_value_is_the_mean_over_what_is_chosen() -> None:
+    q_values, streams = np.array([[1.0], [4.0], [-2.0]]), new_streams(1)
+    chosen = [choose(q_values, 0, 0.4, streams, 0) for _ in range(50_000)]
+    assert expected_value(q_values, 0, 0.4) == pytest.approx(0.6 * 4.0 + 0.4 * 1.0)
+    assert np.mean(q_values[chosen, 0]) == pytest.approx(2.8, abs=0.05)

@@ -1,0 +1,1 @@
+"""What a training run is made of: its configuration, the presets, the order of its worlds."""

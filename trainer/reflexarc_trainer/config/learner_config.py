@@ -1,0 +1,228 @@
+"""What a learner is made of: the network, the exploration, and SARSA(λ) in one of two forms.
+
+The defaults are the paper's ("Reactive Vision-Based Navigation Controller for Autonomous Mobile
+Agents": α = 0.5, λ = 0.9, γ = 0.9, 16–10–3, +0.1 a step, −1 a collision); where the paper is
+silent, a field names the choice and its alternatives.
+"""
+
+import math
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from reflexarc_runtime.config.checks import (
+    require,
+    require_count,
+    require_finite,
+    require_one_of,
+    require_share,
+)
+from reflexarc_runtime.contract import PolicyContract
+
+Form = Literal["online", "batched"]
+StepRule = Literal["bounded", "intentional", "rmsprop", "literal"]
+Units = Literal["sigmoid", "tanh", "relu"]
+OutputUnits = Literal["linear", "sigmoid"]
+Target = Literal["sampled", "expected", "greedy"]
+Optimiser = Literal["adam", "radam"]
+Precision = Literal["float32", "float64"]
+InitialWeights = Literal["scaled", "normal"]
+AfterContact = Literal["bootstrap", "terminal"]
+
+MOST_LAYERS = 3
+MOST_UNITS = 4096
+
+
+@dataclass(frozen=True)
+class NetworkConfig:
+    """Retina → hidden layers → one value an action (the paper: 16–10–3, sigmoid units)."""
+
+    hidden: tuple[int, ...] = (10,)
+    """Units of each hidden layer, one to three of them; a plain number is one layer."""
+    units: Units = "sigmoid"
+    """What the hidden units compute."""
+    output: OutputUnits = "sigmoid"
+    """Output units. Sigmoid ones, the paper's words taken literally, cannot hold the negative value
+    of a certain collision."""
+    input_power: int = 1
+    """Each input in [0, 1] is raised to this whole power: what is near stands out more."""
+    initial_weights: InitialWeights = "scaled"
+    """`scaled`: standard deviation 1/√(inputs of the unit), biases 0; `normal`: N(0, 1)."""
+
+    def __post_init__(self) -> None:
+        given: Any = self.hidden  # files may say a number, or a list
+        layers = (given,) if isinstance(given, int) else tuple(given)
+        object.__setattr__(self, "hidden", layers)
+        require(1 <= len(layers) <= MOST_LAYERS, "network.hidden", "1 to 3 layers", layers)
+        for units in layers:
+            require_count("network.hidden", units, MOST_UNITS)
+        require_count("network.input_power", self.input_power, 64)
+        require_one_of(Units, "network.units", self.units)
+        require_one_of(OutputUnits, "network.output", self.output)
+        require_one_of(InitialWeights, "network.initial_weights", self.initial_weights)
+
+    def sizes(self, contract: PolicyContract) -> list[int]:
+        """Inputs, hidden units, actions: (layers + 1,)."""
+        inputs = contract.retina.frames * contract.retina.size
+        return [inputs, *self.hidden, len(contract.actions)]
+
+
+@dataclass(frozen=True)
+class ExplorationConfig:
+    """ε-greedy choice; ε falls linearly."""
+
+    epsilon_start: float = 1.0
+    """Share of random actions at the first step."""
+    epsilon_end: float = 0.02
+    """Share of random actions once the decay is over."""
+    epsilon_span: float = 0.5
+    """Share of the run over which ε decays."""
+    held_actions: int = 1
+    """Steps for which a chosen action is held while learning; a contact ends the hold."""
+    action_repeat: int = 1
+    """Steps of the world an action while learning. They are one transition: their rewards are
+    added, γ counts them as one, and nobody looks in between. Where the learned policy is used, it
+    decides at every step."""
+
+    def __post_init__(self) -> None:
+        for name in ("epsilon_start", "epsilon_end", "epsilon_span"):
+            require_share(f"exploration.{name}", getattr(self, name))
+        require_count("exploration.held_actions", self.held_actions, 1000)
+        require_count("exploration.action_repeat", self.action_repeat, 1000)
+        require(
+            self.action_repeat == 1 or self.held_actions == 1,
+            "exploration.held_actions",
+            "1 where exploration.action_repeat is more",
+            self.held_actions,
+        )
+
+
+@dataclass(frozen=True)
+class OnlineConfig:
+    """One agent, traces, one update a step: what the paper describes."""
+
+    alpha: float = 0.5
+    """Step size α. Bounded: its upper limit; intentional: the share η of the TD error that an
+    update removes; rmsprop: what a weight moves by where its δe is as large as usual."""
+    alpha_end: float = 1.0
+    """What is left of α at the end of the run, to which it falls linearly."""
+    step: StepRule = "bounded"
+    """`bounded`: α is cut where one update would overshoot; `intentional`: the step is such that
+    an update removes the share α of the TD error; `rmsprop`: each weight's δe is divided by its
+    running RMS; `literal`: α as it is (diverges with linear outputs)."""
+    kappa: float = 2.0
+    """κ of the bounded step: 1/κ of the TD error is the most that one update may remove."""
+    precision: Precision = "float32"
+    """Of weights, traces and values while learning."""
+
+    def __post_init__(self) -> None:
+        require(0.0 < self.alpha <= 1e3, "learner.online.alpha", "in (0, 1000]", self.alpha)
+        require_share("learner.online.alpha_end", self.alpha_end)
+        require(1.0 <= self.kappa < math.inf, "learner.online.kappa", "1 or more", self.kappa)
+        require_one_of(StepRule, "learner.online.step", self.step)
+        require_one_of(Precision, "learner.online.precision", self.precision)
+
+
+@dataclass(frozen=True)
+class BatchedConfig:
+    """Many agents, λ-returns over short roll-outs, one gradient step or more for each of them."""
+
+    agents: int = 512
+    """Agents, each in a training world of its own."""
+    shard_agents: int = 64
+    """Agents whose steps are computed together by one thread. The bits depend on it, and not on
+    the number of threads."""
+    rollout_steps: int = 16
+    """Transitions that every agent makes between two updates."""
+    epochs: int = 1
+    """How often each roll-out is learned from."""
+    minibatches: int = 1
+    """Updates an epoch; each takes every so many-th step of every agent."""
+    optimiser: Optimiser = "adam"
+    """How a gradient moves the weights."""
+    learning_rate: float = 3e-3
+    """Of the optimiser, at the start."""
+    learning_rate_end: float = 0.0
+    """What is left of it at the end of the run, as a share, to which it falls linearly."""
+    max_gradient_norm: float = 10.0
+    """A gradient that is longer is shortened to this."""
+    precision: Precision = "float32"
+    """Of weights and values while learning."""
+
+    def __post_init__(self) -> None:
+        limits = {"agents": 1 << 20, "shard_agents": 1 << 12, "rollout_steps": 1 << 12}
+        limits |= {"epochs": 100, "minibatches": 1000}
+        for name, most in limits.items():
+            require_count(f"learner.batched.{name}", getattr(self, name), most)
+        require(
+            self.agents % self.shard_agents == 0,
+            "learner.batched.agents",
+            f"a multiple of shard_agents = {self.shard_agents}",
+            self.agents,
+        )
+        require(
+            self.minibatches <= self.rollout_steps,
+            "learner.batched.minibatches",
+            f"at most rollout_steps = {self.rollout_steps}",
+            self.minibatches,
+        )
+        rate, norm = self.learning_rate, self.max_gradient_norm
+        require(0.0 < rate <= 10.0, "learner.batched.learning_rate", "in (0, 10]", rate)
+        require_share("learner.batched.learning_rate_end", self.learning_rate_end)
+        require(0.0 < norm < math.inf, "learner.batched.max_gradient_norm", "positive", norm)
+        require_one_of(Optimiser, "learner.batched.optimiser", self.optimiser)
+        require_one_of(Precision, "learner.batched.precision", self.precision)
+
+    @property
+    def batch_steps(self) -> int:
+        """Transitions of one roll-out, all agents together."""
+        return self.agents * self.rollout_steps
+
+
+@dataclass(frozen=True)
+class LearnerConfig:
+    """SARSA(λ): what is learned, in one of two forms, and from which rewards."""
+
+    form: Form = "online"
+    """`online`: traces, an update a step; `batched`: λ-returns over many agents."""
+    trace_decay: float = 0.9
+    """λ: how far back a TD error reaches. 0 keeps no trace."""
+    gamma: float = 0.9
+    """Discount γ a transition."""
+    target: Target = "sampled"
+    """Value of the next place: that of the action chosen there (`sampled`, SARSA), the mean
+    over what ε-greedy may choose (`expected`), or that of the best action (`greedy`, Q(λ) after
+    Peng & Williams, "Incremental multi-step Q-learning", 1996; batched only)."""
+    reward_step: float = 0.1
+    """Reward of a step without a contact."""
+    reward_contact: float = -1.0
+    """Reward of a step with a contact, which gets no `reward_step`."""
+    reward_centring: float = 0.0
+    """Share by which an average reward, subtracted from every reward, moves towards the last one
+    at each update (arXiv 2405.09999). 0 subtracts nothing."""
+    after_contact: AfterContact = "bootstrap"
+    """After a contact the value of the new place counts (`bootstrap`) or not (`terminal`). The
+    trace is cut in both cases."""
+    averaged_weights: float = 0.0
+    """What an average over past weights keeps of itself at each update; the average is what is
+    validated and exported. 0 takes the last weights."""
+    exploration: ExplorationConfig = field(default_factory=ExplorationConfig)
+    """How actions are chosen while learning."""
+    online: OnlineConfig = field(default_factory=OnlineConfig)
+    """The online form's own."""
+    batched: BatchedConfig = field(default_factory=BatchedConfig)
+    """The batched form's own."""
+
+    def __post_init__(self) -> None:
+        require_share("learner.trace_decay", self.trace_decay)
+        gamma = self.gamma
+        require(0.0 <= gamma < 1.0, "learner.gamma", "in [0, 1): the task never ends", gamma)
+        for name in ("reward_step", "reward_contact"):
+            require_finite(f"learner.{name}", getattr(self, name))
+        require_share("learner.reward_centring", self.reward_centring)
+        keep = self.averaged_weights
+        require(0.0 <= keep < 1.0, "learner.averaged_weights", "in [0, 1)", keep)
+        require_one_of(Form, "learner.form", self.form)
+        require_one_of(Target, "learner.target", self.target)
+        fits = self.form == "batched" or self.target != "greedy"
+        require(fits, "learner.target", "sampled or expected with form = 'online'", self.target)
+        require_one_of(AfterContact, "learner.after_contact", self.after_contact)

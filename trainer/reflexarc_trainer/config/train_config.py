@@ -1,0 +1,190 @@
+"""What a training run is made of: nested frozen dataclasses, checked on construction.
+
+Network and learner are in `learner_config.py`. Schedules count steps, never seconds.
+"""
+
+import dataclasses
+import hashlib
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Self
+
+from reflexarc_runtime.config.checks import require, require_one_of
+from reflexarc_runtime.contract import (
+    Action,
+    PolicyContract,
+    Provenance,
+    RetinaSpec,
+    Shading,
+    sideways_actions,
+)
+from reflexarc_runtime.errors import ContractError, UsageError
+from reflexarc_sim_bridge.worlds.world import WorldSource
+from reflexarc_trainer.config.learner_config import (
+    BatchedConfig,
+    ExplorationConfig,
+    LearnerConfig,
+    NetworkConfig,
+    OnlineConfig,
+)
+from reflexarc_trainer.config.motions import Motion, turning_actions
+from reflexarc_trainer.config.training_world import TrainingWorld
+
+__all__ = [
+    "BatchedConfig",
+    "ExplorationConfig",
+    "LearnerConfig",
+    "NetworkConfig",
+    "OnlineConfig",
+    "TrainConfig",
+    "TrainingWorld",
+    "ValidationConfig",
+]
+
+MOST_WORLDS = 64
+
+
+@dataclass(frozen=True)
+class ValidationConfig:
+    """How often, and on how much, the greedy policy is measured while it learns."""
+
+    points: int = 20
+    """Measurements over the run, at equal distances in steps; the last is at the end."""
+    agents: int = 256
+    """Agents, each in its own validation world."""
+    steps: int = 300
+    """Steps counted for each agent."""
+    discard: int = 50
+    """Steps before the counting begins."""
+    stop_at: float | None = None
+    """The run ends where two points in a row have at most so many contacts per 100 m."""
+
+    def __post_init__(self) -> None:
+        require(1 <= self.points <= 10_000, "validation.points", "1 to 10000", self.points)
+        require(self.agents >= 1, "validation.agents", "1 or more", self.agents)
+        require(self.steps >= 1, "validation.steps", "1 or more", self.steps)
+        require(self.discard >= 0, "validation.discard", "0 or more", self.discard)
+        goal = self.stop_at
+        fits = goal is None or 0.0 <= goal < math.inf
+        require(fits, "validation.stop_at", "0 or more contacts per 100 m", goal)
+
+
+@dataclass(frozen=True)
+class TrainConfig:
+    """A whole training run."""
+
+    preset: str = "reflex"
+    """Name of the preset that this configuration started from."""
+    seed: int = 0
+    """Seed of the initial weights, the exploration and the training world."""
+    steps: int = 500_000
+    """Transitions to learn from."""
+    worlds: tuple[TrainingWorld, ...] = field(default_factory=lambda: (TrainingWorld(),))
+    """The worlds to learn in, one after another. The last is the one that the policy is for: it is
+    measured there."""
+    init_from: str = ""
+    """SHA-256 of the policy file whose weights the run begins with; by default new ones."""
+    motion: Motion = "sideways"
+    """What left and right do: shift the body, or turn it."""
+    forward_mps: float = 1.0
+    """Forward speed of every action."""
+    lateral_mps: float = 1.0
+    """Sideways speed of left and right, where they shift."""
+    angular_radps: float = 2.0
+    """Turning speed of left and right, where they turn."""
+    rate_hz: float = 50.0
+    """Rate at which the exported policy is meant to run."""
+    max_input_age_s: float = 0.1
+    """Age at which an input of the exported policy is stale."""
+    retina: RetinaSpec = field(default_factory=RetinaSpec)
+    """The eye."""
+    network: NetworkConfig = field(default_factory=NetworkConfig)
+    """The network."""
+    learner: LearnerConfig = field(default_factory=LearnerConfig)
+    """The learner."""
+    validation: ValidationConfig = field(default_factory=ValidationConfig)
+    """The measurements on the way."""
+
+    def __post_init__(self) -> None:
+        require(0 <= self.seed < 1 << 63, "seed", "0 to 2^63 - 1", self.seed)
+        require(self.steps >= 1, "steps", "1 or more", self.steps)
+        require(
+            self.learner.form == "batched" or len(self.network.hidden) == 1,
+            "network.hidden",
+            "one layer with learner.form = 'online' (deeper ones learn with 'batched')",
+            self.network.hidden,
+        )
+        require_one_of(Motion, "motion", self.motion)
+        require(1 <= len(self.worlds) <= MOST_WORLDS, "worlds", "1 to 64", len(self.worlds))
+        for name in ("forward_mps", "lateral_mps", "angular_radps"):
+            speed = getattr(self, name)
+            require(0.0 < speed < math.inf, name, "positive", speed)
+
+    @property
+    def goal(self) -> TrainingWorld:
+        """The world that the policy is for: the last one."""
+        return self.worlds[-1]
+
+    @property
+    def goal_world(self) -> WorldSource:
+        """The same, as the simulator takes it."""
+        return self.goal.source()
+
+    def resolved(self) -> dict[str, Any]:
+        """The configuration as plain JSON values, every default filled in."""
+        document: dict[str, Any] = json.loads(json.dumps(dataclasses.asdict(self)))
+        return document
+
+    @property
+    def hash(self) -> str:
+        """SHA-256, in hexadecimal, of the canonical JSON of the resolved configuration."""
+        text = json.dumps(self.resolved(), sort_keys=True, separators=(",", ":"))
+        return hashlib.sha256(text.encode()).hexdigest()
+
+    @classmethod
+    def from_resolved(cls, document: Mapping[str, Any]) -> Self:
+        """Read back what `resolved` wrote.
+
+        Raises:
+            UsageError: a field is missing, unknown or out of range.
+        """
+        try:
+            eye = {**document["retina"], "shading": Shading(document["retina"]["shading"])}
+            parts = {
+                "worlds": tuple(TrainingWorld(**world) for world in document["worlds"]),
+                "retina": RetinaSpec(**eye),
+                "network": NetworkConfig(**document["network"]),
+                "learner": _learner(document["learner"]),
+                "validation": ValidationConfig(**document["validation"]),
+            }
+            return cls(**{**document, **parts})
+        except (KeyError, TypeError, ValueError, ContractError) as error:
+            raise UsageError(
+                f"configuration: not one of this version ({error}); train anew"
+            ) from None
+
+    def contract(self, provenance: Provenance | None = None) -> PolicyContract:
+        """What the policy of this run sees and does."""
+        return PolicyContract(
+            retina=self.retina,
+            actions=self._actions(),
+            rate_hz=self.rate_hz,
+            max_input_age_s=self.max_input_age_s,
+            provenance=provenance or Provenance(),
+        )
+
+    def _actions(self) -> tuple[Action, ...]:
+        if self.motion == "turning":
+            return turning_actions(self.forward_mps, self.angular_radps)
+        return sideways_actions(self.forward_mps, self.lateral_mps)
+
+
+def _learner(document: Mapping[str, Any]) -> LearnerConfig:
+    parts = {
+        "exploration": ExplorationConfig(**document["exploration"]),
+        "online": OnlineConfig(**document["online"]),
+        "batched": BatchedConfig(**document["batched"]),
+    }
+    return LearnerConfig(**{**document, **parts})

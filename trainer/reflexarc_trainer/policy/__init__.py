@@ -1,0 +1,1 @@
+"""The learned network as a file: torch module, ONNX graph, export, parity check, warm start."""

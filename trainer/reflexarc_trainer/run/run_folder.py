@@ -1,0 +1,96 @@
+"""The folder of a run: what lies in it, and how each file is written.
+
+    policy.onnx        the policy as the run left it, whole: see `export.py`
+    policy-best.onnx   the policy of the best validation point
+    report.md          one page: what was learned, how well, what it does; with
+    curve.png          contacts over steps
+    occupancy.png      where across the world the policy drives
+    metrics.csv        one row a validation point: see `history.py`
+    config.json        the resolved configuration, its hash, versions and commit
+    checkpoint.npz     where the run stands: `resume` goes on from it to the same bits
+
+Each file is whole or absent.
+"""
+
+import json
+from pathlib import Path
+
+from reflexarc_runtime.files import write_atomically
+from reflexarc_trainer.config.train_config import TrainConfig
+from reflexarc_trainer.policy.provenance import commit, versions
+from reflexarc_trainer.policy.weights import Weights, network_of, unpack
+from reflexarc_trainer.run import checkpoint
+from reflexarc_trainer.run.checkpoint import Checkpoint
+from reflexarc_trainer.run.delivery import deliver
+from reflexarc_trainer.run.history import Row, best_of, to_csv
+from reflexarc_trainer.run.occupancy import draw_occupancy
+from reflexarc_trainer.run.plots import draw_curve
+from reflexarc_trainer.run.report import write_report
+from reflexarc_trainer.sarsa.learner import Learner
+
+POLICY, BEST, CONFIG, METRICS = "policy.onnx", "policy-best.onnx", "config.json", "metrics.csv"
+CURVE, CHECKPOINT = "curve.png", "checkpoint.npz"
+REPORT, OCCUPANCY = "report.md", "occupancy.png"
+
+_MADE = (POLICY, BEST, REPORT, CURVE, OCCUPANCY, METRICS, CHECKPOINT)
+
+
+class RunFolder:
+    """A folder that a run writes into."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    @property
+    def policy(self) -> Path:
+        """The policy as the run left it."""
+        return self.path / POLICY
+
+    @property
+    def best_policy(self) -> Path:
+        """The policy of the best validation point."""
+        return self.path / BEST
+
+    def begin(self, config: TrainConfig) -> None:
+        """Say what will be learned; what an earlier run left goes, lest it be mistaken for this."""
+        for name in _MADE:
+            (self.path / name).unlink(missing_ok=True)
+        document = {
+            "config": config.resolved(),
+            "config_hash": config.hash,
+            "versions": versions(),
+            "commit": commit(),
+        }
+        self._write(CONFIG, (json.dumps(document, indent=2) + "\n").encode())
+
+    def save(self, learner: Learner, history: list[Row], best: Weights) -> None:
+        """Keep where the run stands."""
+        checkpoint.save(self.path / CHECKPOINT, learner, history, best)
+        self._write(METRICS, to_csv(history))
+
+    def load(self) -> Checkpoint:
+        """Where the run stood.
+
+        Raises:
+            UsageError: there is no checkpoint.
+        """
+        return checkpoint.load(self.path / CHECKPOINT)
+
+    def finish(self, learner: Learner, history: list[Row], best: Weights) -> None:
+        """Write the policies and the report.
+
+        Raises:
+            PolicyError: a policy could not be exported faithfully.
+        """
+        config, network = learner.config, network_of(learner)
+        last, best_point = history[-1] if history else None, best_of(history)
+        deliver(network, config, learner.step, last, self.policy)
+        if best_point is not None:
+            best_network = unpack(best, config.contract(), config.network)
+            deliver(best_network, config, best_point.step, best_point, self.best_policy)
+        self._write(CURVE, draw_curve(config, history))
+        self._write(OCCUPANCY, draw_occupancy(network, config))
+        self._write(REPORT, write_report(network, config, learner.step, history).encode())
+
+    def _write(self, name: str, data: bytes) -> None:
+        write_atomically(self.path / name, data)

@@ -1,0 +1,218 @@
+"""A training run: learn, measure, keep the best, leave a folder behind (`run_folder.py`).
+
+An interrupted run leaves everything, of what it learned so far; one that is killed leaves the last
+validation point's checkpoint and metrics.
+"""
+
+import dataclasses
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from reflexarc_trainer.config.train_config import TrainConfig
+from reflexarc_trainer.policy.warm_start import weights_of
+from reflexarc_trainer.policy.weights import Weights, network_of
+from reflexarc_trainer.run.history import Row, best_of, has_reached
+from reflexarc_trainer.run.run_folder import RunFolder
+from reflexarc_trainer.run.validation import validate
+from reflexarc_trainer.sarsa.forms import new_learner
+from reflexarc_trainer.sarsa.learner import Learner
+
+CHUNK_STEPS = 20_000
+"""Transitions between two looks at `should_stop`."""
+
+
+@dataclass(frozen=True)
+class Progress:
+    """Where a run stands."""
+
+    step: int
+    steps: int
+    epsilon: float
+    seconds: float
+    steps_per_s: float
+    """Of learning alone, since the last look."""
+    mean_abs_error: float
+    """Since the last validation point: see `history.py`."""
+    last: Row | None
+    """The last validation point."""
+
+
+@dataclass(frozen=True)
+class TrainResult:
+    """What a run gave."""
+
+    policy_path: Path
+    """The policy as the run left it."""
+    steps: int
+    """Transitions learned from."""
+    seconds: float
+    history: tuple[Row, ...]
+    interrupted: bool
+    best: Row | None = None
+    """The best validation point, that of `best_policy_path`; none before the first point."""
+    reached: bool = False
+    """The run ended at `validation.stop_at`."""
+
+    @property
+    def best_policy_path(self) -> Path:
+        """The policy of the best validation point, if there is one."""
+        return RunFolder(self.policy_path.parent).best_policy
+
+
+ProgressCallback = Callable[[Progress], None]
+RowCallback = Callable[[Row], None]
+
+
+def train(
+    config: TrainConfig,
+    out: Path,
+    *,
+    init_from: Path | None = None,
+    progress: ProgressCallback | None = None,
+    measured: RowCallback | None = None,
+    should_stop: Callable[[], bool] | None = None,
+) -> TrainResult:
+    """Train from the start and write everything into `out`, over what lies there.
+
+    Args:
+        config: the run.
+        out: its folder, made if need be.
+        init_from: a policy file to begin with the weights of; its hash becomes part of the
+            configuration.
+        progress: told where the run stands, every `CHUNK_STEPS` steps.
+        measured: told of each validation point.
+        should_stop: asked as often; True ends the run as Ctrl-C does.
+
+    Raises:
+        WorldError: a world or the eye is not supported.
+        UsageError: the weights diverged; or `init_from` is not of this eye and network.
+        PolicyError: the policy could not be exported faithfully; or `init_from` is none.
+    """
+    weights: Weights | None = None
+    if init_from is not None:
+        weights, name = weights_of(init_from, config)
+        config = dataclasses.replace(config, init_from=name)
+    run = _Run(RunFolder(out), new_learner(config, weights), progress, measured, should_stop)
+    run.folder.begin(config)
+    return run.go()
+
+
+def resume(
+    out: Path,
+    *,
+    progress: ProgressCallback | None = None,
+    measured: RowCallback | None = None,
+    should_stop: Callable[[], bool] | None = None,
+) -> TrainResult:
+    """Continue the run in `out` to the end that it was given; arguments as for `train`.
+
+    Raises:
+        UsageError: there is no checkpoint in `out`.
+    """
+    folder = RunFolder(out)
+    saved = folder.load()
+    run = _Run(folder, saved.learner(), progress, measured, should_stop, saved.history, saved.best)
+    return run.go()
+
+
+@dataclass
+class _Run:
+    folder: RunFolder
+    learner: Learner
+    progress: ProgressCallback | None
+    measured: RowCallback | None
+    should_stop: Callable[[], bool] | None
+    history: list[Row] = field(default_factory=list)
+    best: Weights = field(default_factory=lambda: np.empty(0))
+    started_s: float = field(default_factory=time.perf_counter)
+
+    def __post_init__(self) -> None:
+        self.started_s -= self.history[-1].seconds if self.history else 0.0
+
+    @property
+    def config(self) -> TrainConfig:
+        return self.learner.config
+
+    @property
+    def seconds(self) -> float:
+        return time.perf_counter() - self.started_s
+
+    def go(self) -> TrainResult:
+        try:
+            interrupted = not self._learn()
+        except KeyboardInterrupt:
+            interrupted = True
+        self.folder.save(self.learner, self.history, self.best)
+        self.folder.finish(self.learner, self.history, self.best)
+        return TrainResult(
+            policy_path=self.folder.policy,
+            steps=self.learner.step,
+            seconds=self.seconds,
+            history=tuple(self.history),
+            interrupted=interrupted,
+            best=best_of(self.history),
+            reached=self._has_reached(),
+        )
+
+    def _learn(self) -> bool:
+        """True when the end is reached, False when someone wants to stop."""
+        for target in validation_steps(self.config)[len(self.history) :]:
+            if self._has_reached():
+                break
+            while self.learner.step < target:
+                if self.should_stop is not None and self.should_stop():
+                    return False
+                self._learn_until(target)
+            self._measure()
+        return True
+
+    def _learn_until(self, target: int) -> None:
+        """A chunk of steps, at most up to the target."""
+        before, began_s = self.learner.step, time.perf_counter()
+        self.learner.run(min(CHUNK_STEPS, target - before))
+        rate = (self.learner.step - before) / max(1e-9, time.perf_counter() - began_s)
+        if self.progress is not None:
+            self.progress(self._where(rate))
+
+    def _measure(self) -> None:
+        """A validation point; kept at once, for a killed run to go on from."""
+        score, report = validate(network_of(self.learner), self.config), self.learner.report()
+        self.learner.mark()
+        row = Row(
+            step=self.learner.step,
+            seconds=self.seconds,
+            epsilon=self.learner.epsilon,
+            mean_abs_error=float(report.mean_abs_error),
+            learning_contacts_per_100m=float(report.contacts_per_100m),
+            validation_contacts_per_100m=score,
+        )
+        self.history.append(row)
+        if best_of(self.history) is row:
+            self.best = self.learner.weights.copy()
+        if self.measured is not None:
+            self.measured(row)
+        self.folder.save(self.learner, self.history, self.best)
+
+    def _where(self, steps_per_s: float) -> Progress:
+        return Progress(
+            step=self.learner.step,
+            steps=self.config.steps,
+            epsilon=self.learner.epsilon,
+            seconds=self.seconds,
+            steps_per_s=steps_per_s,
+            mean_abs_error=self.learner.report().mean_abs_error,
+            last=self.history[-1] if self.history else None,
+        )
+
+    def _has_reached(self) -> bool:
+        return has_reached(self.history, self.config.validation.stop_at)
+
+
+def validation_steps(config: TrainConfig) -> list[int]:
+    """The steps after which the policy is measured; the last is the end of the run."""
+    points = min(config.validation.points, config.steps)
+    return [config.steps * (point + 1) // points for point in range(points)]

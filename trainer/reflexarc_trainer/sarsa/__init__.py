@@ -1,0 +1,1 @@
+"""SARSA(λ): the readable reference, and two compiled forms of it, `online` and `batched`."""

@@ -1,0 +1,1 @@
+"""SARSA(λ) for many agents at once: roll-outs, λ-returns, gradient steps over minibatches."""

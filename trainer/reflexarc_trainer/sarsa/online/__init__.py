@@ -1,0 +1,1 @@
+"""SARSA(λ) for one agent: eligibility traces, an update after every transition."""
