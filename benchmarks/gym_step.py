@@ -19,13 +19,13 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_sim_bridge.environments.single import REFERENCE_ID
-from reflexarc_sim_bridge.evaluation.reference_field import WORLD_NAME, reference_contract
 from reflexarc_sim_bridge.native.decorators import compiled_allocating
 from reflexarc_sim_bridge.native.threads import set_thread_count
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.simulation.step import LOOK, MOVE
 from reflexarc_sim_bridge.simulation.step_pointer import step_world
 from reflexarc_sim_bridge.worlds.files import world_named
+from reflexarc_sim_bridge.worlds.reference_contract import WORLD_NAME, reference_contract
 
 AGENTS = (1, 64, 1024, 4096)
 ROUNDS = 9

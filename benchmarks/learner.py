@@ -23,7 +23,7 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_sim_bridge.evaluation.reference_field import measure
-from reflexarc_sim_bridge.native.fused import fused_free
+from reflexarc_sim_bridge.native.decorators import fused_free
 from reflexarc_sim_bridge.native.threads import thread_count
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.files import world_named

@@ -9,16 +9,16 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_runtime.arrays import Actions
-from reflexarc_sim_bridge.evaluation.reference_field import (
-    WORLD_NAME,
-    reference_contract,
-    reference_retina,
-)
 from reflexarc_sim_bridge.native.threads import shared
 from reflexarc_sim_bridge.simulation import step as kernel
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.files import world_named
 from reflexarc_sim_bridge.worlds.layers import CHUNK_M, Scatter
+from reflexarc_sim_bridge.worlds.reference_contract import (
+    WORLD_NAME,
+    reference_contract,
+    reference_retina,
+)
 from reflexarc_sim_bridge.worlds.seeds import training_seeds
 from reflexarc_sim_bridge.worlds.shapes import Curves, Rectangles, Shape
 from reflexarc_sim_bridge.worlds.world import World

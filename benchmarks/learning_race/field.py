@@ -15,9 +15,9 @@ from stable_baselines3.common.vec_env import VecEnv
 from learning_race.frozen import Floats, seen
 from reflexarc_runtime.arrays import Actions
 from reflexarc_sim_bridge.environments.episodes import CONTACT_REWARD, STEP_REWARD
-from reflexarc_sim_bridge.evaluation.reference_field import WORLD_NAME, reference_contract
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.files import world_named
+from reflexarc_sim_bridge.worlds.reference_contract import WORLD_NAME, reference_contract
 from reflexarc_sim_bridge.worlds.seeds import TRAINING_SEEDS
 
 

@@ -11,7 +11,8 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 from learning_race.frozen import FrozenPolicy
-from reflexarc_sim_bridge.evaluation.reference_field import measure, reference_contract
+from reflexarc_sim_bridge.evaluation.reference_field import measure
+from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
 from reflexarc_sim_bridge.worlds.seeds import validation_seeds
 
 RATIO = 1.25

@@ -9,7 +9,8 @@ from learning_race.judge import LEVELS, Clock, Judge
 from learning_race.learn import in_time, learn, warm_up
 from learning_race.schedule import Scale
 from learning_race.threads import set_threads
-from reflexarc_sim_bridge.evaluation.reference_field import measure, reference_contract
+from reflexarc_sim_bridge.evaluation.reference_field import measure
+from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
 
 COLD_LIMIT_S = 600.0
 

@@ -82,7 +82,7 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> LogFile | 
 
 @pytest.fixture
 def replay() -> "Callable[..., Report]":
-    """A callable: path of a log (and what `reflexarc_logs.replaying.replay.replay` takes) → `Report`."""
+    """A callable: path of a log (and what `replaying.replay.replay` takes) → `Report`."""
     from reflexarc_logs.replaying.replay import replay as replay_log
 
     return replay_log

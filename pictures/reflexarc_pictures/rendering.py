@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from reflexarc.terminal.output import progress_bar
 from reflexarc_runtime.errors import UsageError
-from reflexarc_runtime.whole_file import whole_file
+from reflexarc_runtime.files import whole_file
 
 if TYPE_CHECKING:
     from reflexarc_pictures.courses.course import Course
@@ -68,8 +68,8 @@ def render_world(
     """
     from reflexarc_pictures.courses.world_course import drive_in_world
     from reflexarc_runtime.policy.policy import Policy, load_policy
-    from reflexarc_sim_bridge.evaluation.reference_field import reference_contract
     from reflexarc_sim_bridge.evaluation.simple_policies import BlindPolicy
+    from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
 
     contract = reference_contract()
     driver: Policy = BlindPolicy(len(contract.actions))

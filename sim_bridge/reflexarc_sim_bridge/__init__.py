@@ -6,15 +6,12 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from reflexarc_sim_bridge.environments.single import ReferenceEnv
     from reflexarc_sim_bridge.environments.vector import ReferenceVectorEnv
-    from reflexarc_sim_bridge.evaluation.reference_field import (
-        FieldScore,
-        measure,
-        reference_contract,
-    )
+    from reflexarc_sim_bridge.evaluation.reference_field import FieldScore, measure
     from reflexarc_sim_bridge.evaluation.simple_policies import BlindPolicy, RandomPolicy
     from reflexarc_sim_bridge.simulation.simulation import Simulation
     from reflexarc_sim_bridge.worlds.files import WORLDS, WorldFamily, read_world, world_named
     from reflexarc_sim_bridge.worlds.layers import Scatter
+    from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
     from reflexarc_sim_bridge.worlds.seeds import test_seeds, training_seeds, validation_seeds
     from reflexarc_sim_bridge.worlds.shapes import Discs, Rectangles
     from reflexarc_sim_bridge.worlds.world import Edges, World

@@ -17,9 +17,9 @@ from learning_race.report import write_report
 from learning_race.results import Run, times_to
 from learning_race.schedule import Scale, warm_entries
 
-from reflexarc_sim_bridge.evaluation.reference_field import reference_contract
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.files import world_named
+from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
 from reflexarc_sim_bridge.worlds.seeds import TRAINING_SEEDS
 from reflexarc_trainer.config.presets import PRESETS
 from reflexarc_trainer.policy.weights import NetworkPolicy, unpack

@@ -16,7 +16,8 @@ ROOMS = ("reflexarc", "reflexarc_runtime", "reflexarc_logs", "reflexarc_sim_brid
 def test_runtime_logs_and_bridge_never_load_torch():
     code = """
 import importlib, pkgutil, sys
-for room in ("reflexarc", "reflexarc_runtime", "reflexarc_logs", "reflexarc_sim_bridge", "reflexarc_pictures"):
+rooms = "runtime", "logs", "sim_bridge", "pictures"
+for room in ("reflexarc", *(f"reflexarc_{room}" for room in rooms)):
     package = importlib.import_module(room)
     for module in pkgutil.walk_packages(package.__path__, room + "."):
         if any(part in module.name for part in ("demo", "progress", "__main__")):
@@ -34,7 +35,8 @@ def test_the_runtime_loads_neither_numba_nor_plotting():
     code = """
 import sys
 import reflexarc_runtime.loop.node, reflexarc_runtime.bus, reflexarc_runtime.policy.policy
-import reflexarc_logs.recording.recorder, reflexarc_logs.replaying.replay, reflexarc.commands.drive.run, reflexarc.main
+import reflexarc_logs.recording.recorder, reflexarc_logs.replaying.replay
+import reflexarc.commands.drive.run, reflexarc.main
 loaded = {name.partition(".")[0] for name in sys.modules}
 print(sorted(loaded & {"numba", "gymnasium", "matplotlib", "torch"}))
 """

@@ -20,9 +20,9 @@ from reflexarc_runtime.contract import RetinaSpec
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.policy.policy import LoadedPolicy, load_policy
 from reflexarc_runtime.sensing.retina import Scan, retina_from_scan
-from reflexarc_sim_bridge.evaluation.reference_field import reference_contract
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.files import world_named
+from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
 from reflexarc_sim_bridge.worlds.seeds import test_seeds
 
 _POLL_S = 0.1

@@ -10,8 +10,9 @@ from reflexarc_logs.reading.summary import summarise
 from reflexarc_logs.replaying.replay import replay
 from reflexarc_runtime.contract import PolicyContract
 from reflexarc_runtime.policy.policy import Policy, load_policy
-from reflexarc_sim_bridge.evaluation.reference_field import FieldScore, measure, reference_contract
+from reflexarc_sim_bridge.evaluation.reference_field import FieldScore, measure
 from reflexarc_sim_bridge.evaluation.simple_policies import BlindPolicy, RandomPolicy
+from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
 from reflexarc_trainer.config.presets import preset_named
 from reflexarc_trainer.run.train import TrainResult, train
 

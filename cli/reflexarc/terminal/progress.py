@@ -1,6 +1,6 @@
-"""Training as a person sees it go by."""
+"""Progress of a training run and of a study, on standard error."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
@@ -8,6 +8,7 @@ from rich.progress import Progress as Bar
 
 from reflexarc.terminal.output import aside
 from reflexarc_trainer.run.train import Progress, ProgressCallback
+from reflexarc_trainer.study.study import Progress as StudyProgress
 
 
 @contextmanager
@@ -35,3 +36,32 @@ def _said(progress: Progress) -> str:
     if progress.last is None:
         return said
     return f"{said}  contacts per 100 m {progress.last.validation_contacts_per_100m:.1f}"
+
+
+@contextmanager
+def show_study_progress() -> Iterator[Callable[[StudyProgress], None]]:
+    """A bar with the runs that are done and the time that is left, on standard error."""
+    columns = (
+        TextColumn("studying"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("runs  {task.fields[said]}"),
+        TimeRemainingColumn(),
+    )
+    with Bar(*columns, console=aside, transient=True, speed_estimate_period=600.0) as bar:
+        task = bar.add_task("studying", said="", total=None)
+
+        def tell(progress: StudyProgress) -> None:
+            said = _said_of_study(progress)
+            bar.update(task, completed=progress.done, total=progress.units, said=said)
+
+        yield tell
+
+
+def _said_of_study(progress: StudyProgress) -> str:
+    last = progress.last
+    if last is None:
+        return "beginning"
+    if last.contacts_per_100m is None:
+        return "last: diverged"
+    return f"last: {last.contacts_per_100m:.1f} contacts per 100 m"

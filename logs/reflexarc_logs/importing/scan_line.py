@@ -1,6 +1,6 @@
 """What one line of a lidar log says, in our terms: metres, radians, nanoseconds.
 
-No return is +inf, and whatever says nothing is NaN, as `reflexarc_runtime.sensing.retina` reads them;
+No return is +inf, an unknown distance is NaN, as `reflexarc_runtime.sensing.retina` reads them;
 nothing is guessed.
 """
 

@@ -27,7 +27,7 @@ from reflexarc_pictures.courses.course import (
     eye_of,
     reaches_into,
 )
-from reflexarc_pictures.log_pictures.decisions import BRIGHT
+from reflexarc_pictures.log_pictures.decision_strips import BRIGHT
 from reflexarc_pictures.log_pictures.drive import JUMP_M
 from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.contract import PolicyContract, RetinaSpec, Shading

@@ -4,9 +4,9 @@ from pathlib import Path
 from typing import Literal, TypeAlias
 
 from reflexarc_logs.reading.reader import Log, read_log
-from reflexarc_pictures.log_pictures.decisions import decisions_of
-from reflexarc_pictures.log_pictures.drive_log import drive_of
-from reflexarc_pictures.log_pictures.floor_log import floor_plan_of
+from reflexarc_pictures.log_pictures.decision_strips import decisions_of
+from reflexarc_pictures.log_pictures.drive import drive_of
+from reflexarc_pictures.log_pictures.floor_plan import floor_plan_of
 from reflexarc_runtime.errors import UsageError
 from reflexarc_runtime.messages.topics import POSE, SCAN, Topic
 

@@ -7,10 +7,14 @@ import numpy as np
 from reflexarc_runtime.contract import PolicyContract, RetinaSpec, Shading
 from reflexarc_runtime.errors import WorldError
 from reflexarc_runtime.sensing.retina import nearest_beam, ray_bearing_rad
-from reflexarc_sim_bridge.arrays.layout import TILE_RAYS, EyeParams
+from reflexarc_sim_bridge.arrays.layout import TILE_RAYS, EyeParams, Floats32
 from reflexarc_sim_bridge.worlds.world import Scanner, World
 
 _WIDE_RAD = 0.99 * math.pi
+
+
+STEEPEST = np.float32(1e-9)
+"""Components of a direction count as no smaller: their reciprocals stay finite."""
 
 
 def eye_params(contract: PolicyContract, world: World) -> EyeParams:
@@ -61,6 +65,12 @@ def seen_behind_m(spec: RetinaSpec) -> float:
     """A ray at bearing φ reaches range · (−cos φ) behind; within ±90° none does."""
     outermost_rad = ray_bearing_rad(0, spec.rays * spec.samples, spec.fov_rad)
     return spec.range_m * max(0.0, -math.cos(outermost_rad))
+
+
+def reciprocals(components: Floats32) -> Floats32:
+    """1 / component, finite, as `aim` gives it."""
+    steepest = np.maximum(np.abs(components), STEEPEST)
+    return (1.0 / np.copysign(steepest, components)).astype(np.float32)
 
 
 def _bearings(spec: RetinaSpec, rays: int) -> list[float]:

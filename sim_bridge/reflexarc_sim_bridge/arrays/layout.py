@@ -11,7 +11,7 @@ metre or a thousand kilometres. The list is a function of seed, cell and time al
 anew when the agent enters another cell; a moving layer has cells of its own.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -212,3 +212,11 @@ class Params(NamedTuple):
     world: WorldTables
     eye: EyeParams
     agents: Agents
+
+
+MAX_ROWS = 64
+"""Rows of a chunk with its margins, rounded up."""
+
+
+Row: TypeAlias = Any
+"""A row of one of the tables of `params.py`; compiled code reads its fields as attributes."""

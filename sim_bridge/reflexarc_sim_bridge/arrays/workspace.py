@@ -5,15 +5,95 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_sim_bridge.arrays.layout import TILE_RAYS, TURNED_ROWS, Floats32, Params, WorldTables
-from reflexarc_sim_bridge.arrays.parts import Parts
+from reflexarc_sim_bridge.arrays.eyes import reciprocals
+from reflexarc_sim_bridge.arrays.layout import (
+    MAX_ROWS,
+    TILE_RAYS,
+    TURNED_ROWS,
+    Floats32,
+    Integers32,
+    Params,
+    WorldTables,
+)
 from reflexarc_sim_bridge.native.intrinsics import LANES
-from reflexarc_sim_bridge.obstacles.automaton import MAX_ROWS
-from reflexarc_sim_bridge.obstacles.belt import Picks
-from reflexarc_sim_bridge.obstacles.belt_drawing import EIGHT, Draws
-from reflexarc_sim_bridge.vision.faces import Faces
-from reflexarc_sim_bridge.vision.ray_directions import reciprocals
-from reflexarc_sim_bridge.vision.visible import Sieve
+
+Picked = npt.NDArray[np.uint32]
+
+
+Judged = npt.NDArray[np.bool_]
+
+
+class Sieve(NamedTuple):
+    """Scratch for picking."""
+
+    judged: Judged
+    """Whether an eye or a tile of its rays can see an obstacle: (capacity,)."""
+    numbers: Picked
+    """0, 1, 2, …: (capacity,)."""
+    picked: Picked
+    """Columns of those that it can: (capacity + LANES,)."""
+
+
+class Faces(NamedTuple):
+    """What a ray's direction is multiplied with, x with x and y with y: (capacity,)."""
+
+    one_x: Floats32
+    """1 / length of a ray up to a face."""
+    one_y: Floats32
+    other_x: Floats32
+    """The same of the other face that can be seen, or of the only one."""
+    other_y: Floats32
+    right_x: Floats32
+    """≥ 0 for a ray to the left of the right end."""
+    right_y: Floats32
+    left_x: Floats32
+    """≥ 0 for a ray to the right of the left end."""
+    left_y: Floats32
+    paint: Floats32
+
+
+EIGHT = 8
+"""Entries are written so many at a time: how many a chunk has, no branch foresees."""
+
+
+class Draws(NamedTuple):
+    """Scratch: the chunks of a column, and one entry for each of their boxes."""
+
+    keys: npt.NDArray[np.uint64]
+    """Key of each chunk: (chunks,)."""
+    draws: npt.NDArray[np.float64]
+    counts: npt.NDArray[np.int64]
+    """Boxes of each chunk: (chunks,)."""
+    numbers: npt.NDArray[np.uint64]
+    """Where each box's random numbers begin: (entries,)."""
+    chunks: npt.NDArray[np.float64]
+    """Which chunk of the column each box is in: (entries,)."""
+
+
+class Picks(NamedTuple):
+    """Scratch: the boxes of a belt as an agent's cell has them."""
+
+    x_m: Floats32
+    """From the corner of the cell: (capacity,)."""
+    y_m: Floats32
+    is_near: npt.NDArray[np.bool_]
+    integers: Integers32
+    """For places that move: (capacity,)."""
+
+
+class Parts(NamedTuple):
+    """The parts of a step that are compiled apart, each by its address; 0 where none needs it."""
+
+    look: int = 0
+    """`vision.sensing.sense_agent`."""
+    put: int = 0
+    """`motion.placing.go_to_free_place`."""
+    belt: int = 0
+    """`obstacles.gathering.gather_belt`."""
+    scatter: int = 0
+    """`obstacles.gathering.gather_scatter`."""
+    structure: int = 0
+    """`obstacles.gathering.gather_structure`."""
 
 
 class Workspace(NamedTuple):

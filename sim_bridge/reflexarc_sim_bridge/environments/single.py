@@ -31,9 +31,9 @@ from reflexarc_sim_bridge.environments.registration import (
     REFERENCE_ID,
     register_environments,
 )
-from reflexarc_sim_bridge.evaluation.reference_field import WORLD_NAME, reference_contract
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.simulation.single_agent import REFUSED, OneAgent
+from reflexarc_sim_bridge.worlds.reference_contract import WORLD_NAME, reference_contract
 from reflexarc_sim_bridge.worlds.world import WorldSource
 
 __all__ = ["CONTACT_REWARD", "EPISODE_STEPS", "REFERENCE_ID", "STEP_REWARD", "ReferenceEnv"]

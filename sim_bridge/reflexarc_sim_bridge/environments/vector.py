@@ -32,8 +32,8 @@ from reflexarc_sim_bridge.environments.episodes import (
     the_world,
 )
 from reflexarc_sim_bridge.environments.registration import EPISODE_STEPS
-from reflexarc_sim_bridge.evaluation.reference_field import WORLD_NAME, reference_contract
 from reflexarc_sim_bridge.simulation.simulation import Simulation
+from reflexarc_sim_bridge.worlds.reference_contract import WORLD_NAME, reference_contract
 from reflexarc_sim_bridge.worlds.world import WorldSource
 
 Observations = npt.NDArray[np.uint8]

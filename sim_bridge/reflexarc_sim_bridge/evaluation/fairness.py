@@ -23,9 +23,9 @@ import numpy as np
 
 from reflexarc_runtime.errors import WorldError
 from reflexarc_sim_bridge.evaluation.cover_profile import CoverProfile, measure_profile, ratio
-from reflexarc_sim_bridge.evaluation.reference_field import reference_contract
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.layers import Scatter
+from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
 from reflexarc_sim_bridge.worlds.shapes import Rectangles
 from reflexarc_sim_bridge.worlds.world import World, WorldSource
 

@@ -9,7 +9,6 @@ Progress along x, not the length of the path: nobody scores better by zigzagging
 never steers scores 100 · 2ρR = 36.0.
 """
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -17,17 +16,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_runtime.contract import PolicyContract, RetinaSpec, Shading, sideways_actions
+from reflexarc_runtime.contract import PolicyContract
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.files import world_named
+from reflexarc_sim_bridge.worlds.reference_contract import WORLD_NAME
 from reflexarc_sim_bridge.worlds.seeds import test_seeds
 from reflexarc_sim_bridge.worlds.world import WorldSource
 
 if TYPE_CHECKING:
     from reflexarc_runtime.policy.policy import Policy
 
-WORLD_NAME = "reference-1"
-SPEED_MPS = 1.0
 AGENTS = 4096
 STEPS = 2000
 DISCARDED_STEPS = 100
@@ -47,18 +45,6 @@ class FieldScore:
     """Progress of all agents together."""
     contacts: int
     agents: int
-
-
-def reference_retina() -> RetinaSpec:
-    """The eye of the field: 16 rays over 180°, 5 m, grey, nearness, one frame."""
-    return RetinaSpec(rays=16, fov_rad=math.pi, range_m=5.0, shading=Shading.NEARNESS)
-
-
-def reference_contract(retina: RetinaSpec | None = None) -> PolicyContract:
-    """A contract for the field: its actions and its speed, its own eye unless another is given."""
-    return PolicyContract(
-        retina=retina or reference_retina(), actions=sideways_actions(SPEED_MPS, SPEED_MPS)
-    )
 
 
 def measure(

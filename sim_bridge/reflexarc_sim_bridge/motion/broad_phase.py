@@ -23,10 +23,10 @@ from reflexarc_sim_bridge.arrays.layout import (
     SIDE_Y,
     Floats32,
 )
+from reflexarc_sim_bridge.arrays.workspace import Judged
 from reflexarc_sim_bridge.motion.overlap import TOUCHING_M
 from reflexarc_sim_bridge.native.decorators import compiled_disjoint, compiled_inline
 from reflexarc_sim_bridge.native.intrinsics import whole
-from reflexarc_sim_bridge.vision.visible import Judged
 
 
 class Way(NamedTuple):

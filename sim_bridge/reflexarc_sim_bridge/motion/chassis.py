@@ -11,16 +11,16 @@ obstacle, and can touch again once they are clear.
 
 import math
 
-from reflexarc_sim_bridge.arrays.layout import GHOST, OPEN, Params
+from reflexarc_sim_bridge.arrays.layout import GHOST, OPEN, Params, Row
 from reflexarc_sim_bridge.arrays.workspace import Workspace
 from reflexarc_sim_bridge.motion.contact import free_share
 from reflexarc_sim_bridge.motion.overlap import touches
-from reflexarc_sim_bridge.motion.placing import draw, set_place
+from reflexarc_sim_bridge.motion.placing import set_place
 from reflexarc_sim_bridge.native.decorators import compiled_inline, compiled_part
 from reflexarc_sim_bridge.native.function_pointers import call
 from reflexarc_sim_bridge.native.splitmix64 import normal
-from reflexarc_sim_bridge.obstacles.chunks import Row
-from reflexarc_sim_bridge.obstacles.near import keep_near
+from reflexarc_sim_bridge.obstacles.gathering import keep_near
+from reflexarc_sim_bridge.obstacles.keys import draw
 
 
 @compiled_part

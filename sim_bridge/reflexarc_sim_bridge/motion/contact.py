@@ -30,7 +30,7 @@ from reflexarc_sim_bridge.arrays.layout import (
     Floats32,
     Params,
 )
-from reflexarc_sim_bridge.arrays.workspace import Workspace
+from reflexarc_sim_bridge.arrays.workspace import Judged, Workspace
 from reflexarc_sim_bridge.motion.broad_phase import (
     Way,
     around,
@@ -47,8 +47,7 @@ from reflexarc_sim_bridge.obstacles.geometry import (
     reciprocal,
     turned_back,
 )
-from reflexarc_sim_bridge.obstacles.near import displacement_m, near_of, place_in_layer_m
-from reflexarc_sim_bridge.vision.visible import Judged
+from reflexarc_sim_bridge.obstacles.near_lists import displacement_m, near_of, place_in_layer_m
 
 _STEEPEST = 1e-12
 

@@ -23,7 +23,7 @@ from reflexarc_sim_bridge.arrays.layout import (
 )
 from reflexarc_sim_bridge.native.decorators import compiled_inline, compiled_inner
 from reflexarc_sim_bridge.obstacles.geometry import turned_back
-from reflexarc_sim_bridge.obstacles.near import near_of, place_in_layer_m
+from reflexarc_sim_bridge.obstacles.near_lists import near_of, place_in_layer_m
 
 TOUCHING_M = 1e-6
 """This close counts as touching: near places are float32 within some metres."""

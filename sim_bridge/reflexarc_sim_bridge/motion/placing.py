@@ -6,15 +6,13 @@ for headway, a blind agent would score 0.57 of 2ρR.) Places are drawn from the 
 
 import math
 
-import numpy as np
-
-from reflexarc_sim_bridge.arrays.layout import OPEN, PERIODIC, UNBOUNDED, Params, WorldTables
+from reflexarc_sim_bridge.arrays.layout import OPEN, PERIODIC, UNBOUNDED, Params, Row, WorldTables
 from reflexarc_sim_bridge.arrays.workspace import Workspace
 from reflexarc_sim_bridge.motion.overlap import touches
 from reflexarc_sim_bridge.native.decorators import compiled_called, compiled_inline, compiled_inner
 from reflexarc_sim_bridge.native.splitmix64 import uniform
-from reflexarc_sim_bridge.obstacles.chunks import Row, agent_number, layer_key
-from reflexarc_sim_bridge.obstacles.near import keep_near
+from reflexarc_sim_bridge.obstacles.gathering import keep_near
+from reflexarc_sim_bridge.obstacles.keys import draw, layer_key
 from reflexarc_sim_bridge.obstacles.structures import corridor_line_m
 from reflexarc_sim_bridge.worlds.layers import CHUNK_M
 
@@ -22,14 +20,6 @@ from reflexarc_sim_bridge.worlds.layers import CHUNK_M
 # them all is taken for blocked, and the agent goes on a little farther ahead.
 _PLACE_DRAWS = 64
 _PAST_BLOCKED_M = 0.1
-
-
-@compiled_inline
-def draw(plane: Row, state: Row) -> np.uint64:
-    """The next random number of an agent."""
-    bits = agent_number(plane.stream, state.seed, state.lane, state.draws)
-    state.draws += np.uint64(1)
-    return bits
 
 
 @compiled_called

@@ -6,11 +6,17 @@ it leaves in the cache, where this one finds it. If it fails, this one compiles 
 
 import contextlib
 import os
+import pickle
 import subprocess
 import sys
 import threading
 import time
 from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib import import_module
+from typing import Any
+
+from reflexarc_sim_bridge.native.lean import uncollected
 
 _LONGEST_S = 300.0
 """A process that takes longer is stuck."""
@@ -68,3 +74,35 @@ def _watch(parent: int) -> None:
 def _stop(helper: subprocess.Popen[bytes]) -> None:
     helper.kill()
     helper.wait()
+
+
+@contextmanager
+def compiled_meanwhile(function: Any, types: tuple[Any, ...]) -> Iterator[None]:
+    """Within it another process compiles a function; afterwards it is in the cache.
+
+    Args:
+        function: a compiled one, at the top level of its module.
+        types: numba's, of its arguments.
+    """
+    with at_work(__name__, pickle.dumps((function.__module__, function.__name__, types))):
+        yield
+
+
+def main() -> None:
+    """The other process: module, function and types come in on standard input, as a pickle."""
+    try:
+        module, name, types = pickle.load(sys.stdin.buffer)
+        function = getattr(import_module(module), name)
+    except Exception as error:  # a pickle of garbage can raise anything
+        print(
+            f"compile_meanwhile: expected a pickled call on standard input: {error}",
+            file=sys.stderr,
+        )
+        raise SystemExit(2) from None
+    end_with_parent()
+    with uncollected():
+        function.compile(types)
+
+
+if __name__ == "__main__":
+    main()

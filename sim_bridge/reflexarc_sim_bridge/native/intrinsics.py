@@ -7,7 +7,7 @@ writes first and counts after would take one step an entry.
 
 from typing import Any
 
-from llvmlite import ir  # type: ignore[import-untyped]  # it has no stubs
+from llvmlite import ir  # type: ignore[import-untyped]  # it has no stubs  # type: ignore[import-untyped]  # it has no stubs  # type: ignore[import-untyped]  # it has no stubs
 from numba.core import types
 from numba.extending import intrinsic
 
@@ -70,3 +70,38 @@ def whole(count: int) -> int:
 
 
 keep: Any = intrinsic(_keep)  # its stub says that a call returns nothing
+
+
+def _fetch(_: Any, array: Any, index: Any) -> Any:
+    """Let the processor read `array[index]` into its cache, without waiting for it."""
+
+    def emit(context: Any, builder: Any, __: Any, args: Any) -> Any:
+        data = context.make_array(array)(context, builder, args[0]).data
+        at, number = builder.gep(data, [args[1]]), ir.IntType(32)
+        form = ir.FunctionType(ir.VoidType(), [at.type, number, number, number])
+        # To be read, kept in all caches, data.
+        builder.call(declared(builder.module, form, "llvm.prefetch.p0"), [at, *map(number, _HOW)])
+        return context.get_dummy_value()
+
+    return types.void(array, types.int64), emit
+
+
+_HOW = 0, 3, 1
+
+
+fetch: Any = intrinsic(_fetch)  # its stub says that a call returns nothing
+
+
+def _multiply_add(_: Any, a: Any, b: Any, c: Any) -> Any:
+    """a·b + c, of three numbers of one floating-point type."""
+
+    def emit(context: Any, builder: Any, __: Any, args: Any) -> Any:
+        kind = context.get_data_type(a)
+        name = f"llvm.fma.f{a.bitwidth}"
+        form = ir.FunctionType(kind, [kind, kind, kind])
+        return builder.call(declared(builder.module, form, name), args)
+
+    return a(a, a, a), emit
+
+
+multiply_add: Any = intrinsic(_multiply_add)  # its stub says that a call returns nothing

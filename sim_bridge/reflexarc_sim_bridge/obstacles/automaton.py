@@ -12,9 +12,6 @@ import numpy.typing as npt
 from reflexarc_sim_bridge.native.decorators import compiled_inner
 from reflexarc_sim_bridge.native.splitmix64 import joined, number, uniform
 
-MAX_ROWS = 64
-"""Rows of a chunk with its margins, rounded up."""
-
 _ONE = np.uint64(1)
 
 

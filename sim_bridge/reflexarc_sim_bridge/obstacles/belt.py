@@ -12,7 +12,7 @@ it, but for rounding (0.2 µm); of what lies beyond, a belt has a little more.
 All work is in phases over flat arrays, each of which the compiler turns into vector instructions.
 """
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -37,7 +37,9 @@ from reflexarc_sim_bridge.arrays.layout import (
     Belt,
     Floats32,
     Integers32,
+    Row,
 )
+from reflexarc_sim_bridge.arrays.workspace import Draws, Picks
 from reflexarc_sim_bridge.native.decorators import (
     compiled_disjoint,
     compiled_inline,
@@ -47,26 +49,14 @@ from reflexarc_sim_bridge.native.intrinsics import LANES, keep, whole
 from reflexarc_sim_bridge.obstacles.belt_drawing import (
     CHUNK_BITS,
     TURN,
-    Draws,
     draw_boxes,
     place_boxes,
     turn_boxes,
 )
-from reflexarc_sim_bridge.obstacles.chunks import Row, chunks_between, column_key
+from reflexarc_sim_bridge.obstacles.keys import chunks_between, column_key
 from reflexarc_sim_bridge.worlds.layers import CHUNK_M
 
 WHITE = np.float32(0xFFFFFF)
-
-
-class Picks(NamedTuple):
-    """Scratch: the boxes of a belt as an agent's cell has them."""
-
-    x_m: Floats32
-    """From the corner of the cell: (capacity,)."""
-    y_m: Floats32
-    is_near: npt.NDArray[np.bool_]
-    integers: Integers32
-    """For places that move: (capacity,)."""
 
 
 @compiled_inner

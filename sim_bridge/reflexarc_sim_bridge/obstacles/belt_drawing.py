@@ -1,7 +1,6 @@
 """The boxes of a column of chunks, drawn in vectors for a belt: see `belt.py`."""
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -14,7 +13,9 @@ from reflexarc_sim_bridge.arrays.layout import (
     HALF_WIDTH,
     SIN,
     Belt,
+    Row,
 )
+from reflexarc_sim_bridge.arrays.workspace import EIGHT, Draws
 from reflexarc_sim_bridge.native.decorators import compiled_disjoint, compiled_inline
 from reflexarc_sim_bridge.native.splitmix64 import (
     advanced,
@@ -25,28 +26,13 @@ from reflexarc_sim_bridge.native.splitmix64 import (
     second_half,
     uniform,
 )
-from reflexarc_sim_bridge.obstacles.chunks import BLOCK, PLACE, Row, chunk_key
+from reflexarc_sim_bridge.obstacles.chunks import BLOCK, PLACE
+from reflexarc_sim_bridge.obstacles.keys import chunk_key
 
 CHUNK_BITS = 24
 """A place along x is so many bits of a chunk."""
 TURN = 2.0**32
 """A place across is so many parts of the period."""
-EIGHT = 8
-"""Entries are written so many at a time: how many a chunk has, no branch foresees."""
-
-
-class Draws(NamedTuple):
-    """Scratch: the chunks of a column, and one entry for each of their boxes."""
-
-    keys: npt.NDArray[np.uint64]
-    """Key of each chunk: (chunks,)."""
-    draws: npt.NDArray[np.float64]
-    counts: npt.NDArray[np.int64]
-    """Boxes of each chunk: (chunks,)."""
-    numbers: npt.NDArray[np.uint64]
-    """Where each box's random numbers begin: (entries,)."""
-    chunks: npt.NDArray[np.float64]
-    """Which chunk of the column each box is in: (entries,)."""
 
 
 @compiled_inline

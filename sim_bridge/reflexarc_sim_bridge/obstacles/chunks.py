@@ -10,7 +10,7 @@ number. An obstacle belongs to the chunk of its centre; walls are cut at the bor
 """
 
 import math
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -22,31 +22,22 @@ from reflexarc_sim_bridge.arrays.layout import (
     OPEN,
     POLYGON,
     WALL,
+    Row,
     Table,
 )
 from reflexarc_sim_bridge.native.decorators import compiled_inline, compiled_inner
 from reflexarc_sim_bridge.native.splitmix64 import (
     between,
     first_half,
-    joined,
     number,
     second_half,
     uniform,
 )
+from reflexarc_sim_bridge.obstacles.keys import chunk_key, column_key
 from reflexarc_sim_bridge.worlds import outlines
 from reflexarc_sim_bridge.worlds.layers import CHUNK_M
 from reflexarc_sim_bridge.worlds.outlines import CURVE_CORNERS
 from reflexarc_sim_bridge.worlds.shapes import LOBES
-
-Row: TypeAlias = Any
-"""A row of one of the tables of `params.py`; compiled code reads its fields as attributes."""
-
-GENERATOR_VERSION = 2
-"""Part of every key. Any change to what a seed means takes a new one."""
-
-_VERSION = np.uint64(GENERATOR_VERSION)
-_OBSTACLES, _AGENTS = np.uint64(0), np.uint64(1)
-_S8, _S16 = np.uint64(8), np.uint64(16)
 
 # Number 0 of a chunk is its count; obstacle j has the numbers 1 + 64j to 64 + 64j.
 BLOCK = np.uint64(64)
@@ -83,40 +74,6 @@ class Obstacle(NamedTuple):
     """Where its random numbers begin."""
     paint: int
     """Colour, 8 bits each of red, green and blue."""
-
-
-@compiled_inline
-def layer_key(stream: int, seed: np.uint64, layer: int) -> np.uint64:
-    """Key of a layer's random numbers."""
-    own = (np.uint64(stream) << _S16) | (np.uint64(layer) << _S8) | _OBSTACLES
-    return joined(joined(joined(np.uint64(0), _VERSION), seed), own)
-
-
-@compiled_inline
-def agent_number(stream: int, seed: np.uint64, lane: np.uint64, counter: np.uint64) -> np.uint64:
-    """Random number of an agent: `counter` counts, `lane` tells agents of one seed apart."""
-    own = (np.uint64(stream) << _S16) | _AGENTS
-    return number(joined(joined(joined(joined(np.uint64(0), _VERSION), seed), own), lane), counter)
-
-
-@compiled_inline
-def chunks_between(low_m: float, high_m: float, side_m: float) -> tuple[int, int]:
-    """First and last chunk of a stretch."""
-    return math.floor(low_m / side_m), math.floor(high_m / side_m)
-
-
-@compiled_inline
-def column_key(key: np.uint64, i: int) -> np.uint64:
-    """Key of all chunks with the same i."""
-    return joined(key, np.uint64(i))
-
-
-@compiled_inline
-def chunk_key(column: np.uint64, j: int, across: int) -> np.uint64:
-    """Key of one chunk of a column, `across` chunks being all there are, or 0."""
-    if across > 0 and not 0 <= j < across:  # a division that is seldom needed
-        j %= across
-    return joined(column, np.uint64(j))
 
 
 @compiled_inline

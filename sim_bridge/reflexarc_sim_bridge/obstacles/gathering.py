@@ -12,28 +12,61 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_sim_bridge.arrays.layout import BOX, BOXES, OPEN, TURNED, Agents, Belt, Near, Params
-from reflexarc_sim_bridge.arrays.workspace import Workspace
-from reflexarc_sim_bridge.native.decorators import compiled_called, compiled_inline, compiled_part
-from reflexarc_sim_bridge.obstacles.belt import move_belt, pick_near
-from reflexarc_sim_bridge.obstacles.chunks import (
-    Obstacle,
+from reflexarc_sim_bridge.arrays.layout import (
+    AT_REST,
+    BOX,
+    BOXES,
+    OPEN,
+    SCATTER,
+    TURNED,
+    Agents,
+    Belt,
+    Near,
+    Params,
     Row,
-    chunk_key,
-    chunks_between,
-    column_key,
-    is_thinned,
-    layer_key,
-    scatter_count,
-    scattered,
 )
-from reflexarc_sim_bridge.obstacles.near import near_of
-from reflexarc_sim_bridge.obstacles.near_lists import list_obstacle
+from reflexarc_sim_bridge.arrays.workspace import Parts, Workspace
+from reflexarc_sim_bridge.native.decorators import (
+    compiled_called,
+    compiled_inline,
+    compiled_inner,
+    compiled_part,
+)
+from reflexarc_sim_bridge.native.function_pointers import call
+from reflexarc_sim_bridge.obstacles.belt import move_belt, pick_near
+from reflexarc_sim_bridge.obstacles.chunks import Obstacle, is_thinned, scatter_count, scattered
+from reflexarc_sim_bridge.obstacles.keys import chunk_key, chunks_between, column_key, layer_key
+from reflexarc_sim_bridge.obstacles.near_lists import displacement_m, list_obstacle, near_of
 from reflexarc_sim_bridge.obstacles.structures import structure_at, structure_count
 from reflexarc_sim_bridge.worlds.layers import CHUNK_M
 
 _DIAGONAL = math.sqrt(2.0)
 """What reaches so far along x and y reaches this much farther at most."""
+
+
+@compiled_inner
+def keep_near(params: Params, work: Workspace, i: int) -> None:
+    """Gather anew, layer by layer, where the agent has entered another cell."""
+    world, agents = params.world, params.agents
+    state = agents.state[i]
+    plane = world.planes[state.world]
+    for number in range(plane.layers):
+        layer, cell = world.layers[state.world, number], agents.layer_cells[i, number]
+        moved_x_m, moved_y_m = displacement_m(layer, state.steps * plane.dt_s)
+        x, y = state.cell_x, state.cell_y
+        if layer.motion != AT_REST:
+            x += math.floor((state.x_m - moved_x_m) / CHUNK_M)
+            y += math.floor((state.y_m - moved_y_m) / plane.chunk_width_m)
+        if x != cell[0] or y != cell[1]:
+            call(_gatherer(layer, work.parts), (params, work, i, number, x, y))
+
+
+@compiled_inline
+def _gatherer(layer: Row, parts: Parts) -> int:
+    """Address of the function that lists what is near in such a layer."""
+    if layer.has_belt:
+        return parts.belt
+    return parts.scatter if layer.kind == SCATTER else parts.structure
 
 
 @compiled_called

@@ -1,10 +1,12 @@
-"""How an obstacle is put into the lists of what is near an agent."""
+"""Lists of the obstacles near an agent: all that it could see or meet from anywhere in its cell."""
 
 import math
 
 import numpy as np
+import numpy.typing as npt
 
 from reflexarc_sim_bridge.arrays.layout import (
+    AT_REST,
     BOX,
     BOX_COS,
     BOX_HALF_LENGTH,
@@ -20,6 +22,7 @@ from reflexarc_sim_bridge.arrays.layout import (
     DISC_X,
     DISC_Y,
     DISCS,
+    DRIFT,
     NOTHING,
     SIDE_AHEAD,
     SIDE_LEFT,
@@ -29,11 +32,59 @@ from reflexarc_sim_bridge.arrays.layout import (
     SIDES,
     TURNED,
     TURNED_BOX,
+    Agents,
     Floats32,
     Near,
+    Row,
 )
 from reflexarc_sim_bridge.native.decorators import compiled_inline, compiled_inner
 from reflexarc_sim_bridge.obstacles.chunks import Obstacle, corner_count, corner_m
+from reflexarc_sim_bridge.worlds.layers import CHUNK_M
+
+_NOWHERE = -(1 << 62)
+"""The column of chunks of an agent that has not gathered yet."""
+
+
+@compiled_inline
+def near_of(agents: Agents, i: int, number: int) -> Near:
+    """What is near agent i in a layer."""
+    return Near(
+        agents.near_counts[i, number],
+        agents.boxes[i, number],
+        agents.turned[i, number],
+        agents.discs[i, number],
+        agents.sides[i, number],
+    )
+
+
+@compiled_inline
+def displacement_m(layer: Row, time_s: float) -> tuple[float, float]:
+    """How far a layer has moved: ahead, left."""
+    if layer.motion == AT_REST:
+        return 0.0, 0.0
+    if layer.motion == DRIFT:
+        return layer.moves_ahead * time_s, layer.moves_left * time_s
+    share = math.sin(2.0 * math.pi * time_s / layer.period_s)
+    return layer.moves_ahead * share, layer.moves_left * share
+
+
+@compiled_inline
+def place_in_layer_m(
+    plane: Row, layer: Row, state: Row, cell: npt.NDArray[np.int64]
+) -> tuple[float, float]:
+    """Where an agent is in a layer's frame, from the corner of its cell (2,) there."""
+    if layer.motion == AT_REST:
+        return state.x_m, state.y_m
+    moved_x_m, moved_y_m = displacement_m(layer, state.steps * plane.dt_s)
+    x_m = state.x_m - moved_x_m + (state.cell_x - cell[0]) * CHUNK_M
+    return x_m, state.y_m - moved_y_m + (state.cell_y - cell[1]) * plane.chunk_width_m
+
+
+@compiled_inline
+def forget_near(agents: Agents, i: int) -> None:
+    """Let all that is near an agent be gathered anew."""
+    for number in range(agents.layer_cells.shape[1]):
+        agents.layer_cells[i, number, 0] = _NOWHERE
 
 
 @compiled_inner

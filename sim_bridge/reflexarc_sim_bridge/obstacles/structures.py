@@ -10,7 +10,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_sim_bridge.arrays.layout import BOX, CORRIDOR, GATES, NOTHING, WALL
+from reflexarc_sim_bridge.arrays.layout import BOX, CORRIDOR, GATES, NOTHING, WALL, Row
 from reflexarc_sim_bridge.native.decorators import compiled, compiled_inner
 from reflexarc_sim_bridge.native.splitmix64 import (
     between,
@@ -21,7 +21,8 @@ from reflexarc_sim_bridge.native.splitmix64 import (
     uniform,
 )
 from reflexarc_sim_bridge.obstacles.automaton import find_run, full_cells, run_count
-from reflexarc_sim_bridge.obstacles.chunks import Obstacle, Row, column_key, nothing, paint_of
+from reflexarc_sim_bridge.obstacles.chunks import Obstacle, nothing, paint_of
+from reflexarc_sim_bridge.obstacles.keys import column_key
 from reflexarc_sim_bridge.worlds.layers import CHUNK_M
 
 WALL_THICKNESS_M = 0.3

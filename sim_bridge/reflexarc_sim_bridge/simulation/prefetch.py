@@ -6,15 +6,9 @@ a dozen such reads under way, and a further one waits; so they come in two halve
 agent moves and one before it looks.
 """
 
-from typing import Any
-
-from llvmlite import ir  # type: ignore[import-untyped]  # it has no stubs
-from numba.core import types
-from numba.extending import intrinsic
-
 from reflexarc_sim_bridge.arrays.layout import BOXES, DISCS, TURNED, Floats32, Params
 from reflexarc_sim_bridge.native.decorators import compiled_inline, compiled_part
-from reflexarc_sim_bridge.native.intrinsics import LANES, declared
+from reflexarc_sim_bridge.native.intrinsics import LANES, fetch
 
 
 @compiled_part
@@ -37,22 +31,3 @@ def _ask_for(near: Floats32, count: int, half: int) -> None:
     for row in range(half, near.shape[0], 2):
         for k in range(0, count, LANES):
             fetch(near[row], k)
-
-
-def _fetch(_: Any, array: Any, index: Any) -> Any:
-    """Let the processor read `array[index]` into its cache, without waiting for it."""
-
-    def emit(context: Any, builder: Any, __: Any, args: Any) -> Any:
-        data = context.make_array(array)(context, builder, args[0]).data
-        at, number = builder.gep(data, [args[1]]), ir.IntType(32)
-        form = ir.FunctionType(ir.VoidType(), [at.type, number, number, number])
-        # To be read, kept in all caches, data.
-        builder.call(declared(builder.module, form, "llvm.prefetch.p0"), [at, *map(number, _HOW)])
-        return context.get_dummy_value()
-
-    return types.void(array, types.int64), emit
-
-
-_HOW = 0, 3, 1
-
-fetch: Any = intrinsic(_fetch)  # its stub says that a call returns nothing

@@ -12,18 +12,20 @@ from reflexarc_sim_bridge.arrays.layout import (
     BOXES,
     DISC,
     DISCS,
+    MAX_ROWS,
     NOTHING,
     SCATTER,
     SIDES,
     TURNED,
     Params,
+    Row,
     WorldTables,
 )
 from reflexarc_sim_bridge.arrays.world_tables import world_tables
 from reflexarc_sim_bridge.native.decorators import compiled, compiled_allocating
 from reflexarc_sim_bridge.obstacles import chunks
-from reflexarc_sim_bridge.obstacles.automaton import MAX_ROWS
-from reflexarc_sim_bridge.obstacles.near import displacement_m
+from reflexarc_sim_bridge.obstacles.keys import chunk_key, column_key, layer_key
+from reflexarc_sim_bridge.obstacles.near_lists import displacement_m
 from reflexarc_sim_bridge.obstacles.structures import structure_at, structure_count
 from reflexarc_sim_bridge.worlds.layers import CHUNK_M
 from reflexarc_sim_bridge.worlds.world import World
@@ -145,7 +147,7 @@ def _colour(paint: float) -> tuple[float, float, float]:
 
 
 @compiled
-def _displacement_m(layer: chunks.Row, time_s: float) -> tuple[float, float]:
+def _displacement_m(layer: Row, time_s: float) -> tuple[float, float]:
     return displacement_m(layer, time_s)
 
 
@@ -156,8 +158,8 @@ def _listed(
     """A chunk's obstacles as rows: kind, x, y, radius, corners, paint, two spare, corners."""
     plane, layer, cells = world.planes[0], world.layers[0, number], np.empty(MAX_ROWS, np.uint64)
     shapes, counts = world.shapes[0, number], world.counts[0, number]
-    key = chunks.layer_key(plane.stream, seed, number)
-    chunk = chunks.chunk_key(chunks.column_key(key, i), j, plane.across)
+    key = layer_key(plane.stream, seed, number)
+    chunk = chunk_key(column_key(key, i), j, plane.across)
     if layer.kind == SCATTER:
         count = chunks.scatter_count(layer, counts, chunk, i)
     else:

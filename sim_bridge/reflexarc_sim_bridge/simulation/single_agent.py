@@ -1,13 +1,21 @@
-"""One agent's step and the look that follows it, as one compiled call."""
+"""One agent's step and the look that follows it, as one compiled call.
+
+Called from Python, a compiled function is shown the type of every array that it is given and wraps
+each of them, at every call: half a microsecond and more. So all that the step of one agent takes is
+handed over once and held together (a `structref` of Numba: one reference-counted structure); the
+call is given that alone.
+"""
 
 from collections.abc import Callable
 from functools import partial
 from typing import Any, TypeAlias
 
 import numba
+import numpy as np
+import numpy.typing as npt
+from numba.experimental import structref
 
 from reflexarc_sim_bridge.native.decorators import compiled_allocating
-from reflexarc_sim_bridge.simulation.one_held import OneHeld, hold
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.simulation.step import LOOK, MOVE
 from reflexarc_sim_bridge.simulation.step_pointer import step_world
@@ -18,6 +26,55 @@ REFUSED = -1
 
 Outcome: TypeAlias = tuple[int, float, float, float, int]
 """0, or 1 for a contact, or REFUSED; then x_m, y_m, distance_m, contacts."""
+
+
+class OneHeldType(numba.types.StructRef):
+    """Type of `OneHeld` in compiled code."""
+
+
+_FIELDS = ["step", "world", "actions", "met", "states", "planes", "known"]
+
+
+class OneHeld(structref.StructRefProxy):
+    """Addresses of a step and of the world that it works on, and what the agent does and meets."""
+
+    kept: Any = None
+    """What lies at the second address."""
+
+
+_structref: Any = structref  # its functions have no types
+_structref.register(OneHeldType)
+_structref.define_proxy(OneHeld, OneHeldType, _FIELDS)
+
+
+@compiled_allocating
+def advance_one(held: Any, tasks: int, action: int) -> Outcome:
+    """Let agent 0 do its tasks (sum of `kernel.MOVE` and `LOOK`), moving by an action."""
+    if not 0 <= action < held.known:
+        return REFUSED, 0.0, 0.0, 0.0, 0
+    held.actions[0], held.met[0] = action, False
+    step_world(held.step, held.world, held.actions, held.met, tasks, 0, 1)
+    state = held.states[0]
+    x_m = state.cell_x * CHUNK_M + state.x_m
+    y_m = state.cell_y * held.planes[0].chunk_width_m + state.y_m
+    return int(held.met[0]), x_m, y_m, state.distance_m, state.contacts
+
+
+@compiled_allocating
+def hold(
+    step: int, world: int, states: npt.NDArray[np.void], planes: npt.NDArray[np.void], known: int
+) -> Any:
+    """Hand an agent over.
+
+    Args:
+        step: address of `kernel.advance`.
+        world: address of a `world_step.Held`, to be put into `kept`.
+        states: `AGENT_DTYPE`: (1,).
+        planes: `PLANE_DTYPE`: (1,).
+        known: how many actions there are.
+    """
+    actions, met = np.zeros(1, np.int64), np.zeros(1, np.bool_)
+    return OneHeld(step, world, actions, met, states, planes, known)  # type: ignore[no-untyped-call]  # numba's
 
 
 class OneAgent:
@@ -44,19 +101,6 @@ class OneAgent:
     def sense(self) -> None:
         """Let it look, once before the first step."""
         self._sense(0)
-
-
-@compiled_allocating
-def advance_one(held: Any, tasks: int, action: int) -> Outcome:
-    """Let agent 0 do its tasks (sum of `kernel.MOVE` and `LOOK`), moving by an action."""
-    if not 0 <= action < held.known:
-        return REFUSED, 0.0, 0.0, 0.0, 0
-    held.actions[0], held.met[0] = action, False
-    step_world(held.step, held.world, held.actions, held.met, tasks, 0, 1)
-    state = held.states[0]
-    x_m = state.cell_x * CHUNK_M + state.x_m
-    y_m = state.cell_y * held.planes[0].chunk_width_m + state.y_m
-    return int(held.met[0]), x_m, y_m, state.distance_m, state.contacts
 
 
 def _compiled_for(held: OneHeld) -> Callable[[OneHeld, int, int], Outcome]:

@@ -14,7 +14,8 @@ from reflexarc_sim_bridge.motion.overlap import touches
 from reflexarc_sim_bridge.motion.placing import set_place
 from reflexarc_sim_bridge.native import function_pointers as by_address
 from reflexarc_sim_bridge.native.decorators import compiled_called, compiled_free
-from reflexarc_sim_bridge.obstacles.near import forget_near, keep_near
+from reflexarc_sim_bridge.obstacles.gathering import keep_near
+from reflexarc_sim_bridge.obstacles.near_lists import forget_near
 from reflexarc_sim_bridge.simulation.prefetch import foresee
 from reflexarc_sim_bridge.simulation.step_pointer import step_world
 from reflexarc_sim_bridge.vision.ray_casting import look

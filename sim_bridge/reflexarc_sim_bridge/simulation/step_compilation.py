@@ -8,12 +8,11 @@ import numpy.typing as npt
 from numba.core import types
 
 from reflexarc_sim_bridge.arrays.layout import SCATTER, Params, WorldTables
-from reflexarc_sim_bridge.arrays.parts import Parts
+from reflexarc_sim_bridge.arrays.workspace import Parts
 from reflexarc_sim_bridge.motion.placing import go_to_free_place
 from reflexarc_sim_bridge.native.cache import compiling_alone, is_kept
-from reflexarc_sim_bridge.native.compile_meanwhile import compiled_meanwhile
 from reflexarc_sim_bridge.native.function_pointers import address_of
-from reflexarc_sim_bridge.native.helper_process import has_room
+from reflexarc_sim_bridge.native.helper_process import compiled_meanwhile, has_room
 from reflexarc_sim_bridge.native.lean import uncollected
 from reflexarc_sim_bridge.obstacles.gathering import gather_belt, gather_scatter, gather_structure
 from reflexarc_sim_bridge.simulation.step import advance, cast, cover

@@ -14,8 +14,7 @@ from numba.core import types
 from numba.extending import intrinsic
 
 from reflexarc_sim_bridge.arrays.layout import Params
-from reflexarc_sim_bridge.arrays.parts import Parts
-from reflexarc_sim_bridge.arrays.workspace import Workspace, new_workspace
+from reflexarc_sim_bridge.arrays.workspace import Parts, Workspace, new_workspace
 from reflexarc_sim_bridge.native.function_pointers import emit_call
 from reflexarc_sim_bridge.native.struct_pointers import Reference, laid_out
 

@@ -30,37 +30,19 @@ from reflexarc_sim_bridge.arrays.layout import (
     TILE_RAYS,
     Floats32,
 )
+from reflexarc_sim_bridge.arrays.workspace import Faces, Judged
 from reflexarc_sim_bridge.native.decorators import (
     compiled_disjoint,
     compiled_inline,
 )
-from reflexarc_sim_bridge.native.intrinsics import whole
-from reflexarc_sim_bridge.native.multiply_add import multiply_add
+from reflexarc_sim_bridge.native.intrinsics import multiply_add, whole
 from reflexarc_sim_bridge.obstacles.geometry import turned_back
-from reflexarc_sim_bridge.vision.visible import FOUR, Judged
+from reflexarc_sim_bridge.vision.visible import FOUR
 
 _ZERO, _ONE = np.float32(0.0), np.float32(1.0)
 _LITTLE, _MORE = np.float32(1e-6), np.float32(1.0 + 1e-6)
 """The ends of a side get a little more, so that no ray slips through where two sides meet."""
 _SLIGHT_M = np.float32(1e-5)
-
-
-class Faces(NamedTuple):
-    """What a ray's direction is multiplied with, x with x and y with y: (capacity,)."""
-
-    one_x: Floats32
-    """1 / length of a ray up to a face."""
-    one_y: Floats32
-    other_x: Floats32
-    """The same of the other face that can be seen, or of the only one."""
-    other_y: Floats32
-    right_x: Floats32
-    """≥ 0 for a ray to the left of the right end."""
-    right_y: Floats32
-    left_x: Floats32
-    """≥ 0 for a ray to the right of the left end."""
-    left_y: Floats32
-    paint: Floats32
 
 
 class Face(NamedTuple):

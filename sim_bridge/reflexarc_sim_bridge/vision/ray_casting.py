@@ -22,12 +22,11 @@ from reflexarc_sim_bridge.arrays.layout import (
     Floats32,
     Params,
 )
-from reflexarc_sim_bridge.arrays.workspace import Workspace
+from reflexarc_sim_bridge.arrays.workspace import Faces, Judged, Picked, Workspace
 from reflexarc_sim_bridge.native.decorators import compiled_disjoint, compiled_inline, compiled_part
 from reflexarc_sim_bridge.obstacles.geometry import meets_box_m, meets_disc_m
-from reflexarc_sim_bridge.obstacles.near import near_of, place_in_layer_m
+from reflexarc_sim_bridge.obstacles.near_lists import near_of, place_in_layer_m
 from reflexarc_sim_bridge.vision.faces import (
-    Faces,
     face,
     faces_of_boxes,
     faces_of_sides,
@@ -38,8 +37,6 @@ from reflexarc_sim_bridge.vision.faces import (
 from reflexarc_sim_bridge.vision.ray_directions import aim
 from reflexarc_sim_bridge.vision.visible import (
     FOUR,
-    Judged,
-    Picked,
     View,
     copied,
     judge_boxes,

@@ -2,17 +2,10 @@
 
 import numpy as np
 
+from reflexarc_sim_bridge.arrays.eyes import STEEPEST
 from reflexarc_sim_bridge.arrays.layout import EyeParams, Floats32
 from reflexarc_sim_bridge.native.decorators import compiled_disjoint
 from reflexarc_sim_bridge.obstacles.geometry import reciprocal
-
-_STEEPEST = np.float32(1e-9)
-
-
-def reciprocals(components: Floats32) -> Floats32:
-    """1 / component, finite, as `aim` gives it."""
-    steepest = np.maximum(np.abs(components), _STEEPEST)
-    return (1.0 / np.copysign(steepest, components)).astype(np.float32)
 
 
 @compiled_disjoint
@@ -39,5 +32,5 @@ def aim(
     for k in range(eye.ahead.size):
         ahead[k] = eye.ahead[k] * cos - eye.left[k] * sin
         left[k] = eye.ahead[k] * sin + eye.left[k] * cos
-        per_ahead[k] = reciprocal(ahead[k], _STEEPEST)
-        per_left[k] = reciprocal(left[k], _STEEPEST)
+        per_ahead[k] = reciprocal(ahead[k], STEEPEST)
+        per_left[k] = reciprocal(left[k], STEEPEST)

@@ -7,12 +7,11 @@ look from the agent's own stream. With latency the newest retina of the stack is
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_sim_bridge.arrays.layout import Params
+from reflexarc_sim_bridge.arrays.layout import Params, Row
 from reflexarc_sim_bridge.arrays.workspace import Workspace
-from reflexarc_sim_bridge.motion.placing import draw
 from reflexarc_sim_bridge.native.decorators import compiled_called, compiled_inner, compiled_part
 from reflexarc_sim_bridge.native.splitmix64 import normal, uniform
-from reflexarc_sim_bridge.obstacles.chunks import Row
+from reflexarc_sim_bridge.obstacles.keys import draw
 from reflexarc_sim_bridge.vision.ray_casting import look
 from reflexarc_sim_bridge.vision.shading import shade_rays, shade_tiles
 

@@ -8,7 +8,6 @@ tiles of rays picks once for all of them, copies what it picked, and picks from 
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from reflexarc_sim_bridge.arrays.layout import (
     BOX_COS,
@@ -26,12 +25,10 @@ from reflexarc_sim_bridge.arrays.layout import (
     SIDE_Y,
     Floats32,
 )
+from reflexarc_sim_bridge.arrays.workspace import Judged, Picked
 from reflexarc_sim_bridge.native.decorators import compiled_disjoint
 from reflexarc_sim_bridge.native.intrinsics import LANES, keep, whole
 from reflexarc_sim_bridge.obstacles.geometry import turned_back
-
-Picked = npt.NDArray[np.uint32]
-Judged = npt.NDArray[np.bool_]
 
 FOUR = 4
 """Rays meet so many at a time."""
@@ -39,17 +36,6 @@ FOUR = 4
 _ZERO, _HALF = np.float32(0.0), np.float32(0.5)
 _SLIGHT_M = np.float32(1e-5)
 """A ray along a wedge's edge, to where two sides meet, must not be beside both by rounding."""
-
-
-class Sieve(NamedTuple):
-    """Scratch for picking."""
-
-    judged: Judged
-    """Whether an eye or a tile of its rays can see an obstacle: (capacity,)."""
-    numbers: Picked
-    """0, 1, 2, …: (capacity,)."""
-    picked: Picked
-    """Columns of those that it can: (capacity + LANES,)."""
 
 
 class View(NamedTuple):

@@ -15,8 +15,8 @@ from mcap.reader import make_reader
 from mcap.writer import Writer
 from mcap_protobuf.schema import register_schema
 
+from reflexarc_logs.importing import text_blocks as text_file
 from reflexarc_logs.importing.lidar_import import import_log
-from reflexarc_logs.importing.lidar_import import text_blocks as text_file
 from support.lidar import CARMEN, carmen_file, coreslam, coreslam_file, flaser, odom
 
 RATE_HZ = 10

@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from reflexarc_logs.importing.lidar_import import text_blocks as text_file
+from reflexarc_logs.importing import text_blocks as text_file
 from reflexarc_logs.importing.text_blocks import text_blocks
 
 TEXT = b"one\ntwo\r\n\n" + b"x" * 40 + b"\nthree\rfour\v\n" + b"y" * 15 + b"\n" + b"z" * 16

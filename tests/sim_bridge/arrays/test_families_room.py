@@ -4,10 +4,10 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from reflexarc_sim_bridge.evaluation.reference_field import reference_contract
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.files import parse_world
 from reflexarc_sim_bridge.worlds.layers import CHUNK_M, chunks_across, telling_widths_m
+from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
 from reflexarc_sim_bridge.worlds.world import WorldSource
 
 SEEDS = np.arange(40, dtype=np.uint64)

@@ -14,9 +14,9 @@ from reflexarc_runtime.contract import PolicyContract, RetinaSpec
 from reflexarc_runtime.errors import WorldError
 from reflexarc_sim_bridge.environments.registration import environment_id
 from reflexarc_sim_bridge.environments.single import EPISODE_STEPS, REFERENCE_ID, ReferenceEnv
-from reflexarc_sim_bridge.evaluation.reference_field import reference_contract
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.files import WORLDS, world_named
+from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
 from reflexarc_sim_bridge.worlds.world import AfterContact, Chassis, World
 
 LEFT = np.int64(1)
@@ -191,11 +191,14 @@ def test_a_world_s_name_is_its_environment_s_but_for_the_reference_s_number(
     assert environment_id(name) == expected
 
 
+ANNOUNCE = "from reflexarc_sim_bridge.environments.registration import announce; announce()"
+
+
 @pytest.mark.parametrize(
     "imports",
     [
-        "import gymnasium; from reflexarc_sim_bridge.environments.registration import announce; announce()",
-        "from reflexarc_sim_bridge.environments.registration import announce; announce(); import gymnasium",
+        f"import gymnasium; {ANNOUNCE}",
+        f"{ANNOUNCE}; import gymnasium",
         "import reflexarc_sim_bridge.environments.single, gymnasium",
     ],
 )
@@ -206,7 +209,7 @@ def test_the_names_are_known_in_any_order_of_imports(imports: str) -> None:
 
 def test_announcing_alone_loads_neither_gymnasium_nor_the_compiler() -> None:
     script = (
-        "import sys; from reflexarc_sim_bridge.environments.registration import announce; announce()\n"
+        f"import sys; {ANNOUNCE}\n"
         "announce(); print(*{'gymnasium', 'numba', 'numpy'} & set(sys.modules))"
     )
     assert run(script).split() == []

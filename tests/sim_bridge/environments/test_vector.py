@@ -11,8 +11,8 @@ from reflexarc_runtime.errors import WorldError
 from reflexarc_sim_bridge.environments.registration import environment_id
 from reflexarc_sim_bridge.environments.single import EPISODE_STEPS, REFERENCE_ID, ReferenceEnv
 from reflexarc_sim_bridge.environments.vector import ReferenceVectorEnv
-from reflexarc_sim_bridge.evaluation.reference_field import reference_contract
 from reflexarc_sim_bridge.worlds.files import WORLDS
+from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
 from reflexarc_sim_bridge.worlds.seeds import test_seeds as reported_seeds
 from reflexarc_sim_bridge.worlds.world import AfterContact, Chassis, World
 

@@ -5,12 +5,9 @@ import pytest
 
 from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
 from reflexarc_runtime.contract import RetinaSpec
-from reflexarc_sim_bridge.evaluation.reference_field import (
-    measure,
-    reference_contract,
-    reference_retina,
-)
+from reflexarc_sim_bridge.evaluation.reference_field import measure
 from reflexarc_sim_bridge.evaluation.simple_policies import BlindPolicy, RandomPolicy
+from reflexarc_sim_bridge.worlds.reference_contract import reference_contract, reference_retina
 from reflexarc_sim_bridge.worlds.seeds import validation_seeds
 from reflexarc_sim_bridge.worlds.world import World
 

@@ -13,11 +13,11 @@ import numba
 import numpy as np
 import pytest
 
-from reflexarc_sim_bridge.native import compile_meanwhile
+from reflexarc_sim_bridge.native import helper_process as compile_meanwhile
 from reflexarc_sim_bridge.native import helper_process as second_process
 from reflexarc_sim_bridge.native.splitmix64 import uniform
 
-AHEAD = [sys.executable, "-m", "reflexarc_sim_bridge.native.compile_meanwhile"]
+AHEAD = [sys.executable, "-m", "reflexarc_sim_bridge.native.helper_process"]
 ASK = """
 import numba
 import numpy as np

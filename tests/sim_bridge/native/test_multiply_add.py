@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from reflexarc_sim_bridge.native.decorators import compiled
-from reflexarc_sim_bridge.native.multiply_add import multiply_add
+from reflexarc_sim_bridge.native.intrinsics import multiply_add
 
 numbers = st.floats(-1e6, 1e6, allow_subnormal=False)
 

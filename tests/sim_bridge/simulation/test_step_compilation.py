@@ -10,7 +10,6 @@ import numpy.typing as npt
 import pytest
 from numba.core import types
 
-from reflexarc_sim_bridge.evaluation.reference_field import reference_contract
 from reflexarc_sim_bridge.native import function_pointers as by_address
 from reflexarc_sim_bridge.native.decorators import compiled, compiled_called, compiled_inner
 from reflexarc_sim_bridge.simulation import step_compilation as compiled_step
@@ -18,6 +17,7 @@ from reflexarc_sim_bridge.simulation.simulation import Simulation, motions_of
 from reflexarc_sim_bridge.simulation.step_compilation import Step, step_for
 from reflexarc_sim_bridge.worlds.files import parse_world
 from reflexarc_sim_bridge.worlds.layers import Automaton, Corridor, Drift, Gates, Layer, Scatter
+from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
 from reflexarc_sim_bridge.worlds.shapes import Discs, Rectangles
 from reflexarc_sim_bridge.worlds.world import Edges, World, WorldSource
 

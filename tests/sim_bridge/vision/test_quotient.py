@@ -7,7 +7,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from reflexarc_sim_bridge.native.decorators import compiled
-from reflexarc_sim_bridge.vision.quotient import quotient
+from reflexarc_sim_bridge.vision.shading import quotient
 
 Floats = npt.NDArray[np.float64]
 

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from reflexarc_runtime.contract import PolicyContract, RetinaSpec, Shading
 from reflexarc_runtime.sensing import retina
-from reflexarc_sim_bridge.evaluation.reference_field import reference_contract
 from reflexarc_sim_bridge.simulation.scene import Outline
 from reflexarc_sim_bridge.simulation.simulation import Simulation
+from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
 from reflexarc_sim_bridge.worlds.seeds import test_seeds
 from reflexarc_sim_bridge.worlds.world import Scanner, World
 from support.drawn_worlds import SIDEWAYS, TURNING, contracts, headings, scenes, worlds

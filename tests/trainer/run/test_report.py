@@ -13,7 +13,7 @@ from reflexarc_trainer.config.presets import preset_named
 from reflexarc_trainer.config.train_config import TrainConfig, TrainingWorld
 from reflexarc_trainer.policy.q_network import new_network
 from reflexarc_trainer.run.history import Row, best_of, has_reached
-from reflexarc_trainer.run.occupancy import draw_occupancy, lateral_places_m
+from reflexarc_trainer.run.plots import draw_occupancy, lateral_places_m
 from reflexarc_trainer.run.report import telling_ones, write_report
 from reflexarc_trainer.run.tensorboard_files import event_files
 from reflexarc_trainer.run.validation import validate

@@ -9,7 +9,7 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Self
+from typing import Any, Literal, Self
 
 from reflexarc_runtime.config.checks import require, require_one_of
 from reflexarc_runtime.contract import (
@@ -29,7 +29,6 @@ from reflexarc_trainer.config.learner_config import (
     NetworkConfig,
     OnlineConfig,
 )
-from reflexarc_trainer.config.motions import Motion, turning_actions
 from reflexarc_trainer.config.training_world import TrainingWorld
 
 __all__ = [
@@ -44,6 +43,9 @@ __all__ = [
 ]
 
 MOST_WORLDS = 64
+
+
+Motion = Literal["sideways", "turning"]
 
 
 @dataclass(frozen=True)
@@ -179,6 +181,15 @@ class TrainConfig:
         if self.motion == "turning":
             return turning_actions(self.forward_mps, self.angular_radps)
         return sideways_actions(self.forward_mps, self.lateral_mps)
+
+
+def turning_actions(forward_mps: float, angular_radps: float) -> tuple[Action, ...]:
+    """Stay, left, right at uniform forward speed, for a body that turns in place of shifting."""
+    return (
+        Action("stay", forward_mps, 0.0),
+        Action("left", forward_mps, 0.0, angular_radps),
+        Action("right", forward_mps, 0.0, -angular_radps),
+    )
 
 
 def _learner(document: Mapping[str, Any]) -> LearnerConfig:

@@ -17,7 +17,7 @@ from reflexarc_runtime.policy.policy import LoadedPolicy, load_policy
 from reflexarc_trainer.config.train_config import TrainConfig
 from reflexarc_trainer.policy.parity import NUMPY_TOLERANCE, torch_decide
 from reflexarc_trainer.policy.weights import unpack
-from reflexarc_trainer.sarsa.batched.network_pass import layers_for
+from reflexarc_trainer.sarsa.network_shape import layers_for
 
 _TRIED_RETINAS = 64
 

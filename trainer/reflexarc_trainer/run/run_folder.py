@@ -23,8 +23,7 @@ from reflexarc_trainer.run import checkpoint
 from reflexarc_trainer.run.checkpoint import Checkpoint
 from reflexarc_trainer.run.delivery import deliver
 from reflexarc_trainer.run.history import Row, best_of, to_csv
-from reflexarc_trainer.run.occupancy import draw_occupancy
-from reflexarc_trainer.run.plots import draw_curve
+from reflexarc_trainer.run.plots import draw_curve, draw_occupancy
 from reflexarc_trainer.run.report import write_report
 from reflexarc_trainer.sarsa.learner import Learner
 

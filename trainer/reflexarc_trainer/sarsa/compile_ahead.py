@@ -21,7 +21,7 @@ from reflexarc_trainer.config.train_config import TrainConfig
 from reflexarc_trainer.sarsa.batched import learner as batched_learner
 from reflexarc_trainer.sarsa.batched.update import learn
 from reflexarc_trainer.sarsa.online import learner as online_learner
-from reflexarc_trainer.sarsa.online.learner import drive
+from reflexarc_trainer.sarsa.online.update import drive
 
 _compiled: set[tuple[str, str, str]] = set()
 """Form and precisions that this process has compiled or loaded: what the types depend on."""

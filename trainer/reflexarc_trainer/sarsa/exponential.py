@@ -11,7 +11,7 @@ import numpy as np
 from numba.core import types
 from numba.extending import intrinsic
 
-from reflexarc_sim_bridge.native.fused import fused_inline
+from reflexarc_sim_bridge.native.decorators import fused_inline
 
 _LOG2_E = 1.4426950408889634
 # ln 2 in two parts, the first with so few bits that k times it is exact (fdlibm's e_exp.c).

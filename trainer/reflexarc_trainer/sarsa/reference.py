@@ -45,7 +45,8 @@ from torch import Tensor, nn
 from reflexarc_runtime.arrays import Actions
 from reflexarc_trainer.config.learner_config import LearnerConfig
 from reflexarc_trainer.sarsa.exploration import Streams, choose
-from reflexarc_trainer.sarsa.online.traces import (
+from reflexarc_trainer.sarsa.schedules import linear
+from reflexarc_trainer.sarsa.step_rules import (
     LARGEST_RATIO,
     LARGEST_TD_ERROR,
     LEAST_RMS,
@@ -54,7 +55,6 @@ from reflexarc_trainer.sarsa.online.traces import (
     SCALED_EVERY,
     SQUARES_KEPT,
 )
-from reflexarc_trainer.sarsa.schedules import linear
 
 
 class Body(Protocol):

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_sim_bridge.native.fused import fused, fused_inline
+from reflexarc_sim_bridge.native.decorators import fused, fused_inline
 from reflexarc_trainer.sarsa.exponential import exp_of_negative
 
 LINEAR, SIGMOID, TANH, RELU = range(4)

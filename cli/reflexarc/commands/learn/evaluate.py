@@ -48,8 +48,9 @@ class Evaluate:
 
     def _measure_all(self) -> "dict[str, FieldScore]":
         from reflexarc_runtime.policy.policy import load_policy
-        from reflexarc_sim_bridge.evaluation.reference_field import measure, reference_contract
+        from reflexarc_sim_bridge.evaluation.reference_field import measure
         from reflexarc_sim_bridge.evaluation.simple_policies import BlindPolicy
+        from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
 
         loaded = {str(path): load_policy(path) for path in self.policies}
         for name, policy in loaded.items():

@@ -108,7 +108,7 @@ class Study:
         return 0
 
     def _run(self, study: "StudyFile", out: Path) -> int:
-        from reflexarc.terminal.study_progress import show_study_progress
+        from reflexarc.terminal.progress import show_study_progress
         from reflexarc_trainer.study.study import run_study
 
         with StopFlag() as stop, show_study_progress() as progress:

@@ -9,7 +9,6 @@ import tyro
 from reflexarc.terminal.output import console, facts, kibibytes, print_json
 from reflexarc_pictures.rendering import PICTURE, Rendered, check_format, render_log, render_world
 from reflexarc_runtime.errors import UsageError
-from reflexarc_runtime.whole_file import check_place
 
 MIN_SECONDS, MAX_SECONDS = 0.5, 120.0
 
@@ -94,3 +93,15 @@ def _is_log(target: str) -> bool:
     """A log ends in .mcap; any other file that is there, and is no TOML, is taken for one, too."""
     path = Path(target)
     return path.suffix == ".mcap" or (path.suffix != ".toml" and path.is_file())
+
+
+def check_place(path: Path) -> None:
+    """Refuse a place where no file can be, before any work is done for it.
+
+    Raises:
+        UsageError: its folder is missing, or it is a folder itself.
+    """
+    if path.is_dir():
+        raise UsageError(f"--out: expected the name of a file, got the folder {path}")
+    if not path.parent.is_dir():
+        raise UsageError(f"--out: {path}: no such folder: {path.parent}; make it first")

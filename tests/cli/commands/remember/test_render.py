@@ -20,15 +20,15 @@ from reflexarc_pictures.courses.course import Area
 from reflexarc_pictures.courses.log_course import course_of
 from reflexarc_pictures.courses.world_course import drive_in_world
 from reflexarc_pictures.courses.world_scenery import WorldScenery
-from reflexarc_pictures.log_pictures.decisions import decisions_of
-from reflexarc_pictures.log_pictures.floor_log import beam_ends, floor_plan_of
+from reflexarc_pictures.log_pictures.decision_strips import decisions_of
+from reflexarc_pictures.log_pictures.floor_plan import beam_ends, floor_plan_of
 from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
 from reflexarc_runtime.contract import PolicyContract, RetinaSpec
 from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp, protobuf_encoding
 from reflexarc_sim_bridge.body.foxglove_messages import encode_scene
-from reflexarc_sim_bridge.evaluation.reference_field import reference_contract
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.files import WORLDS
+from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
 from support.policies import exported
 from support.recordings import CONTRACT, MS, PERIOD_NS, RUN, START_NS, drive, nominal
 

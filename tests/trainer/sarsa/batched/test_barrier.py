@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from reflexarc_sim_bridge.native.fused import fused_free
+from reflexarc_sim_bridge.native.decorators import fused_free
 from reflexarc_sim_bridge.native.threads import set_thread_count, thread_count, together
 from reflexarc_trainer.sarsa.batched.barrier import Gate, meet, new_gate
 

@@ -11,7 +11,7 @@ from reflexarc_trainer.config.train_config import NetworkConfig, TrainConfig
 from reflexarc_trainer.policy.q_network import new_network
 from reflexarc_trainer.policy.weights import pack
 from reflexarc_trainer.sarsa.batched import network_pass as block
-from reflexarc_trainer.sarsa.batched.network_pass import input_curve, layers_for
+from reflexarc_trainer.sarsa.network_shape import input_curve, layers_for
 from support.compiled_calls import from_python
 
 backward = from_python(block.backward)

@@ -15,9 +15,9 @@ from reflexarc_trainer.sarsa.batched import network_pass as block
 from reflexarc_trainer.sarsa.batched import returns
 from reflexarc_trainer.sarsa.batched import update as batched
 from reflexarc_trainer.sarsa.batched.learner import BatchedLearner, _seeds, pace_of
-from reflexarc_trainer.sarsa.batched.network_pass import Layers, layers_for
 from reflexarc_trainer.sarsa.batched.rollout import Rollout, new_rollout
 from reflexarc_trainer.sarsa.batched.update import Sums
+from reflexarc_trainer.sarsa.network_shape import Layers, layers_for
 from reflexarc_trainer.sarsa.online import traces
 from reflexarc_trainer.sarsa.online import update as online
 from reflexarc_trainer.sarsa.online.learner import new_learning, rules_for, sizes_of

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from numba.core import types
 from numba.extending import intrinsic
 
-from reflexarc_sim_bridge.native.fused import fused
+from reflexarc_sim_bridge.native.decorators import fused
 
 Gate = npt.NDArray[np.int64]
 

@@ -13,7 +13,6 @@ from reflexarc_sim_bridge.worlds.seeds import TRAINING_SEEDS, all_of
 from reflexarc_trainer.config.train_config import TrainConfig
 from reflexarc_trainer.config.training_world import stage_at, stage_ends
 from reflexarc_trainer.sarsa.batched.barrier import new_gate
-from reflexarc_trainer.sarsa.batched.network_pass import input_curve, layers_for
 from reflexarc_trainer.sarsa.batched.optimiser import new_moments
 from reflexarc_trainer.sarsa.batched.rollout import NOT_CHOSEN, Manner, Pending, Place, new_rollout
 from reflexarc_trainer.sarsa.batched.update import Learning, Pace, Sums, learn
@@ -28,6 +27,7 @@ from reflexarc_trainer.sarsa.learner import (
     restore_arrays,
     world_arrays,
 )
+from reflexarc_trainer.sarsa.network_shape import input_curve, layers_for
 from reflexarc_trainer.sarsa.schedules import linear
 
 

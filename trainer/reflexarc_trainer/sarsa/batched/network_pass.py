@@ -12,52 +12,16 @@ and backwards, from ∂L/∂y of the last one,
 The weights are one vector: for each layer W as (outputs, inputs) rows, then b.
 """
 
-from typing import Any, NamedTuple
+from typing import Any
 
-import numpy as np
 import numpy.typing as npt
 
-from reflexarc_runtime.contract import PolicyContract
-from reflexarc_runtime.sensing.retina import FULL_SCALE
-from reflexarc_sim_bridge.native.fused import fused, fused_free
-from reflexarc_trainer.config.learner_config import NetworkConfig
-from reflexarc_trainer.sarsa.units import UNITS, activate, times_slope
+from reflexarc_sim_bridge.native.decorators import fused, fused_free
+from reflexarc_trainer.sarsa.network_shape import Layers
+from reflexarc_trainer.sarsa.units import activate, times_slope
 
 Block = npt.NDArray[Any]
 """Values of a layer's units for each agent of a block, float32 or float64: (units, columns)."""
-
-
-class Layers(NamedTuple):
-    """The shape of a network."""
-
-    sizes: npt.NDArray[np.int64]
-    """Inputs, hidden units, actions: (layers + 1,)."""
-    units: int
-    """Code of the hidden units."""
-    output: int
-    """Code of the output units."""
-
-    @property
-    def parameters(self) -> int:
-        """Number of weights."""
-        return int(((self.sizes[:-1] + 1) * self.sizes[1:]).sum())
-
-    @property
-    def computed(self) -> int:
-        """Number of units that are not inputs."""
-        return int(self.sizes[1:].sum())
-
-
-def layers_for(config: NetworkConfig, contract: PolicyContract) -> Layers:
-    """The shape of the network of a run."""
-    sizes = config.sizes(contract)
-    return Layers(np.array(sizes, np.int64), UNITS[config.units], UNITS[config.output])
-
-
-def input_curve(config: NetworkConfig, dtype: npt.DTypeLike) -> npt.NDArray[Any]:
-    """What the network sees of each byte: (byte / 255) to the input power: (256,)."""
-    curve = (np.arange(FULL_SCALE + 1) / FULL_SCALE) ** config.input_power
-    return curve.astype(dtype)
 
 
 @fused

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_sim_bridge.native.fused import fused
+from reflexarc_sim_bridge.native.decorators import fused
 
 BETA_1, BETA_2, EPSILON = 0.9, 0.999, 1e-8
 """As published, and torch's defaults."""

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_sim_bridge.native.fused import fused
+from reflexarc_sim_bridge.native.decorators import fused
 
 Steps = npt.NDArray[Any]
 """Something of each step and agent: (steps, columns)."""

@@ -10,12 +10,13 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_sim_bridge.native.fused import fused
+from reflexarc_sim_bridge.native.decorators import fused
 from reflexarc_sim_bridge.simulation.step import LOOK, MOVE
 from reflexarc_sim_bridge.simulation.step_pointer import step_world
-from reflexarc_trainer.sarsa.batched.network_pass import Block, Layers, forward
+from reflexarc_trainer.sarsa.batched.network_pass import Block, forward
 from reflexarc_trainer.sarsa.batched.returns import lambda_returns
 from reflexarc_trainer.sarsa.exploration import Streams, choose, expected_value, winner
+from reflexarc_trainer.sarsa.network_shape import Layers
 
 NOT_CHOSEN = -1
 """In the place of how long an action is still held."""

@@ -16,13 +16,13 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_sim_bridge.native.decorators import compiled
-from reflexarc_sim_bridge.native.fused import fused, fused_free
+from reflexarc_sim_bridge.native.decorators import compiled, fused, fused_free
 from reflexarc_trainer.sarsa import schedules
 from reflexarc_trainer.sarsa.batched.barrier import Gate, meet
-from reflexarc_trainer.sarsa.batched.network_pass import Layers, backward, forward
+from reflexarc_trainer.sarsa.batched.network_pass import backward, forward
 from reflexarc_trainer.sarsa.batched.optimiser import Moments, clip_norm, descend
 from reflexarc_trainer.sarsa.batched.rollout import Manner, Pending, Place, Rollout, roll_out
+from reflexarc_trainer.sarsa.network_shape import Layers
 
 linear = compiled(schedules.linear)
 

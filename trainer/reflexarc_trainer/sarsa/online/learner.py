@@ -13,14 +13,10 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_runtime.errors import UsageError
-from reflexarc_sim_bridge.native.fused import fused_free
 from reflexarc_sim_bridge.simulation.simulation import Simulation
-from reflexarc_sim_bridge.simulation.step import LOOK, MOVE
-from reflexarc_sim_bridge.simulation.step_pointer import step_world
 from reflexarc_sim_bridge.worlds.seeds import TRAINING_SEEDS
 from reflexarc_trainer.config.train_config import TrainConfig
 from reflexarc_trainer.config.training_world import stage_at, stage_ends
-from reflexarc_trainer.sarsa.batched.network_pass import input_curve
 from reflexarc_trainer.sarsa.exploration import new_streams
 from reflexarc_trainer.sarsa.initial_weights import initial_weights
 from reflexarc_trainer.sarsa.learner import (
@@ -32,8 +28,8 @@ from reflexarc_trainer.sarsa.learner import (
     restore_arrays,
     world_arrays,
 )
+from reflexarc_trainer.sarsa.network_shape import input_curve
 from reflexarc_trainer.sarsa.online.state import (
-    Bytes,
     Floats,
     LearnerState,
     Rules,
@@ -42,7 +38,7 @@ from reflexarc_trainer.sarsa.online.state import (
     new_state,
 )
 from reflexarc_trainer.sarsa.online.traces import STEP_RULES
-from reflexarc_trainer.sarsa.online.update import begin, learn_step
+from reflexarc_trainer.sarsa.online.update import drive
 from reflexarc_trainer.sarsa.online.weight_rows import from_online, to_online
 from reflexarc_trainer.sarsa.schedules import linear
 from reflexarc_trainer.sarsa.units import UNITS
@@ -222,39 +218,3 @@ def rules_for(config: TrainConfig) -> Rules:
         held_actions=explore.held_actions,
         action_repeat=explore.action_repeat,
     )
-
-
-@fused_free
-def drive(
-    rules: Rules,
-    state: LearnerState,
-    scratch: Scratch,
-    step: int,
-    held: int,
-    stack: Bytes,
-    begins: bool,
-    steps: int,
-) -> None:
-    """Act, look, learn.
-
-    Args:
-        rules: the constants of the run.
-        state: the learner's.
-        scratch: buffers.
-        step: address of `kernel.advance`.
-        held: address of a `Held`.
-        stack: what the agent sees: (inputs,).
-        begins: whether to choose a first action before, for what it sees now.
-        steps: transitions.
-    """
-    if begins:
-        begin(rules, state, scratch, stack)
-    action = state.pending[:1]
-    for _ in range(steps):
-        contact, reward = False, 0.0
-        for repeated in range(1, rules.action_repeat + 1):
-            tasks = MOVE + LOOK if repeated == rules.action_repeat else MOVE
-            step_world(step, held, action, scratch.met, tasks, 0, 1)
-            contact |= scratch.met[0]
-            reward += rules.reward_contact if scratch.met[0] else rules.reward_step
-        learn_step(rules, state, scratch, stack, contact, reward)

@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_sim_bridge.native.fused import fused_disjoint
+from reflexarc_sim_bridge.native.decorators import fused_disjoint
 
 Floats = npt.NDArray[np.floating]
 

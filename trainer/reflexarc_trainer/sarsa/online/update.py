@@ -5,19 +5,28 @@ order of `online_weights.py`; what runs over all of them at once (trace, norm, u
 long loop. Everything that a run needs to go on lies in `LearnerState`, which a checkpoint carries.
 """
 
-from reflexarc_sim_bridge.native.decorators import compiled
-from reflexarc_sim_bridge.native.fused import fused_disjoint, fused_inline
+from reflexarc_sim_bridge.native.decorators import (
+    compiled,
+    fused_disjoint,
+    fused_free,
+    fused_inline,
+)
+from reflexarc_sim_bridge.simulation.step import LOOK, MOVE
+from reflexarc_sim_bridge.simulation.step_pointer import step_world
 from reflexarc_trainer.sarsa import schedules
 from reflexarc_trainer.sarsa.exploration import choose, expected_value
 from reflexarc_trainer.sarsa.online.row_products import dot, scale, weigh_two
-from reflexarc_trainer.sarsa.online.state import Bytes, Floats, LearnerState, Rules, Scratch
+from reflexarc_trainer.sarsa.online.state import (
+    Bytes,
+    Floats,
+    LearnerState,
+    Rules,
+    Scratch,
+)
 from reflexarc_trainer.sarsa.online.traces import (
     BOUNDED,
     INTENTIONAL,
     RMSPROP,
-    SCALED_AT_FIRST,
-    SCALED_EVERY,
-    SQUARES_KEPT,
     accumulate,
     bounded_step,
     cut_td_error,
@@ -26,6 +35,7 @@ from reflexarc_trainer.sarsa.online.traces import (
     move_intentionally,
     rescale,
 )
+from reflexarc_trainer.sarsa.step_rules import SCALED_AT_FIRST, SCALED_EVERY, SQUARES_KEPT
 from reflexarc_trainer.sarsa.units import activate, times_slope
 
 linear = compiled(schedules.linear)
@@ -206,3 +216,39 @@ def _average(weights: Floats, averaged: Floats, share: float) -> None:
     part = weights.dtype.type(share)
     for k in range(len(weights)):
         averaged[k] += part * (weights[k] - averaged[k])
+
+
+@fused_free
+def drive(
+    rules: Rules,
+    state: LearnerState,
+    scratch: Scratch,
+    step: int,
+    held: int,
+    stack: Bytes,
+    begins: bool,
+    steps: int,
+) -> None:
+    """Act, look, learn.
+
+    Args:
+        rules: the constants of the run.
+        state: the learner's.
+        scratch: buffers.
+        step: address of `kernel.advance`.
+        held: address of a `Held`.
+        stack: what the agent sees: (inputs,).
+        begins: whether to choose a first action before, for what it sees now.
+        steps: transitions.
+    """
+    if begins:
+        begin(rules, state, scratch, stack)
+    action = state.pending[:1]
+    for _ in range(steps):
+        contact, reward = False, 0.0
+        for repeated in range(1, rules.action_repeat + 1):
+            tasks = MOVE + LOOK if repeated == rules.action_repeat else MOVE
+            step_world(step, held, action, scratch.met, tasks, 0, 1)
+            contact |= scratch.met[0]
+            reward += rules.reward_contact if scratch.met[0] else rules.reward_step
+        learn_step(rules, state, scratch, stack, contact, reward)
