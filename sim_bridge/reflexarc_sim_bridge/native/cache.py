@@ -1,14 +1,18 @@
-"""Where compiled functions are kept: under a name made of the sources that they come from.
+"""Where machine code is kept on disk: in a folder named after a hash of the sources it comes from.
 
 Numba knows a cached function by its own file alone, and does not notice that a function which it
 calls, in another file, has changed: it would go on running the old world. So each state of the
 sources has a folder of its own; the newest few stay.
+
+Nothing is read or written when a module is imported. Decorated functions wait until `prepare` is
+called, which whoever is about to compile does; from then on what is compiled is kept.
 """
 
 import atexit
 import contextlib
 import fcntl
 import hashlib
+import logging
 import shutil
 import tempfile
 import time
@@ -16,26 +20,59 @@ from collections.abc import Callable, Iterator
 from functools import lru_cache
 from importlib.util import find_spec
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, TypeVar
 
 import numba
 
 KEPT_STATES = 4
+COMPILED_FROM = (
+    "reflexarc_runtime/sensing",
+    *(
+        f"reflexarc_sim_bridge/{folder}"
+        for folder in (
+            "arrays",
+            "evaluation/cover_profile.py",
+            "motion",
+            "native",
+            "obstacles",
+            "simulation",
+            "vision",
+            "worlds",
+        )
+    ),
+    "reflexarc_trainer/sarsa",
+)
+"""Folders and files that compiled code comes from, its constants included."""
+
 _PREFIX = "compiled-"
 _LONGEST_S, _LOOK_AGAIN_S = 300.0, 0.1
 
+_Dispatcher = TypeVar("_Dispatcher")
 _config: Any = numba.config  # its stub names no settings
+_log = logging.getLogger("reflexarc")
 
-_SOURCES = ("reflexarc_runtime", "reflexarc_sim_bridge", "reflexarc_trainer")
+_waiting: list[Any] = []
+"""Functions that are not kept yet, because nobody has called `prepare` since they were made."""
 
 
-@contextlib.contextmanager
-def keyed_by_sources() -> Iterator[None]:
-    """Within it, `numba.njit(cache=True)` keeps what it compiles in the folder of these sources."""
+def keep_on_disk(dispatcher: _Dispatcher) -> _Dispatcher:
+    """Have what Numba compiles of a function kept, from the next `prepare` on."""
+    _waiting.append(dispatcher)
+    return dispatcher
+
+
+def prepare() -> None:
+    """Find the folder of these sources, and have all decorated functions kept there.
+
+    To be called before anything is compiled or loaded; calling it again costs next to nothing.
+    """
+    if not _waiting:
+        return
     before = _config.CACHE_DIR
     _config.CACHE_DIR = str(cache_folder())
     try:
-        yield
+        while _waiting:
+            _waiting.pop().enable_caching()
     finally:
         _config.CACHE_DIR = before
 
@@ -44,13 +81,20 @@ def keyed_by_sources() -> Iterator[None]:
 def cache_folder() -> Path:
     """The folder for the sources as they are now; made if need be."""
     home = Path(_config.CACHE_DIR or Path.home() / ".cache" / "reflexarc")
-    folder = home / f"{_PREFIX}{source_key()}"
+    folder = home / f"{_PREFIX}{source_key(COMPILED_FROM)}"
     try:
         folder.mkdir(parents=True, exist_ok=True)
         folder.touch()
-        _forget_old_states(home)
-    except OSError:
+        tempfile.TemporaryFile(dir=folder).close()
+    except OSError as error:
+        _log.warning(
+            "%s: cannot keep compiled code (%s), so each process compiles anew; "
+            "NUMBA_CACHE_DIR names another folder",
+            home,
+            error.strerror or error,
+        )
         return _folder_of_this_process()
+    _forget_old_states(home)
     return folder
 
 
@@ -61,9 +105,9 @@ def _folder_of_this_process() -> Path:
 
 
 def is_kept(function: Callable[..., Any]) -> bool:
-    """Whether a function's compiled form is there for every process that asks.
+    """Whether a function's machine code is on disk for every process that asks.
 
-    Where none can be kept for another one, so it is said to be.
+    Where this process has a folder for itself alone, it is said to be: no other could add to it.
     """
     folder = cache_folder()
     if not folder.name.startswith(_PREFIX):
@@ -76,10 +120,10 @@ def is_kept(function: Callable[..., Any]) -> bool:
 
 @contextlib.contextmanager
 def compiling_alone(what: str) -> Iterator[None]:
-    """Within it no other process compiles the same; who comes later finds it done.
+    """Within the context no other process compiles the same; who comes later finds it done.
 
-    Whoever dies lets the next one in. Where files cannot be locked, or one that compiles seems
-    stuck, all of them compile. Not to be nested.
+    A process that dies lets the next one in. Where files cannot be locked, or the one that compiles
+    seems stuck, all of them compile. Not to be nested.
     """
     with contextlib.ExitStack() as stack:
         with contextlib.suppress(OSError):
@@ -98,18 +142,28 @@ def _wait_for(file: IO[str]) -> None:
             time.sleep(_LOOK_AGAIN_S)
 
 
-def source_key() -> str:
-    """Hash over every Python file that compiled code may come from."""
+def source_key(places: tuple[str, ...]) -> str:
+    """Hash over every Python file of some places, by its path and its bytes, and Numba's version.
+
+    Args:
+        places: folders or files, each from a package's name on; those that are not there count for
+            nothing.
+    """
     digest = hashlib.sha256(numba.__version__.encode())
-    for package in _SOURCES:
+    for place in places:
+        package, _, inside = place.partition("/")
         spec = find_spec(package)
-        for place in (spec.submodule_search_locations or []) if spec else []:
-            for path in sorted(Path(place).rglob("*.py")):
-                digest.update(path.name.encode() + path.read_bytes())
+        for root in (spec.submodule_search_locations or []) if spec else []:
+            start = Path(root) / inside
+            for path in sorted(start.rglob("*.py")) or [start]:
+                if path.is_file():
+                    digest.update(f"{package}/{path.relative_to(root)}".encode())
+                    digest.update(path.read_bytes())
     return digest.hexdigest()[:16]
 
 
 def _forget_old_states(home: Path) -> None:
-    states = sorted(home.glob(f"{_PREFIX}*"), key=lambda path: path.stat().st_mtime)
-    for state in states[:-KEPT_STATES]:
-        shutil.rmtree(state, ignore_errors=True)
+    with contextlib.suppress(OSError):
+        states = sorted(home.glob(f"{_PREFIX}*"), key=lambda path: path.stat().st_mtime)
+        for state in states[:-KEPT_STATES]:
+            shutil.rmtree(state, ignore_errors=True)

@@ -16,7 +16,8 @@ from contextlib import contextmanager
 from importlib import import_module
 from typing import Any
 
-from reflexarc_sim_bridge.native.lean import uncollected
+from reflexarc_sim_bridge.native.cache import prepare
+from reflexarc_sim_bridge.native.numba_compiler import without_garbage_collection
 
 _LONGEST_S = 300.0
 """A process that takes longer is stuck."""
@@ -100,7 +101,8 @@ def main() -> None:
         )
         raise SystemExit(2) from None
     end_with_parent()
-    with uncollected():
+    prepare()
+    with without_garbage_collection():
         function.compile(types)
 
 

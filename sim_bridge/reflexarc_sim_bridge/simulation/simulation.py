@@ -13,6 +13,7 @@ from reflexarc_sim_bridge.arrays.agent_arrays import agents_at_zero
 from reflexarc_sim_bridge.arrays.eyes import eye_params
 from reflexarc_sim_bridge.arrays.layout import Params
 from reflexarc_sim_bridge.arrays.world_tables import world_tables, write_world
+from reflexarc_sim_bridge.native.cache import prepare
 from reflexarc_sim_bridge.native.threads import shared
 from reflexarc_sim_bridge.simulation import step as kernel
 from reflexarc_sim_bridge.simulation.array_checks import check_actions, check_same_form, check_seeds
@@ -79,6 +80,7 @@ class Simulation:
             WorldError: a contract or seeds that this simulation does not support.
         """
         check_seeds(seeds)
+        prepare()
         self.world = world
         self.contract = contract
         worlds = [world] if isinstance(world, World) else [world.drawn(s) for s in seeds.tolist()]
@@ -99,6 +101,7 @@ class Simulation:
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Take what `__getstate__` gave, and find the step in this process."""
         vars(self).update(state)
+        prepare()
         self._find_step()
 
     @property

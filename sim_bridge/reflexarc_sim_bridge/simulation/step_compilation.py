@@ -13,7 +13,7 @@ from reflexarc_sim_bridge.motion.placing import go_to_free_place
 from reflexarc_sim_bridge.native.cache import compiling_alone, is_kept
 from reflexarc_sim_bridge.native.function_pointers import address_of
 from reflexarc_sim_bridge.native.helper_process import compiled_meanwhile, has_room
-from reflexarc_sim_bridge.native.lean import uncollected
+from reflexarc_sim_bridge.native.numba_compiler import without_garbage_collection
 from reflexarc_sim_bridge.obstacles.gathering import gather_belt, gather_scatter, gather_structure
 from reflexarc_sim_bridge.simulation.step import advance, cast, cover
 from reflexarc_sim_bridge.simulation.step_pointer import types_held, types_stepped
@@ -43,7 +43,7 @@ def step_for(source: WorldSource, params: Params, motions: Motions) -> Step:
     ways = _ways(source, params.world)
     form = _form(params), _form(motions), ways
     if form not in _steps:
-        with compiling_alone("world"), uncollected():
+        with compiling_alone("world"), without_garbage_collection():
             _steps[form] = _compile(params, motions, ways)
     return _steps[form]
 
@@ -63,7 +63,7 @@ def _address_of(function: Any, params: Params, motions: Motions, *more: Any) -> 
     form = function.__name__, _form(params), _form(motions)
     if form not in _others:
         arguments = types_stepped(params, motions)[0], *more
-        with compiling_alone(function.__name__), uncollected():
+        with compiling_alone(function.__name__), without_garbage_collection():
             _others[form] = address_of(function, arguments)
     return _others[form]
 

@@ -1,20 +1,27 @@
+import ast
 import fcntl
+import importlib
 import os
+import pkgutil
 import select
 import subprocess
 import sys
 from importlib.machinery import ModuleSpec
 from pathlib import Path
+from types import CodeType
 
 import numba
 import pytest
+from numba.core.dispatcher import Dispatcher
 
 from reflexarc_sim_bridge.native import cache as compile_cache
 from reflexarc_sim_bridge.native.cache import (
+    COMPILED_FROM,
     cache_folder,
     compiling_alone,
     is_kept,
-    keyed_by_sources,
+    keep_on_disk,
+    prepare,
     source_key,
 )
 from reflexarc_sim_bridge.simulation.step import advance, cover
@@ -35,17 +42,88 @@ def sources(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_any_edit_of_a_source_gives_another_key(sources: Path):
-    before = source_key()
-    assert source_key() == before
+    before = source_key(("package",))
+    assert source_key(("package",)) == before
     (sources / "motion.py").write_text("speed = 2")
-    assert source_key() != before
+    assert source_key(("package",)) != before
+
+
+def test_a_file_that_goes_elsewhere_gives_another_key(sources: Path):
+    before = source_key(("package",))
+    (sources / "folder").mkdir()
+    (sources / "motion.py").rename(sources / "folder" / "motion.py")
+    assert source_key(("package",)) != before
+
+
+def test_an_edit_outside_of_the_named_places_compiles_nothing_anew(sources: Path):
+    before = source_key(("package/motion.py", "package/none"))
+    (sources / "report.py").write_text('"""What a report says, in other words."""')
+    assert source_key(("package/motion.py", "package/none")) == before
 
 
 def test_numba_s_own_folder_is_given_back():
     before = numba.config.CACHE_DIR
-    with keyed_by_sources():
-        assert str(cache_folder()) == numba.config.CACHE_DIR
+    doubled = keep_on_disk(numba.njit(lambda x: 2 * x))
+    prepare()
+    assert doubled.stats.cache_path.startswith(str(cache_folder()))
     assert before == numba.config.CACHE_DIR
+
+
+def test_all_that_is_compiled_comes_from_the_named_places():
+    """Also its constants: what is imported from elsewhere are types, and no numbers or functions."""
+    import_all_rooms()
+    for dispatcher in dispatchers():
+        function = dispatcher.py_func
+        assert is_named(function.__module__), function.__module__
+        for name in names_used_by(function.__code__):
+            value = function.__globals__.get(name)
+            module = getattr(value, "__module__", None) or ""
+            if module.startswith("reflexarc"):
+                assert is_named(module), f"{function.__module__}: {name} of {module}"
+
+
+def test_constants_of_compiled_code_come_from_the_named_places():
+    import_all_rooms()
+    for module in {sys.modules[each.py_func.__module__] for each in dispatchers()}:
+        used = {
+            name
+            for each in dispatchers()
+            if each.py_func.__module__ == module.__name__
+            for name in names_used_by(each.py_func.__code__)
+        }
+        for node in ast.parse(Path(str(module.__file__)).read_text()).body:
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("reflexarc"):
+                names = {alias.asname or alias.name for alias in node.names}
+                assert is_named(str(node.module)) or not names & used, (module, node.module)
+
+
+def is_named(module: str) -> bool:
+    """Whether the cache's key covers a module."""
+    path = module.replace(".", "/")
+    return any(
+        path == place.removesuffix(".py") or path.startswith(f"{place}/") for place in COMPILED_FROM
+    )
+
+
+def names_used_by(code: CodeType) -> set[str]:
+    inner = [each for each in code.co_consts if isinstance(each, CodeType)]
+    return set(code.co_names).union(*map(names_used_by, inner))
+
+
+def dispatchers() -> list[Dispatcher]:
+    """Every function of ours that Numba compiles."""
+    modules = [m for name, m in list(sys.modules.items()) if name.startswith("reflexarc")]
+    found = [value for module in modules for value in vars(module).values()]
+    ours = [value for value in found if isinstance(value, Dispatcher)]
+    assert len(ours) > 100
+    return [each for each in ours if each.py_func.__module__.startswith("reflexarc")]
+
+
+def import_all_rooms() -> None:
+    for room in ("reflexarc_sim_bridge", "reflexarc_trainer"):
+        package = importlib.import_module(room)
+        for module in pkgutil.walk_packages(package.__path__, f"{room}."):
+            importlib.import_module(module.name)
 
 
 def test_only_the_newest_states_are_kept(

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from reflexarc_runtime.errors import UsageError
-from reflexarc_sim_bridge.native.cache import compiling_alone, is_kept
+from reflexarc_sim_bridge.native.cache import compiling_alone, is_kept, prepare
 from reflexarc_sim_bridge.native.helper_process import at_work, end_with_parent, has_room
-from reflexarc_sim_bridge.native.lean import uncollected
+from reflexarc_sim_bridge.native.numba_compiler import without_garbage_collection
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.simulation.step import advance
 from reflexarc_trainer.config.train_config import TrainConfig
@@ -56,8 +56,9 @@ def _helped(config: TrainConfig) -> AbstractContextManager[None]:
 
 def compile_learner(config: TrainConfig) -> None:
     """Compile what a run learns with, while no other process does: it learns for no step."""
+    prepare()
     form = batched_learner if config.learner.form == "batched" else online_learner
-    with compiling_alone(_LEARNERS[config.learner.form].__qualname__), uncollected():
+    with compiling_alone(_LEARNERS[config.learner.form].__qualname__), without_garbage_collection():
         form.compile_learner(config)
 
 

@@ -19,6 +19,7 @@ from reflexarc_trainer.config.train_config import TrainConfig
 from reflexarc_trainer.config.training_world import TrainingWorld
 from reflexarc_trainer.policy.provenance import versions
 
+_SOURCES = "reflexarc_runtime/", "reflexarc_sim_bridge/", "reflexarc_trainer/"
 MOST_AGENTS, MOST_STEPS = 1 << 16, 1 << 20
 
 
@@ -139,5 +140,5 @@ class Result:
 @lru_cache(maxsize=1)
 def code_key() -> str:
     """Hash over the sources and the versions of the packages that a figure may depend on."""
-    text = json.dumps([source_key(), versions()], sort_keys=True)
+    text = json.dumps([source_key(_SOURCES), versions()], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]

@@ -13,23 +13,24 @@ import numba
 import numpy as np
 import pytest
 
-from reflexarc_sim_bridge.native import helper_process as compile_meanwhile
-from reflexarc_sim_bridge.native import helper_process as second_process
+from reflexarc_sim_bridge.native import helper_process
 from reflexarc_sim_bridge.native.splitmix64 import uniform
 
 AHEAD = [sys.executable, "-m", "reflexarc_sim_bridge.native.helper_process"]
 ASK = """
 import numba
 import numpy as np
-from reflexarc_sim_bridge.native.splitmix64 import uniform
-uniform.compile((numba.uint64,))
-print(sum(uniform.stats.cache_hits.values()))
+from reflexarc_sim_bridge.native.cache import prepare
+from reflexarc_sim_bridge.native.intrinsics import whole
+prepare()
+whole.compile((numba.int64,))
+print(sum(whole.stats.cache_hits.values()))
 """
 
 
 def test_another_process_finds_what_one_has_compiled(tmp_path: Path):
     cache = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
-    call = pickle.dumps(("reflexarc_sim_bridge.native.splitmix64", "uniform", (numba.uint64,)))
+    call = pickle.dumps(("reflexarc_sim_bridge.native.intrinsics", "whole", (numba.int64,)))
     subprocess.run(AHEAD, input=call, env=cache, check=True)
     asked = subprocess.run([sys.executable, "-c", ASK], env=cache, capture_output=True, text=True)
     assert asked.stdout == "1\n", asked.stderr
@@ -43,7 +44,7 @@ def test_what_is_no_call_is_one_line_and_exit_status_2(
 ):
     monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(given)))
     with pytest.raises(SystemExit) as ended:
-        compile_meanwhile.main()
+        helper_process.main()
     assert ended.value.code == 2
     assert capsys.readouterr().err.count("\n") == 1
 
@@ -57,9 +58,9 @@ def test_what_only_compiled_code_can_call_refuses_python():
 
 def test_an_interrupt_while_it_is_waited_for_ends_it(monkeypatch: pytest.MonkeyPatch):
     helper = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)"])
-    monkeypatch.setattr(second_process, "start", lambda *_: helper)
+    monkeypatch.setattr(helper_process, "start", lambda *_: helper)
     monkeypatch.setattr(helper, "wait", interrupted_once(helper.wait))
-    with pytest.raises(KeyboardInterrupt), second_process.at_work("no matter", b""):
+    with pytest.raises(KeyboardInterrupt), helper_process.at_work("no matter", b""):
         pass
     assert helper.returncode == -9
 
@@ -102,7 +103,7 @@ def wait_until(happened: Callable[[], bool], longest_s: float = 20.0) -> None:
 def test_what_was_kept_comes_back_without_machine_code(tmp_path: Path):
     """In a process of its own, whose cache another one has filled."""
     cache = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
-    call = pickle.dumps(("reflexarc_sim_bridge.native.splitmix64", "uniform", (numba.uint64,)))
+    call = pickle.dumps(("reflexarc_sim_bridge.native.intrinsics", "whole", (numba.int64,)))
     subprocess.run(AHEAD, input=call, env=cache, check=True)
     ask = ASK + (
         "library = next(iter(uniform.overloads.values())).library\n"
