@@ -46,7 +46,7 @@ def bare_way(agents: int) -> Way:
     met = np.zeros(agents, np.bool_)
 
     def run(actions: Actions) -> None:
-        bare(step, held.address, actions, met)
+        bare(step, held, actions, met)
 
     return run
 

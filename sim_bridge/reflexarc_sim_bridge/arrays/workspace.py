@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from numba.core import types
 
 from reflexarc_sim_bridge.arrays.eyes import reciprocals
 from reflexarc_sim_bridge.arrays.layout import (
@@ -15,6 +16,7 @@ from reflexarc_sim_bridge.arrays.layout import (
     Params,
     WorldTables,
 )
+from reflexarc_sim_bridge.native.function_pointers import FunctionPointer, Signature
 from reflexarc_sim_bridge.native.intrinsics import LANES
 
 Picked = npt.NDArray[np.uint32]
@@ -81,25 +83,10 @@ class Picks(NamedTuple):
     """For places that move: (capacity,)."""
 
 
-class Parts(NamedTuple):
-    """The parts of a step that are compiled apart, each by its address; 0 where none needs it."""
-
-    look: int = 0
-    """`vision.sensing.sense_agent`."""
-    put: int = 0
-    """`motion.placing.go_to_free_place`."""
-    belt: int = 0
-    """`obstacles.gathering.gather_belt`."""
-    scatter: int = 0
-    """`obstacles.gathering.gather_scatter`."""
-    structure: int = 0
-    """`obstacles.gathering.gather_structure`."""
-
-
 class Workspace(NamedTuple):
     """What an eye needs while it looks, and an agent while it moves."""
 
-    parts: Parts
+    parts: "Parts"
     """What they call."""
     sieve: Sieve
     """For picking what a tile of rays can meet."""
@@ -134,6 +121,29 @@ class Workspace(NamedTuple):
     """Rows of an automaton's cells: (MAX_ROWS,)."""
     retina: npt.NDArray[np.uint8]
     """Of both eyes: (values,)."""
+
+
+ON_AGENT = Signature("on_agent", Params, Workspace, types.int64)
+"""Parameters, scratch, and which agent."""
+IN_CELL = Signature(
+    "in_cell", Params, Workspace, types.int64, types.int64, types.int64, types.int64
+)
+"""Parameters, scratch, which agent, which layer, and a cell (two integers)."""
+
+
+class Parts(NamedTuple):
+    """The parts of a step that are compiled apart; nowhere where a world never needs one."""
+
+    look: FunctionPointer = FunctionPointer(ON_AGENT)
+    """`vision.sensing.sense_agent`."""
+    put: FunctionPointer = FunctionPointer(ON_AGENT)
+    """`motion.placing.go_to_free_place`."""
+    belt: FunctionPointer = FunctionPointer(IN_CELL)
+    """`obstacles.gathering.gather_belt`."""
+    scatter: FunctionPointer = FunctionPointer(IN_CELL)
+    """`obstacles.gathering.gather_scatter`."""
+    structure: FunctionPointer = FunctionPointer(IN_CELL)
+    """`obstacles.gathering.gather_structure`."""
 
 
 def new_workspace(params: Params, parts: Parts) -> Workspace:

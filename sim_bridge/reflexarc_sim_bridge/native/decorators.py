@@ -9,7 +9,7 @@
 | `compiled_inner` | compiled code | no | within its callers |
 | `compiled_inline` | a hot loop of compiled code: becomes part of it | no | within its callers |
 | `compiled_disjoint` | the same, over arrays that share no memory | no | within its callers |
-| `compiled_part` | one or two places, where it stands before compilation | no | within its callers |
+| `compiled_part` | one or two places, where Numba puts it | no | within its callers |
 
 Those that begin with `fused` are for the learners' arithmetic: a product and a sum may become one
 instruction (`contract`), and a sum may be taken in another order (`reassoc`), without which a dot

@@ -1,62 +1,128 @@
-"""Compiled functions that other compiled ones call by their address.
+"""Addresses of compiled functions for other compiled functions to call, each with its signature.
 
-One that is called by its name becomes part of its caller, and is optimised anew with each. Called
-by its address it is compiled once for all, when the first one needs it, or never; and a caller is
-the same code whichever function lies there.
+A function that is called by its name becomes part of its caller, and is optimised anew with each.
+Called by its address it is compiled once for all, when the first one needs it, or never; and a
+caller is the same code whichever function lies there. The price is that the processor is told
+nothing of what it calls; so the address has a type, its signature, and a call with other arguments
+fails when it is compiled.
 """
 
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
+from llvmlite import ir  # type: ignore[import-untyped]  # it has no stubs
 from numba.core import types
-from numba.extending import intrinsic
+from numba.core.datamodel import models
+from numba.core.errors import TypingError
+from numba.extending import NativeValue, intrinsic, register_model, typeof_impl, unbox
+
+from reflexarc_sim_bridge.native.struct_pointers import AnyStruct, address_from_python
+
+_WORD = ir.IntType(64)
 
 
-def address_of(function: Any, arguments: tuple[Any, ...]) -> int:
+class Signature(types.Type):
+    """Type of the address of a function that returns nothing.
+
+    Args:
+        name: what the function does, in one word.
+        arguments: what it takes: types of Numba, and classes of named tuples, which are handed over
+            by their address, whatever arrays they hold.
+    """
+
+    def __init__(self, name: str, *arguments: Any) -> None:
+        self.arguments = tuple(
+            AnyStruct(each) if isinstance(each, type) else each for each in arguments
+        )
+        super().__init__(name=f"{name}({', '.join(map(str, self.arguments))})")
+
+    def check(self, given: Sequence[Any], who: str) -> None:
+        """Refuse arguments that such a function does not take.
+
+        Raises:
+            TypingError: Numba's, for it happens while a caller is compiled.
+        """
+        fits = len(given) == len(self.arguments) and all(
+            wanted.takes(each) if isinstance(wanted, AnyStruct) else each == wanted
+            for wanted, each in zip(self.arguments, given, strict=True)
+        )
+        if not fits:
+            raise TypingError(f"{who}: expected {self}, got ({', '.join(map(str, given))})")
+
+
+@dataclass(frozen=True)
+class FunctionPointer:
+    """Where a compiled function lies, and what it takes."""
+
+    signature: Signature
+    address: int = field(default=0)
+    """0: nowhere, for a part that is never called."""
+
+    def __bool__(self) -> bool:
+        return self.address != 0
+
+
+def pointer_to(function: Any, signature: Signature, arguments: tuple[Any, ...]) -> FunctionPointer:
     """Compile a function that returns nothing, unless that is done; returns where it lies.
 
     Args:
         function: made by `compiled_called`.
-        arguments: their types, Numba's.
+        signature: what it must take.
+        arguments: the types that it is compiled for, Numba's.
 
     Raises:
-        TypeError: it has no machine code. Numba's: it returns something.
+        TypingError: Numba's: the types do not fit the signature.
+        TypeError: the function returns something.
     """
+    signature.check(arguments, function.__name__)
     function.compile(arguments)
-    result = function.get_compile_result(types.void(*arguments))
-    address = int(result.library.get_pointer_to_function(result.fndesc.llvm_func_name))
-    if address == 0:
-        raise TypeError(f"{function.__name__}: expected a function that is `compiled_called`")
-    return address
+    result = function.overloads[arguments]
+    if result.signature.return_type != types.none:
+        raise TypeError(f"{function.__name__}: expected a function that returns nothing")
+    return FunctionPointer(
+        signature, int(result.library.get_pointer_to_function(result.fndesc.llvm_func_name))
+    )
 
 
-def _call(_: Any, address: Any, arguments: Any) -> Any:
-    """Call what lies at an address; the arguments are one tuple."""
+def _call(_: Any, pointer: Any, arguments: Any) -> Any:
+    """Call the function at an address; the arguments are one tuple."""
+    if not isinstance(pointer, Signature):
+        raise TypingError(f"call by address: expected an address with a signature, got {pointer}")
     kinds = tuple(map(types.unliteral, arguments.types))
+    pointer.check(kinds, "call by address")
 
     def emit(context: Any, builder: Any, __: Any, args: Any) -> Any:
         values = [builder.extract_value(args[1], k) for k in range(len(kinds))]
-        emit_call(context, builder, args[0], kinds, values)
+        form = context.call_conv.get_function_type(types.none, kinds)
+        at = builder.inttoptr(args[0], form.as_pointer())
+        context.call_conv.call_function(builder, at, types.none, kinds, values)
         return context.get_dummy_value()
 
-    return types.void(address, arguments), emit
+    return types.void(pointer, arguments), emit
 
 
-def emit_call(context: Any, builder: Any, address: Any, kinds: Any, values: Any) -> None:
-    """Write the call of what lies at an address, for arguments of such kinds."""
-    form = context.call_conv.get_function_type(types.none, kinds)
-    at = builder.inttoptr(address, form.as_pointer())
-    context.call_conv.call_function(builder, at, types.none, kinds, values)
+call: Any = intrinsic(_call)  # its stub says that a call returns nothing
 
 
-def _pointer(_: Any, address: Any) -> Any:
-    """An address as an argument that is asked for by reference."""
+@register_model(Signature)
+class _AddressModel(models.PrimitiveModel):
+    """In memory and in registers an address is a word."""
 
-    def emit(context: Any, builder: Any, __: Any, args: Any) -> Any:
-        return builder.inttoptr(args[0], context.get_value_type(types.voidptr))
-
-    return types.voidptr(address), emit
+    def __init__(self, manager: Any, kind: Signature) -> None:
+        super().__init__(manager, kind, _WORD)  # type: ignore[no-untyped-call]  # numba's
 
 
-# The stub of `intrinsic` says that a call returns nothing.
-call: Any = intrinsic(_call)
-pointer: Any = intrinsic(_pointer)
+@typeof_impl.register(FunctionPointer)
+def _type_of_pointer(pointer: FunctionPointer, _: Any) -> Signature:
+    return pointer.signature
+
+
+def _unbox_pointer(_: Any, pointer: Any, c: Any) -> Any:
+    word, failed = address_from_python(pointer, c)
+    return _native_value(word, is_error=failed)
+
+
+_native_value: Any = NativeValue
+_unboxed: Any = unbox
+_unboxed(Signature)(_unbox_pointer)

@@ -32,7 +32,7 @@ from reflexarc_sim_bridge.native.decorators import (
     compiled_inner,
     compiled_part,
 )
-from reflexarc_sim_bridge.native.function_pointers import call
+from reflexarc_sim_bridge.native.function_pointers import FunctionPointer, call
 from reflexarc_sim_bridge.obstacles.belt import move_belt, pick_near
 from reflexarc_sim_bridge.obstacles.chunks import Obstacle, is_thinned, scatter_count, scattered
 from reflexarc_sim_bridge.obstacles.keys import chunk_key, chunks_between, column_key, layer_key
@@ -62,7 +62,7 @@ def keep_near(params: Params, work: Workspace, i: int) -> None:
 
 
 @compiled_inline
-def _gatherer(layer: Row, parts: Parts) -> int:
+def _gatherer(layer: Row, parts: Parts) -> FunctionPointer:
     """Address of the function that lists what is near in such a layer."""
     if layer.has_belt:
         return parts.belt

@@ -14,14 +14,19 @@ from reflexarc_sim_bridge.arrays.eyes import eye_params
 from reflexarc_sim_bridge.arrays.layout import Params
 from reflexarc_sim_bridge.arrays.world_tables import world_tables, write_world
 from reflexarc_sim_bridge.native.cache import prepare
+from reflexarc_sim_bridge.native.function_pointers import FunctionPointer
+from reflexarc_sim_bridge.native.struct_pointers import Struct
 from reflexarc_sim_bridge.native.threads import shared
 from reflexarc_sim_bridge.simulation import step as kernel
 from reflexarc_sim_bridge.simulation.array_checks import check_actions, check_same_form, check_seeds
 from reflexarc_sim_bridge.simulation.scene import Outline, outlines_near
 from reflexarc_sim_bridge.simulation.step_compilation import cast_for, cover_for, step_for
-from reflexarc_sim_bridge.simulation.step_pointer import Held
+from reflexarc_sim_bridge.simulation.step_pointer import new_held
 from reflexarc_sim_bridge.worlds.layers import CHUNK_M
 from reflexarc_sim_bridge.worlds.world import World, WorldSource
+
+_OF_THIS_PROCESS = "_step", "_held", "_call_step"
+"""Attributes of a simulation that hold addresses."""
 
 __all__ = ["Params", "Simulation", "covered", "motions_of"]
 
@@ -49,7 +54,7 @@ def covered(
     found = np.empty(len(places_m), np.bool_)
     at = cover_for(simulation.params, motions_of(contract))
     held = simulation.held_step()[1]
-    kernel.call_cover(at, held.address, np.ascontiguousarray(places_m, np.float64), found)
+    kernel.call_cover(at, held, np.ascontiguousarray(places_m, np.float64), found)
     return found
 
 
@@ -96,7 +101,7 @@ class Simulation:
 
     def __getstate__(self) -> dict[str, Any]:
         """All but addresses, which mean nothing in another process."""
-        return {name: it for name, it in vars(self).items() if name not in ("_step", "_held")}
+        return {name: it for name, it in vars(self).items() if name not in _OF_THIS_PROCESS}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Take what `__getstate__` gave, and find the step in this process."""
@@ -117,7 +122,8 @@ class Simulation:
 
     def _find_step(self) -> None:
         self._step = step_for(self.world, self._params, self._motions)
-        self._held: dict[int, Held] = {}  # one a thread
+        self._held: dict[int, Struct] = {}  # one a thread
+        self._call_step = kernel.direct_call_step()
 
     def __len__(self) -> int:
         return len(self.params.agents.state)
@@ -180,14 +186,13 @@ class Simulation:
         thread = get_ident()
         if thread not in self._held:
             self._held[thread] = self._new_held(self._motions)
-        step, held = self._step.advance, self._held[thread].address
-        kernel.call_step(step, held, actions, met, tasks, first, end)
+        self._call_step(self._step.advance, self._held[thread], actions, met, tasks, first, end)
 
-    def _new_held(self, motions: npt.NDArray[np.float64]) -> Held:
-        return Held(self.params, motions, self._step.parts)
+    def _new_held(self, motions: npt.NDArray[np.float64]) -> Struct:
+        return new_held(self.params, motions, self._step.parts)
 
-    def held_step(self) -> tuple[int, Held]:
-        """For other compiled functions: address of `kernel.advance`, and what one thread holds."""
+    def held_step(self) -> tuple[FunctionPointer, Struct]:
+        """For other compiled functions: `step.advance`, and what one thread holds."""
         return self._step.advance, self._new_held(self._motions)
 
     def sense(self) -> npt.NDArray[np.uint8]:
@@ -239,7 +244,7 @@ class Simulation:
         motions = np.array([[linear_mps, lateral_mps, angular_radps]])
         action, met = np.zeros(1, np.int64), np.empty(1, np.bool_)
         held = self._new_held(motions)
-        kernel.call_step(self._step.advance, held.address, action, met, kernel.MOVE, 0, 1)
+        self._call_step(self._step.advance, held, action, met, kernel.MOVE, 0, 1)
         return bool(met[0])
 
     def place(self, agents: npt.NDArray[np.int64], seeds: npt.NDArray[np.uint64]) -> None:
@@ -271,8 +276,9 @@ class Simulation:
         The range where it would meet nothing. No look: nothing is remembered, nothing disturbed.
         """
         held, spec = self._new_held(self._motions), self.contract.retina
-        kernel.call_cast(cast_for(self.params, self._motions), held.address)
-        return held.work.distance_m[: spec.rays * spec.samples]
+        kernel.call_cast(cast_for(self.params, self._motions), held)
+        distance_m: npt.NDArray[np.float32] = held.value.work.distance_m
+        return distance_m[: spec.rays * spec.samples]
 
     def outlines_near(self, agent: int) -> list[Outline]:
         """Obstacles near an agent, where it sees them (y may leave the period), for drawing.

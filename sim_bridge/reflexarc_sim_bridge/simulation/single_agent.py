@@ -16,6 +16,8 @@ import numpy.typing as npt
 from numba.experimental import structref
 
 from reflexarc_sim_bridge.native.decorators import compiled_allocating
+from reflexarc_sim_bridge.native.function_pointers import FunctionPointer
+from reflexarc_sim_bridge.native.struct_pointers import Struct
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.simulation.step import LOOK, MOVE
 from reflexarc_sim_bridge.simulation.step_pointer import step_world
@@ -36,10 +38,10 @@ _FIELDS = ["step", "world", "actions", "met", "states", "planes", "known"]
 
 
 class OneHeld(structref.StructRefProxy):
-    """Addresses of a step and of the world that it works on, and what the agent does and meets."""
+    """A step and the world that it works on, by address, and what the agent does and meets."""
 
     kept: Any = None
-    """What lies at the second address."""
+    """What the second one points to."""
 
 
 _structref: Any = structref  # its functions have no types
@@ -62,13 +64,17 @@ def advance_one(held: Any, tasks: int, action: int) -> Outcome:
 
 @compiled_allocating
 def hold(
-    step: int, world: int, states: npt.NDArray[np.void], planes: npt.NDArray[np.void], known: int
+    step: FunctionPointer,
+    world: Struct,
+    states: npt.NDArray[np.void],
+    planes: npt.NDArray[np.void],
+    known: int,
 ) -> Any:
     """Hand an agent over.
 
     Args:
-        step: address of `kernel.advance`.
-        world: address of a `world_step.Held`, to be put into `kept`.
+        step: `step.advance`.
+        world: a `step_pointer.Held`, to be put into `kept`.
         states: `AGENT_DTYPE`: (1,).
         planes: `PLANE_DTYPE`: (1,).
         known: how many actions there are.
@@ -84,7 +90,7 @@ class OneAgent:
         step, self._world = simulation.held_step()
         world, _, agents = simulation.params
         known = len(simulation.contract.actions)
-        held = hold(step, self._world.address, agents.state, world.planes, known)
+        held = hold(step, self._world, agents.state, world.planes, known)
         held.kept = self._world  # whoever can still call needs it, though `self` may be gone
         self.simulation = simulation
         self.stack = agents.stack[0]

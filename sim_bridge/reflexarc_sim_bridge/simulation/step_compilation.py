@@ -5,18 +5,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from numba.core import types
 
 from reflexarc_sim_bridge.arrays.layout import SCATTER, Params, WorldTables
-from reflexarc_sim_bridge.arrays.workspace import Parts
+from reflexarc_sim_bridge.arrays.workspace import IN_CELL, ON_AGENT, Parts
 from reflexarc_sim_bridge.motion.placing import go_to_free_place
 from reflexarc_sim_bridge.native.cache import compiling_alone, is_kept
-from reflexarc_sim_bridge.native.function_pointers import address_of
+from reflexarc_sim_bridge.native.function_pointers import FunctionPointer, Signature, pointer_to
 from reflexarc_sim_bridge.native.helper_process import compiled_meanwhile, has_room
 from reflexarc_sim_bridge.native.numba_compiler import without_garbage_collection
 from reflexarc_sim_bridge.obstacles.gathering import gather_belt, gather_scatter, gather_structure
 from reflexarc_sim_bridge.simulation.step import advance, cast, cover
-from reflexarc_sim_bridge.simulation.step_pointer import types_held, types_stepped
+from reflexarc_sim_bridge.simulation.step_pointer import CAST, COVER, STEP, type_of_held
 from reflexarc_sim_bridge.vision.sensing import sense_agent
 from reflexarc_sim_bridge.worlds.world import World, WorldSource
 
@@ -26,8 +25,8 @@ Motions = npt.NDArray[np.float64]
 class Step(NamedTuple):
     """A step, ready to be called."""
 
-    advance: int
-    """Address of `kernel.advance`."""
+    advance: FunctionPointer
+    """`step.advance`."""
     parts: Parts
     """What that calls."""
 
@@ -48,23 +47,24 @@ def step_for(source: WorldSource, params: Params, motions: Motions) -> Step:
     return _steps[form]
 
 
-def cover_for(params: Params, motions: Motions) -> int:
-    """Address of `kernel.cover`, compiled unless that is done."""
-    return _address_of(cover, params, motions, types.float64[:, ::1], types.boolean[::1])
+def cover_for(params: Params, motions: Motions) -> FunctionPointer:
+    """`step.cover`, compiled unless that is done."""
+    return _pointer_to(cover, COVER, params, motions)
 
 
-def cast_for(params: Params, motions: Motions) -> int:
-    """Address of `kernel.cast`, compiled unless that is done."""
-    return _address_of(cast, params, motions)
+def cast_for(params: Params, motions: Motions) -> FunctionPointer:
+    """`step.cast`, compiled unless that is done."""
+    return _pointer_to(cast, CAST, params, motions)
 
 
-def _address_of(function: Any, params: Params, motions: Motions, *more: Any) -> int:
-    """Address of what takes a `Held` and arguments of such types."""
-    form = function.__name__, _form(params), _form(motions)
+def _pointer_to(
+    function: Any, signature: Signature, params: Params, motions: Motions
+) -> FunctionPointer:
+    form = signature, _form(params), _form(motions)
     if form not in _others:
-        arguments = types_stepped(params, motions)[0], *more
+        arguments = type_of_held(params, motions), *signature.arguments[1:]
         with compiling_alone(function.__name__), without_garbage_collection():
-            _others[form] = address_of(function, arguments)
+            _others[form] = pointer_to(function, signature, arguments)
     return _others[form]
 
 
@@ -81,15 +81,16 @@ def _ways(source: WorldSource, world: WorldTables) -> frozenset[str]:
 
 
 def _compile(params: Params, motions: Motions, ways: frozenset[str]) -> Step:
-    on_agent = (*types_held(params), types.int64)
+    held = type_of_held(params, motions)
+    pointed = held.field("params"), held.field("work")
+    on_agent, in_cell = (*pointed, *ON_AGENT.arguments[2:]), (*pointed, *IN_CELL.arguments[2:])
     is_worth_it = has_room() and not is_kept(advance)
     with compiled_meanwhile(sense_agent, on_agent) if is_worth_it else nullcontext():
-        put = address_of(go_to_free_place, on_agent)
-        in_cell = (*on_agent, types.int64, types.int64, types.int64)
-        gathered = {way: address_of(_GATHERERS[way], in_cell) for way in ways}
+        put = pointer_to(go_to_free_place, ON_AGENT, on_agent)
+        gathered = {way: pointer_to(_GATHERERS[way], IN_CELL, in_cell) for way in ways}
         # The last: where it is kept, a world is compiled.
-        stepped = address_of(advance, types_stepped(params, motions))
-    return Step(stepped, Parts(address_of(sense_agent, on_agent), put, **gathered))
+        stepped = pointer_to(advance, STEP, (held, *STEP.arguments[1:]))
+    return Step(stepped, Parts(pointer_to(sense_agent, ON_AGENT, on_agent), put, **gathered))
 
 
 def _form(value: Any) -> Any:
@@ -103,4 +104,4 @@ def _form(value: Any) -> Any:
 
 _GATHERERS = {"belt": gather_belt, "scatter": gather_scatter, "structure": gather_structure}
 _steps: dict[Any, Step] = {}
-_others: dict[Any, int] = {}
+_others: dict[Any, FunctionPointer] = {}

@@ -70,7 +70,7 @@ def test_numba_s_own_folder_is_given_back():
 
 
 def test_all_that_is_compiled_comes_from_the_named_places():
-    """Also its constants: what is imported from elsewhere are types, and no numbers or functions."""
+    """What is imported from elsewhere are types, and no functions."""
     import_all_rooms()
     for dispatcher in dispatchers():
         function = dispatcher.py_func

@@ -10,11 +10,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numba
-import numpy as np
 import pytest
 
 from reflexarc_sim_bridge.native import helper_process
-from reflexarc_sim_bridge.native.splitmix64 import uniform
 
 AHEAD = [sys.executable, "-m", "reflexarc_sim_bridge.native.helper_process"]
 ASK = """
@@ -47,13 +45,6 @@ def test_what_is_no_call_is_one_line_and_exit_status_2(
         helper_process.main()
     assert ended.value.code == 2
     assert capsys.readouterr().err.count("\n") == 1
-
-
-def test_what_only_compiled_code_can_call_refuses_python():
-    for _ in range(2):  # before it is compiled, and after
-        with pytest.raises(TypeError, match="uniform: only compiled functions can call it"):
-            uniform(np.uint64(1))
-        uniform.compile((numba.uint64,))  # type: ignore[attr-defined]  # numba's
 
 
 def test_an_interrupt_while_it_is_waited_for_ends_it(monkeypatch: pytest.MonkeyPatch):
@@ -98,16 +89,3 @@ def wait_until(happened: Callable[[], bool], longest_s: float = 20.0) -> None:
     while not happened():
         assert time.monotonic() < until_s
         time.sleep(0.05)
-
-
-def test_what_was_kept_comes_back_without_machine_code(tmp_path: Path):
-    """In a process of its own, whose cache another one has filled."""
-    cache = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
-    call = pickle.dumps(("reflexarc_sim_bridge.native.intrinsics", "whole", (numba.int64,)))
-    subprocess.run(AHEAD, input=call, env=cache, check=True)
-    ask = ASK + (
-        "library = next(iter(uniform.overloads.values())).library\n"
-        "print(type(library).__name__, library.get_pointer_to_function('anything'))"
-    )
-    asked = subprocess.run([sys.executable, "-c", ask], env=cache, capture_output=True, text=True)
-    assert asked.stdout == "1\n_LinkedLibrary 0\n", asked.stderr

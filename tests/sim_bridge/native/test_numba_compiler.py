@@ -64,7 +64,7 @@ def test_loops_are_such_vectors() -> None:
 def test_only_loops_over_arrays_that_share_no_memory_say_so() -> None:
     assert "noalias" in listing_of(copied, FLOATS, FLOATS).split("define")[1]
     plain = _njit(pipeline_class=InnerCompiler)(copied.py_func)  # type: ignore[attr-defined]
-    data = [word for word in listing_of(plain, FLOATS, FLOATS).split("define")[1].split(",")]
+    data = listing_of(plain, FLOATS, FLOATS).split("define")[1].split(",")
     assert sum("noalias" in word and ".data" in word for word in data) == 0
 
 

@@ -11,7 +11,7 @@ from numba.extending import intrinsic
 
 from reflexarc_runtime.contract import PolicyContract
 from reflexarc_sim_bridge.native.decorators import compiled
-from reflexarc_sim_bridge.native.struct_pointers import Reference, laid_out
+from reflexarc_sim_bridge.native.struct_pointers import StructPointer, laid_out
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.world import World
 
@@ -39,9 +39,9 @@ def _refer(_: Any, address: Any, like: Any) -> Any:
     """The tuple of the type of `like` that lies at an address."""
 
     def emit(context: Any, builder: Any, __: Any, args: Any) -> Any:
-        return builder.inttoptr(args[0], context.get_value_type(Reference(like)))
+        return builder.inttoptr(args[0], context.get_value_type(StructPointer(like)))
 
-    return Reference(like)(types.int64, like), emit
+    return StructPointer(like)(types.int64, like), emit
 
 
 refer: Any = intrinsic(_refer)
@@ -86,7 +86,7 @@ def outer_of(numbers: npt.NDArray[np.float64], factor: float = 2.0) -> Outer:
     return Outer(len(numbers), True, np.float32(0.5), inner, table, True)
 
 
-def test_parts_are_read_where_they_lie() -> None:
+def test_fields_are_read_where_they_lie() -> None:
     numbers = np.array([1.0, 2.0, 3.0])
     outer = outer_of(numbers)
     memory = laid_out(outer)
@@ -116,8 +116,8 @@ def test_what_compiled_code_would_read_wrongly_is_refused(part: object) -> None:
         laid_out(outer_of(np.ones(1))._replace(count=part))  # type: ignore[arg-type]  # the point
 
 
-def test_parts_have_their_types_and_tuples_are_references_again() -> None:
+def test_fields_have_their_types_and_tuples_are_addresses_again() -> None:
     typeof: Any = numba.typeof
-    reference = Reference(typeof(outer_of(np.ones(1))))
-    assert isinstance(reference.part("inner"), Reference)
-    assert reference.part("count") is types.int64
+    reference = StructPointer(typeof(outer_of(np.ones(1))))
+    assert isinstance(reference.field("inner"), StructPointer)
+    assert reference.field("count") is types.int64

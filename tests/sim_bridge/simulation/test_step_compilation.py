@@ -4,14 +4,22 @@ import math
 import pickle
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import NamedTuple
 
+import numba
 import numpy as np
 import numpy.typing as npt
 import pytest
 from numba.core import types
 
-from reflexarc_sim_bridge.native import function_pointers as by_address
-from reflexarc_sim_bridge.native.decorators import compiled, compiled_called, compiled_inner
+from reflexarc_sim_bridge.native.decorators import compiled, compiled_called
+from reflexarc_sim_bridge.native.function_pointers import (
+    FunctionPointer,
+    Signature,
+    call,
+    pointer_to,
+)
+from reflexarc_sim_bridge.native.struct_pointers import Struct, StructPointer
 from reflexarc_sim_bridge.simulation import step_compilation as compiled_step
 from reflexarc_sim_bridge.simulation.simulation import Simulation, motions_of
 from reflexarc_sim_bridge.simulation.step_compilation import Step, step_for
@@ -25,53 +33,97 @@ Numbers = npt.NDArray[np.int64]
 ARRAY = types.int64[::1]
 
 
-@compiled_inner
-def note_one(noted: Numbers) -> None:
-    """Part of its callers."""
-    noted[0] = 1
+class Plan(NamedTuple):
+    """What a part works on."""
+
+    noted: Numbers
+    factor: int
+
+
+class Other(NamedTuple):
+    """The same fields under another name."""
+
+    noted: Numbers
+    factor: int
+
+
+THREE = Signature("three", Plan, types.int64, types.int64)
+FOUR = Signature("four", Plan, ARRAY, types.int64, types.int64)
 
 
 @compiled_called
-def note_three(noted: Numbers, first: int, second: int) -> None:
+def note_three(plan: Plan, first: int, second: int) -> None:
     """A part of one form."""
-    noted[0], noted[1], noted[2] = 3, first, second
+    plan.noted[0], plan.noted[1], plan.noted[2] = 3, first, second
 
 
 @compiled_called
-def note_four(noted: Numbers, factors: Numbers, first: int, second: int) -> None:
+def note_four(plan: Plan, factors: Numbers, first: int, second: int) -> None:
     """A part of another."""
-    noted[0], noted[1], noted[2] = 4, first * factors[0], second * factors[0]
+    noted = plan.noted
+    noted[0], noted[1], noted[2] = 4, first * factors[0], second * plan.factor
+
+
+@compiled_called
+def note_nothing(plan: Plan, first: int, second: int) -> int:
+    """No part: it returns something."""
+    return first + second
 
 
 @compiled
-def note(three: int, four: int, noted: Numbers, factors: Numbers) -> None:
-    """Calls whichever has an address."""
-    if three != 0:
-        by_address.call(three, (noted, 10, 20))
-    else:
-        by_address.call(four, (noted, factors, noted[1], 20))
+def call_three(three: FunctionPointer, plan: Struct) -> None:
+    call(three, (plan, 10, 20))
+
+
+@compiled
+def call_four(four: FunctionPointer, plan: Struct, factors: Numbers) -> None:
+    call(four, (plan, factors, 10, 20))
+
+
+def pointed(noted: Numbers) -> tuple[FunctionPointer, FunctionPointer, Struct]:
+    plan = Struct(Plan(noted, 2))
+    kind = StructPointer(numba.typeof(plan.value))  # type: ignore[no-untyped-call]  # numba's
+    return (
+        pointer_to(note_three, THREE, (kind, types.int64, types.int64)),
+        pointer_to(note_four, FOUR, (kind, ARRAY, types.int64, types.int64)),
+        plan,
+    )
 
 
 def test_what_lies_at_an_address_gets_its_arguments() -> None:
-    three = by_address.address_of(note_three, (ARRAY, types.int64, types.int64))
-    four = by_address.address_of(note_four, (ARRAY, ARRAY, types.int64, types.int64))
-    noted, factors = np.zeros(3, np.int64), np.array([7])
-    note(three, 0, noted, factors)
+    noted = np.zeros(3, np.int64)
+    three, four, plan = pointed(noted)
+    call_three(three, plan)
     assert noted.tolist() == [3, 10, 20]
-    note(0, four, noted, factors)
-    assert noted.tolist() == [4, 70, 140]
-
-
-def test_what_has_no_machine_code_has_no_address() -> None:
-    with pytest.raises(TypeError, match="note_one: expected a function that is `compiled_called`"):
-        by_address.address_of(note_one, (ARRAY,))
+    call_four(four, plan, np.array([7]))
+    assert noted.tolist() == [4, 70, 40]
 
 
 def test_a_part_lies_in_one_place() -> None:
-    first, second = (
-        by_address.address_of(note_three, (ARRAY, types.int64, types.int64)) for _ in range(2)
-    )
-    assert first == second
+    noted = np.zeros(3, np.int64)
+    assert pointed(noted)[:2] == pointed(noted)[:2]
+
+
+def test_a_call_with_other_arguments_than_the_signature_s_fails_when_it_is_compiled() -> None:
+    three, four, plan = pointed(np.zeros(3, np.int64))
+    with pytest.raises(numba.TypingError, match=r"expected four\(.*got \(Plan"):
+        call_three(four, plan)
+    with pytest.raises(numba.TypingError, match=r"expected three\(.*got \(Plan"):
+        call_four(three, plan, np.array([7]))
+    with pytest.raises(numba.TypingError, match=r"expected three\(Plan.*got \(Other"):
+        call_three(three, Struct(Other(np.zeros(3, np.int64), 2)))
+    with pytest.raises(numba.TypingError, match="expected an address with a signature, got int64"):
+        call_three(three.address, plan)  # type: ignore[arg-type]  # the point
+
+
+def test_a_function_that_does_not_fit_a_signature_has_no_pointer() -> None:
+    kind = StructPointer(numba.typeof(Plan(np.zeros(3, np.int64), 2)))  # type: ignore[no-untyped-call]  # numba's
+    with pytest.raises(numba.TypingError, match=r"note_three: expected four\("):
+        pointer_to(note_three, FOUR, (kind, types.int64, types.int64))
+    with pytest.raises(numba.TypingError, match=r"note_three: expected three\(.*float64"):
+        pointer_to(note_three, THREE, (kind, types.int64, types.float64))
+    with pytest.raises(TypeError, match="note_nothing: expected a function that returns nothing"):
+        pointer_to(note_nothing, THREE, (kind, types.int64, types.int64))
 
 
 def step_of(source: WorldSource) -> Step:
@@ -82,7 +134,7 @@ def step_of(source: WorldSource) -> Step:
 
 def gathered(source: WorldSource) -> set[str]:
     parts = step_of(source).parts
-    return {way for way in ("belt", "scatter", "structure") if getattr(parts, way) != 0}
+    return {way for way in ("belt", "scatter", "structure") if getattr(parts, way)}
 
 
 THINNED = Scatter(gap_m=0.5)
@@ -147,7 +199,7 @@ def test_an_agent_goes_on_where_its_next_world_has_no_belt() -> None:
     simulation = Simulation(family, reference_contract(), np.zeros(1, np.uint64))
     for seed in range(1, 12):
         simulation.place(np.zeros(1, np.int64), np.array([seed], np.uint64))
-        scratch = simulation.held_step()[1].work.draws.keys
+        scratch = simulation.held_step()[1].value.work.draws.keys
         assert len(scratch) >= simulation.params.world.planes["across"].max()
         fresh = Simulation(family, reference_contract(), np.array([seed], np.uint64))
         assert simulation.sense().tobytes() == fresh.sense().tobytes()
@@ -234,5 +286,5 @@ def test_what_compiles_a_part_on_its_own_is_alone(monkeypatch: pytest.MonkeyPatc
 
 def test_what_holds_addresses_is_not_copied() -> None:
     held = Simulation(World("plain"), reference_contract(), np.zeros(1, np.uint64)).held_step()[1]
-    with pytest.raises(TypeError, match="Held: expected to stay in its place"):
+    with pytest.raises(TypeError, match="Struct: expected to stay where its address is"):
         pickle.dumps(held)

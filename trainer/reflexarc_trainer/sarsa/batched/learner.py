@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from reflexarc_sim_bridge.native.threads import thread_count, together
 from reflexarc_sim_bridge.simulation.simulation import Simulation
+from reflexarc_sim_bridge.simulation.step_pointer import NO_STEP, NOTHING_HELD
 from reflexarc_sim_bridge.worlds.seeds import TRAINING_SEEDS, all_of
 from reflexarc_trainer.config.train_config import TrainConfig
 from reflexarc_trainer.config.training_world import stage_at, stage_ends
@@ -118,7 +119,7 @@ class BatchedLearner:
 
         def learn_part(first: int, end: int) -> None:
             step, held = self._simulation.held_step()
-            place = Place(step, held.address, self._simulation.params.agents.stack)
+            place = Place(step, held, self._simulation.params.agents.stack)
             learn(learning, place, gate, threads, first, end, updates)
 
         together(learn_part, shards)
@@ -165,7 +166,7 @@ class BatchedLearner:
 def compile_learner(config: TrainConfig) -> None:
     """Compile what a run learns with, unless that is done: it learns for no update."""
     learning = new_learning(config)
-    nowhere = Place(0, 0, np.zeros_like(learning.pending.seen))
+    nowhere = Place(NO_STEP, NOTHING_HELD, np.zeros_like(learning.pending.seen))
     learn(learning, nowhere, new_gate(), 1, 0, 0, 0)
 
 

@@ -11,6 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_sim_bridge.native.decorators import fused
+from reflexarc_sim_bridge.native.function_pointers import FunctionPointer
+from reflexarc_sim_bridge.native.struct_pointers import Struct
 from reflexarc_sim_bridge.simulation.step import LOOK, MOVE
 from reflexarc_sim_bridge.simulation.step_pointer import step_world
 from reflexarc_trainer.sarsa.batched.network_pass import Block, forward
@@ -25,10 +27,10 @@ NOT_CHOSEN = -1
 class Place(NamedTuple):
     """The world as one thread calls it."""
 
-    step: int
-    """Address of `kernel.advance`."""
-    held: int
-    """Address of a `Held`."""
+    step: FunctionPointer
+    """`simulation.step.advance`."""
+    held: Struct
+    """A `simulation.step_pointer.Held`."""
     stack: npt.NDArray[np.uint8]
     """What the agents see: (agents, inputs)."""
 

@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from reflexarc_runtime.errors import UsageError
 from reflexarc_sim_bridge.simulation.simulation import Simulation
+from reflexarc_sim_bridge.simulation.step_pointer import NO_STEP, NOTHING_HELD
 from reflexarc_sim_bridge.worlds.seeds import TRAINING_SEEDS
 from reflexarc_trainer.config.train_config import TrainConfig
 from reflexarc_trainer.config.training_world import stage_at, stage_ends
@@ -164,7 +165,7 @@ class OnlineLearner:
     def _call(self, begins: bool, steps: int) -> None:
         step, held = self._simulation.held_step()
         stack = self._simulation.params.agents.stack[0]
-        drive(self._rules, self._state, self._scratch, step, held.address, stack, begins, steps)
+        drive(self._rules, self._state, self._scratch, step, held, stack, begins, steps)
 
 
 def sizes_of(config: TrainConfig) -> tuple[int, int, int]:
@@ -189,7 +190,16 @@ def new_learning(
 def compile_learner(config: TrainConfig) -> None:
     """Compile what a run learns with, unless that is done: it learns for no step."""
     rules, (state, scratch) = rules_for(config), new_learning(config)
-    drive(rules, state, scratch, 0, 0, np.zeros(sizes_of(config)[0], np.uint8), False, 0)
+    drive(
+        rules,
+        state,
+        scratch,
+        NO_STEP,
+        NOTHING_HELD,
+        np.zeros(sizes_of(config)[0], np.uint8),
+        False,
+        0,
+    )
 
 
 def rules_for(config: TrainConfig) -> Rules:

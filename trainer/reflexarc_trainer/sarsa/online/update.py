@@ -11,6 +11,8 @@ from reflexarc_sim_bridge.native.decorators import (
     fused_free,
     fused_inline,
 )
+from reflexarc_sim_bridge.native.function_pointers import FunctionPointer
+from reflexarc_sim_bridge.native.struct_pointers import Struct
 from reflexarc_sim_bridge.simulation.step import LOOK, MOVE
 from reflexarc_sim_bridge.simulation.step_pointer import step_world
 from reflexarc_trainer.sarsa import schedules
@@ -223,8 +225,8 @@ def drive(
     rules: Rules,
     state: LearnerState,
     scratch: Scratch,
-    step: int,
-    held: int,
+    step: FunctionPointer,
+    held: Struct,
     stack: Bytes,
     begins: bool,
     steps: int,
