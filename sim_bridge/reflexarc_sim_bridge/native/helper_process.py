@@ -1,7 +1,8 @@
 """A second process that compiles one thing while this process compiles another.
 
 Numba compiles one function at a time, so a thread would not help. What the other process compiles
-it leaves in the cache, where this one finds it. If it fails, this one compiles all.
+it leaves in the cache, where this one finds it. If it fails, this one compiles all. The two hand
+types over as pickles, through a pipe that nobody else writes to.
 """
 
 import contextlib
@@ -12,7 +13,6 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
 from importlib import import_module
 from typing import Any
 
@@ -27,6 +27,18 @@ _LOOK_AGAIN_S = 0.5
 def has_room() -> bool:
     """Whether there is a processor for it."""
     return len(os.sched_getaffinity(0)) > 1
+
+
+@contextlib.contextmanager
+def compiled_meanwhile(function: Any, types: tuple[Any, ...]) -> Iterator[None]:
+    """Within it another process compiles a function; afterwards it is in the cache.
+
+    Args:
+        function: a compiled one, at the top level of its module.
+        types: numba's, of its arguments.
+    """
+    with at_work(__name__, pickle.dumps((function.__module__, function.__name__, types))):
+        yield
 
 
 @contextlib.contextmanager
@@ -77,18 +89,6 @@ def _stop(helper: subprocess.Popen[bytes]) -> None:
     helper.wait()
 
 
-@contextmanager
-def compiled_meanwhile(function: Any, types: tuple[Any, ...]) -> Iterator[None]:
-    """Within it another process compiles a function; afterwards it is in the cache.
-
-    Args:
-        function: a compiled one, at the top level of its module.
-        types: numba's, of its arguments.
-    """
-    with at_work(__name__, pickle.dumps((function.__module__, function.__name__, types))):
-        yield
-
-
 def main() -> None:
     """The other process: module, function and types come in on standard input, as a pickle."""
     try:
@@ -96,7 +96,7 @@ def main() -> None:
         function = getattr(import_module(module), name)
     except Exception as error:  # a pickle of garbage can raise anything
         print(
-            f"compile_meanwhile: expected a pickled call on standard input: {error}",
+            f"helper_process: expected a pickled call on standard input: {error}",
             file=sys.stderr,
         )
         raise SystemExit(2) from None

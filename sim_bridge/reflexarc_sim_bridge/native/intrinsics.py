@@ -1,13 +1,16 @@
-"""Listing what is marked, sixteen at a time.
+"""Single instructions of the processor that Python has no word for.
 
-Which entries of a list pass a test is known for a whole vector at once; to write only those behind
-each other is one instruction where the processor has it (AVX-512: `vpcompressd`), and a loop that
-writes first and counts after would take one step an entry.
+- `keep`: which entries of a list pass a test is known for a whole vector at once; to write only
+  those behind each other is one instruction where the processor has it (AVX-512: `vpcompressd`),
+  and a loop that writes first and counts after would take one step an entry.
+- `fetch`: ask for memory that will be needed soon.
+- `multiply_add`: a·b + c rounded once. Asked for by name: left to the compiler's choice, bits would
+  depend on what it makes of a loop.
 """
 
 from typing import Any
 
-from llvmlite import ir  # type: ignore[import-untyped]  # it has no stubs  # type: ignore[import-untyped]  # it has no stubs  # type: ignore[import-untyped]  # it has no stubs
+from llvmlite import ir  # type: ignore[import-untyped]  # it has no stubs
 from numba.core import types
 from numba.extending import intrinsic
 
@@ -15,6 +18,18 @@ from reflexarc_sim_bridge.native.decorators import compiled
 
 LANES = 16
 """Entries that are treated together; arrays have room for so many more than they hold."""
+
+_SUFFIXES = {types.float32: "f32", types.int32: "i32", types.uint32: "i32"}
+_READ, _KEEP_IN_ALL_CACHES, _DATA = 0, 3, 1
+
+
+@compiled
+def whole(count: int) -> int:
+    """So many and as many more as it takes for whole vectors.
+
+    A loop over them has no rest that goes one by one.
+    """
+    return (count + LANES - 1) // LANES * LANES
 
 
 def _keep(_: Any, values: Any, marks: Any, first: Any, kept: Any, count: Any) -> Any:
@@ -43,33 +58,13 @@ def _keep(_: Any, values: Any, marks: Any, first: Any, kept: Any, count: Any) ->
         lanes = builder.load(at(values, args[0], args[2]), align=4)
         name = "llvm.experimental.vector.compress.v16" + _SUFFIXES[values.dtype]
         form = ir.FunctionType(lanes.type, [lanes.type, bits, lanes.type])
-        compress = declared(builder.module, form, name)
+        compress = _declared(builder.module, form, name)
         packed = builder.call(compress, [lanes, mask, ir.Constant(lanes.type, ir.Undefined)])
         builder.store(packed, at(kept, args[3], args[4]), align=4)
         found = builder.ctpop(builder.bitcast(mask, one))
         return builder.add(args[4], builder.zext(found, args[4].type))
 
     return types.int64(values, marks, types.int64, kept, types.int64), emit
-
-
-def declared(module: Any, form: Any, name: str) -> Any:
-    """A function of LLVM's own, made known to a module once."""
-    return module.globals.get(name) or ir.Function(module, form, name)
-
-
-_SUFFIXES = {types.float32: "f32", types.int32: "i32", types.uint32: "i32"}
-
-
-@compiled
-def whole(count: int) -> int:
-    """So many and as many more as it takes for whole vectors.
-
-    A loop over them has no rest that goes one by one.
-    """
-    return (count + LANES - 1) // LANES * LANES
-
-
-keep: Any = intrinsic(_keep)  # its stub says that a call returns nothing
 
 
 def _fetch(_: Any, array: Any, index: Any) -> Any:
@@ -79,17 +74,11 @@ def _fetch(_: Any, array: Any, index: Any) -> Any:
         data = context.make_array(array)(context, builder, args[0]).data
         at, number = builder.gep(data, [args[1]]), ir.IntType(32)
         form = ir.FunctionType(ir.VoidType(), [at.type, number, number, number])
-        # To be read, kept in all caches, data.
-        builder.call(declared(builder.module, form, "llvm.prefetch.p0"), [at, *map(number, _HOW)])
+        how = map(number, (_READ, _KEEP_IN_ALL_CACHES, _DATA))
+        builder.call(_declared(builder.module, form, "llvm.prefetch.p0"), [at, *how])
         return context.get_dummy_value()
 
     return types.void(array, types.int64), emit
-
-
-_HOW = 0, 3, 1
-
-
-fetch: Any = intrinsic(_fetch)  # its stub says that a call returns nothing
 
 
 def _multiply_add(_: Any, a: Any, b: Any, c: Any) -> Any:
@@ -99,9 +88,17 @@ def _multiply_add(_: Any, a: Any, b: Any, c: Any) -> Any:
         kind = context.get_data_type(a)
         name = f"llvm.fma.f{a.bitwidth}"
         form = ir.FunctionType(kind, [kind, kind, kind])
-        return builder.call(declared(builder.module, form, name), args)
+        return builder.call(_declared(builder.module, form, name), args)
 
     return a(a, a, a), emit
 
 
-multiply_add: Any = intrinsic(_multiply_add)  # its stub says that a call returns nothing
+def _declared(module: Any, form: Any, name: str) -> Any:
+    """A function of LLVM's own, made known to a module once."""
+    return module.globals.get(name) or ir.Function(module, form, name)
+
+
+# The stub of `intrinsic` says that a call returns nothing.
+keep: Any = intrinsic(_keep)
+fetch: Any = intrinsic(_fetch)
+multiply_add: Any = intrinsic(_multiply_add)

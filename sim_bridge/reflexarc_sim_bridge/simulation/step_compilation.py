@@ -10,6 +10,7 @@ from reflexarc_sim_bridge.arrays.layout import SCATTER, Params, WorldTables
 from reflexarc_sim_bridge.arrays.workspace import IN_CELL, ON_AGENT, Parts
 from reflexarc_sim_bridge.motion.placing import go_to_free_place
 from reflexarc_sim_bridge.native.cache import compiling_alone, is_kept
+from reflexarc_sim_bridge.native.compile_progress import compilation
 from reflexarc_sim_bridge.native.function_pointers import FunctionPointer, Signature, pointer_to
 from reflexarc_sim_bridge.native.helper_process import compiled_meanwhile, has_room
 from reflexarc_sim_bridge.native.numba_compiler import without_garbage_collection
@@ -18,6 +19,9 @@ from reflexarc_sim_bridge.simulation.step import advance, cast, cover
 from reflexarc_sim_bridge.simulation.step_pointer import CAST, COVER, STEP, type_of_held
 from reflexarc_sim_bridge.vision.sensing import sense_agent
 from reflexarc_sim_bridge.worlds.world import World, WorldSource
+
+PUTTING, GATHERING = "where agents are put", "the drawing of obstacles"
+STEPPING, LOOKING = "how agents move", "what agents see"
 
 Motions = npt.NDArray[np.float64]
 
@@ -84,13 +88,18 @@ def _compile(params: Params, motions: Motions, ways: frozenset[str]) -> Step:
     held = type_of_held(params, motions)
     pointed = held.field("params"), held.field("work")
     on_agent, in_cell = (*pointed, *ON_AGENT.arguments[2:]), (*pointed, *IN_CELL.arguments[2:])
-    is_worth_it = has_room() and not is_kept(advance)
-    with compiled_meanwhile(sense_agent, on_agent) if is_worth_it else nullcontext():
-        put = pointer_to(go_to_free_place, ON_AGENT, on_agent)
-        gathered = {way: pointer_to(_GATHERERS[way], IN_CELL, in_cell) for way in ways}
-        # The last: where it is kept, a world is compiled.
-        stepped = pointer_to(advance, STEP, (held, *STEP.arguments[1:]))
-    return Step(stepped, Parts(pointer_to(sense_agent, ON_AGENT, on_agent), put, **gathered))
+    parts = {} if is_kept(advance) else {PUTTING: 5.0, GATHERING: 4.0, STEPPING: 4.5, LOOKING: 6.0}
+    with compilation(parts) as compiling:
+        with compiled_meanwhile(sense_agent, on_agent) if parts and has_room() else nullcontext():
+            with compiling.part(PUTTING):
+                put = pointer_to(go_to_free_place, ON_AGENT, on_agent)
+            with compiling.part(GATHERING):
+                gathered = {way: pointer_to(_GATHERERS[way], IN_CELL, in_cell) for way in ways}
+            with compiling.part(STEPPING):  # the last: where it is kept, a world is compiled
+                stepped = pointer_to(advance, STEP, (held, *STEP.arguments[1:]))
+        with compiling.part(LOOKING):
+            look = pointer_to(sense_agent, ON_AGENT, on_agent)
+    return Step(stepped, Parts(look, put, **gathered))
 
 
 def _form(value: Any) -> Any:

@@ -69,7 +69,7 @@ def test_what_is_no_configuration_is_one_line_and_exit_status_2(
 
 def test_nothing_is_started_where_all_is_compiled(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(compile_ahead, "is_kept", lambda function: True)
-    monkeypatch.setattr(second_process, "start", lambda *_: pytest.fail("started"))
+    monkeypatch.setattr(compile_ahead, "at_work", lambda *_: pytest.fail("started"))
     compile_side_by_side(CONFIG)
 
 

@@ -6,13 +6,14 @@ processor.
 
 import json
 import sys
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import ExitStack
 from typing import Any
 
 import numpy as np
 
 from reflexarc_runtime.errors import UsageError
 from reflexarc_sim_bridge.native.cache import compiling_alone, is_kept, prepare
+from reflexarc_sim_bridge.native.compile_progress import compilation
 from reflexarc_sim_bridge.native.helper_process import at_work, end_with_parent, has_room
 from reflexarc_sim_bridge.native.numba_compiler import without_garbage_collection
 from reflexarc_sim_bridge.simulation.simulation import Simulation
@@ -27,6 +28,7 @@ _compiled: set[tuple[str, str, str]] = set()
 """Form and precisions that this process has compiled or loaded: what the types depend on."""
 _LEARNERS: dict[str, Any] = {"batched": learn, "online": drive}
 """The compiled function of each form: where it is kept, so are its parts."""
+_EXPECTED_S = {"batched": 11.0, "online": 8.0}
 
 
 def compile_side_by_side(config: TrainConfig) -> None:
@@ -38,20 +40,17 @@ def compile_side_by_side(config: TrainConfig) -> None:
     form = config.learner.form, config.learner.batched.precision, config.learner.online.precision
     if form in _compiled:
         return
-    with _helped(config):
+    learner = _LEARNERS[config.learner.form]
+    parts = {} if is_kept(learner) else {"how it learns": _EXPECTED_S[config.learner.form]}
+    with ExitStack() as helped:
+        if parts and has_room() and not is_kept(advance):
+            given = json.dumps(config.resolved()).encode()
+            helped.enter_context(at_work(__name__, given))
         Simulation(config.worlds[0].source(), config.contract(), np.zeros(1, np.uint64))
-    compile_learner(config)
+        with compilation(parts) as compiling, compiling.part("how it learns"):
+            helped.close()  # waits for the second process
+            compile_learner(config)
     _compiled.add(form)
-
-
-def _helped(config: TrainConfig) -> AbstractContextManager[None]:
-    """Within it a second process compiles the learner, if both are still to be compiled."""
-    is_worth_it = (
-        has_room() and not is_kept(advance) and not is_kept(_LEARNERS[config.learner.form])
-    )
-    if not is_worth_it:
-        return nullcontext()
-    return at_work(__name__, json.dumps(config.resolved()).encode())
 
 
 def compile_learner(config: TrainConfig) -> None:
