@@ -22,9 +22,9 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
 
+from reflexarc_runtime.config.checks import require
 from reflexarc_runtime.config.fill import fill
 from reflexarc_runtime.config.toml_source import TomlSource, read_text
-from reflexarc_runtime.errors import UsageError
 
 Colour = tuple[int, int, int]
 """Red, green, blue, each 0 to 255."""
@@ -50,8 +50,8 @@ class Band:
     bottom: float = 0.55
 
     def __post_init__(self) -> None:
-        _require(0.0 <= self.top <= 1.0, "band.top", "0 to 1", self.top)
-        _require(self.top < self.bottom <= 1.0, "band.bottom", "top to 1", self.bottom)
+        require(0.0 <= self.top <= 1.0, "band.top", "0 to 1", self.top)
+        require(self.top < self.bottom <= 1.0, "band.bottom", "top to 1", self.bottom)
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class Lens:
     def __post_init__(self) -> None:
         limit_rad = math.pi if self.projection is Projection.PINHOLE else 2.0 * math.pi
         inside = 0.0 < self.fov_rad < limit_rad
-        _require(inside, "lens.fov_rad", f"in (0, {limit_rad:.2f})", self.fov_rad)
+        require(inside, "lens.fov_rad", f"in (0, {limit_rad:.2f})", self.fov_rad)
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ class Background:
     def __post_init__(self) -> None:
         _check_colour("background.colour", self.colour)
         inside = 0.0 <= self.tolerance <= MAX_DISTANCE
-        _require(inside, "background.tolerance", f"0 to {MAX_DISTANCE:.1f}", self.tolerance)
+        require(inside, "background.tolerance", f"0 to {MAX_DISTANCE:.1f}", self.tolerance)
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ class ColourRange:
         _check_colour("obstacle.lowest", self.lowest)
         _check_colour("obstacle.highest", self.highest)
         ordered = all(low <= high for low, high in zip(self.lowest, self.highest, strict=True))
-        _require(ordered, "obstacle.highest", "no channel below lowest", self.highest)
+        require(ordered, "obstacle.highest", "no channel below lowest", self.highest)
 
 
 @dataclass(frozen=True)
@@ -142,14 +142,9 @@ class _File:
 
     def __post_init__(self) -> None:
         one = self.background is None or self.obstacle is None
-        _require(one, "obstacle", "background or obstacle, one of the two", "both")
+        require(one, "obstacle", "background or obstacle, one of the two", "both")
 
 
 def _check_colour(where: str, colour: Colour) -> None:
     good = all(0 <= value <= 255 for value in colour)
-    _require(good, where, "three whole numbers, 0 to 255", list(colour))
-
-
-def _require(holds: bool, where: str, expected: str, got: object) -> None:
-    if not holds:
-        raise UsageError(f"{where}: expected {expected}, got {got}")
+    require(good, where, "three whole numbers, 0 to 255", list(colour))

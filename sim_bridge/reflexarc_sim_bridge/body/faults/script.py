@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, TypeAlias
 
-from reflexarc_runtime.errors import UsageError
+from reflexarc_runtime.config.annotations import arms_of
+from reflexarc_runtime.config.checks import require
 
 
 class Frozen(StrEnum):
@@ -154,18 +155,8 @@ Fault: TypeAlias = (
     | ClockStep
 )
 
-KINDS: Mapping[str, type[Any]] = {
-    "delay": Delay,
-    "jitter": Jitter,
-    "loss": Loss,
-    "duplication": Duplication,
-    "reordering": Reordering,
-    "freezing": Freezing,
-    "malformed": Malformed,
-    "silence": Silence,
-    "second-sender": SecondSender,
-    "clock-step": ClockStep,
-}
+KINDS: Mapping[str, type[Any]] = arms_of(Fault)
+"""Every kind by its name in a file: `delay`, `second-sender` and so on, in the order above."""
 
 
 @dataclass(frozen=True)
@@ -182,8 +173,8 @@ class FaultScript:
     """Begin again after so long; 0: once."""
 
     def __post_init__(self) -> None:
-        _require(0 <= self.seed < 1 << 64, "seed", "0 to 2^64 − 1", self.seed)
-        _require(0.0 <= self.repeat_s < math.inf, "repeat_s", "0 or more", self.repeat_s)
+        require(0 <= self.seed < 1 << 64, "seed", "0 to 2^64 − 1", self.seed)
+        require(0.0 <= self.repeat_s < math.inf, "repeat_s", "0 or more", self.repeat_s)
         for number, fault in enumerate(self.faults):
             _check(fault, f"fault[{number}]")
 
@@ -208,17 +199,12 @@ def _check(fault: Fault, where: str) -> None:
         at = f"{where}.{name}"
         match name:
             case "begin_s" | "delay_s" | "jitter_s" | "held_s":
-                _require(0.0 <= value < math.inf, at, "0 or more seconds", value)
+                require(0.0 <= value < math.inf, at, "0 or more seconds", value)
             case "duration_s":
-                _require(0.0 < value < math.inf, at, "more than 0 seconds", value)
+                require(0.0 < value < math.inf, at, "more than 0 seconds", value)
             case "share":
-                _require(0.0 < value <= 1.0, at, "more than 0, at most 1", value)
+                require(0.0 < value <= 1.0, at, "more than 0, at most 1", value)
             case "copies":
-                _require(2 <= value <= 100, at, "2 to 100", value)
+                require(2 <= value <= 100, at, "2 to 100", value)
             case "ahead_s" | "step_s":
-                _require(abs(value) <= 1e9, at, "at most 10^9 seconds either way", value)
-
-
-def _require(holds: bool, where: str, expected: str, got: object) -> None:
-    if not holds:
-        raise UsageError(f"{where}: expected {expected}, got {got}")
+                require(abs(value) <= 1e9, at, "at most 10^9 seconds either way", value)
