@@ -42,7 +42,8 @@ __all__ = [
 _MODULE_OF = {
     "ReferenceEnv": "environments.single",
     "ReferenceVectorEnv": "environments.vector",
-    **dict.fromkeys(("FieldScore", "measure", "reference_contract"), "evaluation.reference_field"),
+    **dict.fromkeys(("FieldScore", "measure"), "evaluation.reference_field"),
+    "reference_contract": "worlds.reference_contract",
     **dict.fromkeys(("test_seeds", "training_seeds", "validation_seeds"), "worlds.seeds"),
     **dict.fromkeys(("BlindPolicy", "RandomPolicy"), "evaluation.simple_policies"),
     "Simulation": "simulation.simulation",

@@ -17,6 +17,8 @@ from reflexarc_runtime.errors import WorldError
 from reflexarc_sim_bridge.worlds.files import world_named
 from reflexarc_sim_bridge.worlds.world import AfterContact, WorldSource
 
+EPISODE_STEPS = 1000
+"""After so many steps an episode is truncated, unless told otherwise."""
 STEP_REWARD = 0.1
 """For a step without contact (the paper, section 4.2)."""
 CONTACT_REWARD = -1.0

@@ -2,11 +2,12 @@
 
 All agents take a compiled step together. An agent whose episode has ended begins the next one at
 the following step, which ignores its action and rewards it with 0: Gymnasium's next-step
-autoreset. With the same seeds each agent meets what a single environment meets (`environment.py`),
+autoreset. With the same seeds each agent meets what a single environment meets (`single.py`),
 step by step, to the bit.
 """
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import gymnasium
@@ -16,10 +17,12 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from reflexarc_runtime.arrays import Actions, Mask
+from reflexarc_runtime.config.checks import require
 from reflexarc_runtime.contract import PolicyContract
 from reflexarc_runtime.errors import WorldError
 from reflexarc_sim_bridge.environments.episodes import (
     CONTACT_REWARD,
+    EPISODE_STEPS,
     INFO,
     STEP_REWARD,
     Indices,
@@ -31,12 +34,13 @@ from reflexarc_sim_bridge.environments.episodes import (
     observation_space,
     the_world,
 )
-from reflexarc_sim_bridge.environments.registration import EPISODE_STEPS
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.reference_contract import WORLD_NAME, reference_contract
 from reflexarc_sim_bridge.worlds.world import WorldSource
 
 Observations = npt.NDArray[np.uint8]
+_require = partial(require, error=WorldError)
+
 Step = tuple[Observations, npt.NDArray[np.float64], Mask, Mask, dict[str, Any]]
 
 
@@ -192,8 +196,3 @@ def _as_indices(actions: Any) -> Actions:
     """Integers of any kind as int64; what is no integer is left for the simulation to refuse."""
     array = np.asarray(actions)
     return np.ascontiguousarray(array, np.int64) if array.dtype.kind in "iu" else array
-
-
-def _require(holds: bool, where: str, expected: str, got: object) -> None:
-    if not holds:
-        raise WorldError(f"{where}: expected {expected}, got {got}")
