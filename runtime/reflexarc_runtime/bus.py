@@ -7,47 +7,19 @@ own configuration, given as a file.
 """
 
 import json
-import re
 import uuid
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
-from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
 import zenoh
 
-from reflexarc_runtime.errors import BusError, UsageError
-from reflexarc_runtime.messages.topics import DEFAULT_ROBOT, Quality, Topic, alive_key, policy_key
+from reflexarc_runtime.bus_config import LOOPBACK, BusConfig
+from reflexarc_runtime.errors import BusError
+from reflexarc_runtime.messages.topics import Quality, Topic, alive_key, policy_key
 from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp, protobuf_encoding
 
-DEFAULT_PORT = 7447
-LOOPBACK = "127.0.0.1"
-
-_ROBOT_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}")
 _RETRY = {"period_init_ms": 50, "period_max_ms": 500, "period_increase_factor": 2}
-
-
-@dataclass(frozen=True)
-class BusConfig:
-    """How a node joins the bus."""
-
-    robot: str = DEFAULT_ROBOT
-    """First part of every key."""
-    port: int = DEFAULT_PORT
-    """Port of the loopback interface on which the body listens."""
-    listens: bool = False
-    """Whether this node is the one that listens there."""
-    zenoh_file: Path | None = None
-    """A Zenoh configuration (JSON5) to use in place of all this."""
-
-    def __post_init__(self) -> None:
-        if not _ROBOT_NAME.fullmatch(self.robot):
-            raise UsageError(
-                f"--robot: expected letters, digits, _ . - (at most 64), got {self.robot!r}"
-            )
-        if not 1 <= self.port <= 65535:
-            raise UsageError(f"--port: expected 1 to 65535, got {self.port}")
 
 
 class Publisher:

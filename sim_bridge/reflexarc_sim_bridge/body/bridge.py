@@ -7,9 +7,8 @@ the number of the step: the same drive on any machine, under any load.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
-from reflexarc_runtime.bus import Bus
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.lockstep import await_command, wait_for_runtime
 from reflexarc_runtime.loop.pacer import RatePacer
@@ -38,6 +37,9 @@ from reflexarc_sim_bridge.body.faults.faulty_stream import Sending
 from reflexarc_sim_bridge.body.faults.script import FaultScript
 from reflexarc_sim_bridge.body.foxglove_messages import encode_pose, encode_scene, encode_transform
 
+if TYPE_CHECKING:
+    from reflexarc_runtime.bus import Bus
+
 _SPOKEN = (RETINA, POSE, TRANSFORM, SCENE, CONTACT, STATUS)
 _SECOND_NS = 1_000_000_000
 
@@ -59,7 +61,7 @@ class RetinaOutlet(Protocol):
         ...
 
 
-def faulty_retinas(bus: Bus, script: FaultScript, now_ns: Callable[[], int]) -> Courier:
+def faulty_retinas(bus: "Bus", script: FaultScript, now_ns: Callable[[], int]) -> Courier:
     """A way to the bus on which a script goes wrong; a context manager."""
     publisher = bus.publisher(RETINA)
 
@@ -73,7 +75,7 @@ class Voice:
     """Says on the bus what a body sees and where it is."""
 
     def __init__(
-        self, bus: Bus, body: Body, robot: str, retinas: RetinaOutlet | None = None
+        self, bus: "Bus", body: Body, robot: str, retinas: RetinaOutlet | None = None
     ) -> None:
         self._publishers = {topic: bus.publisher(topic) for topic in _SPOKEN}
         self._retinas = retinas or self._publishers[RETINA]
@@ -121,7 +123,7 @@ class Bridge:
     """
 
     def __init__(
-        self, bus: Bus, body: Body, robot: str, inbox: Inbox, retinas: RetinaOutlet | None = None
+        self, bus: "Bus", body: Body, robot: str, inbox: Inbox, retinas: RetinaOutlet | None = None
     ) -> None:
         self._bus = bus
         self._body = body

@@ -2,14 +2,16 @@
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
-from reflexarc_runtime.bus import Bus
 from reflexarc_runtime.contract import RetinaSpec
 from reflexarc_runtime.loop.clock import Clock
 from reflexarc_runtime.messages.codec import Status, encode_retina, encode_status
 from reflexarc_runtime.messages.topics import BODY_NODE, RETINA, STATUS
 from reflexarc_sim_bridge.body.camera.eye import CameraEye, Image
+
+if TYPE_CHECKING:
+    from reflexarc_runtime.bus import Bus
 
 _SECOND_NS = 1_000_000_000
 _POLL_NS = 10_000_000
@@ -46,7 +48,7 @@ class CameraBridge:
     """
 
     def __init__(
-        self, bus: Bus, eye: CameraEye, spec: RetinaSpec, robot: str, clock: Clock
+        self, bus: "Bus", eye: CameraEye, spec: RetinaSpec, robot: str, clock: Clock
     ) -> None:
         self._retinas = bus.publisher(RETINA)
         self._status = bus.publisher(STATUS)

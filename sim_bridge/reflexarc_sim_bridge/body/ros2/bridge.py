@@ -15,8 +15,8 @@ import math
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from reflexarc_runtime.bus import Bus, Publisher
 from reflexarc_runtime.contract import Action
 from reflexarc_runtime.decision import Command
 from reflexarc_runtime.loop.clock import wall_offset_ns
@@ -36,6 +36,9 @@ from reflexarc_sim_bridge.body.ros2.messages import (
     encode_twist_stamped,
 )
 from reflexarc_sim_bridge.body.ros2.wires import Wire
+
+if TYPE_CHECKING:
+    from reflexarc_runtime.bus import Bus, Publisher
 
 STANDSTILL = Action("stop", 0.0, 0.0)
 COMMAND_FRAME = "base_link"
@@ -100,7 +103,7 @@ class ScanRelay:
         publisher: of our own scans.
     """
 
-    def __init__(self, publisher: Publisher) -> None:
+    def __init__(self, publisher: "Publisher") -> None:
         self._publisher = publisher
         self.scans = 0
         self.refused: Counter[str] = Counter()
@@ -131,7 +134,7 @@ class CommandRelay:
     """
 
     def __init__(
-        self, publisher: Publisher, stamped: bool, wall_offset: Callable[[], int] = wall_offset_ns
+        self, publisher: "Publisher", stamped: bool, wall_offset: Callable[[], int] = wall_offset_ns
     ) -> None:
         self._publisher = publisher
         self._stamped = stamped
@@ -178,7 +181,7 @@ class RosBridge:
         inbox: where the bus delivers our commands.
     """
 
-    def __init__(self, bus: Bus, route: Route, inbox: Inbox) -> None:
+    def __init__(self, bus: "Bus", route: Route, inbox: Inbox) -> None:
         self._scans = ScanRelay(bus.publisher(SCAN))
         wheel = bus.publisher_of_key(route.command_key, _CDR, Quality.CONTROL)
         self._commands = CommandRelay(wheel, route.stamped)
