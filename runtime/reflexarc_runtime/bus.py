@@ -43,7 +43,7 @@ class Publisher:
         return self._sequence
 
     def put(self, payload: bytes, time_ns: int) -> None:
-        """Send a message. A bus that fails is counted, never raised into a loop."""
+        """Send a message. A failure of the bus is counted, not raised: it must not end a loop."""
         stamp = pack_stamp(Stamp(self._sequence, time_ns), self._sender)
         self._sequence += 1
         try:
@@ -52,7 +52,7 @@ class Publisher:
             self.failures += 1
 
     def put_raw(self, payload: bytes, attachment: bytes, encoding: str) -> None:
-        """Send bytes as they are: for players, and for faults on purpose."""
+        """Send bytes as they are: for players of logs, and for injected faults."""
         self._publisher.put(payload, attachment=attachment, encoding=zenoh.Encoding(encoding))
 
 
@@ -92,7 +92,7 @@ class Bus:
         return self.publisher_of_key(topic.key(self._config.robot), encoding, topic.quality)
 
     def publisher_of_key(self, key: str, encoding: str, quality: Quality) -> Publisher:
-        """A publisher on a key of somebody else's table."""
+        """A publisher on a key that is not in our topic table."""
         urgent = quality is Quality.CONTROL
         publisher = self._session.declare_publisher(
             key,
@@ -104,12 +104,12 @@ class Bus:
         return Publisher(publisher, self._sender)
 
     def subscribe(self, topics: Iterable[Topic], deliver: Callable[[Message], None]) -> None:
-        """Deliver every message of these topics; called on a thread of Zenoh's."""
+        """Call `deliver` with every message of these topics, on a thread of Zenoh's."""
         for topic in topics:
             self.subscribe_to_key(topic.key(self._config.robot), deliver)
 
     def subscribe_to_key(self, key: str, deliver: Callable[[Message], None]) -> None:
-        """Deliver every message of a key of somebody else's table."""
+        """The same for a key that is not in our topic table."""
 
         def on_sample(sample: zenoh.Sample) -> None:
             deliver(_message(sample, self._now_ns()))
@@ -121,7 +121,7 @@ class Bus:
         self.announce_key(alive_key(self._config.robot, node))
 
     def announce_key(self, key: str) -> None:
-        """Declare a liveliness token of somebody else's table, for as long as this one."""
+        """Declare a liveliness token under any key, for as long as this session is open."""
         self._kept.append(self._session.liveliness().declare_token(key))
 
     def is_alive(self, node: str) -> bool:
@@ -130,7 +130,7 @@ class Bus:
         return any(reply.ok is not None for reply in replies)
 
     def offer_policy(self, policy: bytes) -> None:
-        """Answer queries for the policy with its file."""
+        """Answer queries for the policy with the bytes of its file."""
         key = policy_key(self._config.robot)
         answer: Callable[[zenoh.Query], None] = lambda query: query.reply(key, policy)  # noqa: E731
         self._kept.append(self._session.declare_queryable(key, answer))

@@ -1,8 +1,8 @@
 """On which line of a TOML text each key and each table stands.
 
-Python's `tomllib` tells values and no lines. This walks over a text that it has accepted: it cuts
-the text into statements (a header, or a key with its value) and lets `tomllib` read each header
-and each key alone. What stands within a value, such as an inline table, is on its statement's line.
+Python's `tomllib` gives values without lines. This module goes over a text that `tomllib` has
+accepted: it cuts the text into statements (a header, or a key with its value) and lets `tomllib`
+read each header and each key alone. What stands within a value, such as an inline table, is on its statement's line.
 """
 
 import re
