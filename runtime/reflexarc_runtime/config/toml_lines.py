@@ -2,7 +2,8 @@
 
 Python's `tomllib` gives values without lines. This module goes over a text that `tomllib` has
 accepted: it cuts the text into statements (a header, or a key with its value) and lets `tomllib`
-read each header and each key alone. What stands within a value, such as an inline table, is on its statement's line.
+read each header and each key alone. What stands within a value, such as an inline table, is on its
+statement's line.
 """
 
 import re

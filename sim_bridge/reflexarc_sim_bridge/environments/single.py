@@ -49,7 +49,7 @@ class ReferenceEnv(gymnasium.Env[npt.NDArray[np.uint8], np.int64]):
     def __init__(
         self, contract: PolicyContract | None = None, world: WorldSource | str = WORLD_NAME
     ) -> None:
-        """Make ready; `reset` begins.
+        """Build the simulation; `reset` begins an episode.
 
         Args:
             contract: what the agent sees and how each action moves it; the reference's if None.
@@ -73,7 +73,7 @@ class ReferenceEnv(gymnasium.Env[npt.NDArray[np.uint8], np.int64]):
         """Begin in the world of `seed`, or in a new one.
 
         Raises:
-            WorldError: a seed that is no world's.
+            WorldError: not a seed of a world.
         """
         super().reset(seed=seed)
         if seed is not None:

@@ -2,8 +2,8 @@
 
 All agents take a compiled step together. An agent whose episode has ended begins the next one at
 the following step, which ignores its action and rewards it with 0: Gymnasium's next-step
-autoreset. With the same seeds each agent meets what a single environment meets (`single.py`),
-step by step, to the bit.
+autoreset. With the same seeds each agent gets the observations and rewards of a single environment
+(`single.py`), step by step, to the bit.
 """
 
 from collections.abc import Sequence
@@ -38,9 +38,9 @@ from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.reference_contract import WORLD_NAME, reference_contract
 from reflexarc_sim_bridge.worlds.world import WorldSource
 
-Observations = npt.NDArray[np.uint8]
 _require = partial(require, error=WorldError)
 
+Observations = npt.NDArray[np.uint8]
 Step = tuple[Observations, npt.NDArray[np.float64], Mask, Mask, dict[str, Any]]
 
 
@@ -64,7 +64,7 @@ class ReferenceVectorEnv(VectorEnv[Observations, Actions, npt.NDArray[Any]]):
         world: WorldSource | str = WORLD_NAME,
         max_episode_steps: int | None = EPISODE_STEPS,
     ) -> None:
-        """Make ready; `reset` begins.
+        """Build the simulation; `reset` begins the episodes.
 
         Args:
             num_envs: how many agents.
@@ -102,9 +102,9 @@ class ReferenceVectorEnv(VectorEnv[Observations, Actions, npt.NDArray[Any]]):
         """Begin all episodes, or those of `options["reset_mask"]`: bool (n,).
 
         Args:
-            seed: of the worlds: s for s, s + 1, s + 2 …, or one each; where there is none, the
-                next world of the agent's sequence.
-            options: see above; nothing else is looked at.
+            seed: of the worlds: s for s, s + 1, s + 2 …, or a list with one for each agent; where
+                it is None, the next world of the agent's sequence.
+            options: `reset_mask`; other keys are ignored.
 
         Raises:
             WorldError: seeds or a mask of another form.
@@ -148,12 +148,12 @@ class ReferenceVectorEnv(VectorEnv[Observations, Actions, npt.NDArray[Any]]):
         return self._observations(), rewards, terminations, truncations, self._infos()
 
     def _place(self, which: Indices) -> None:
-        """Put agents into their next worlds; they have not looked yet."""
+        """Put agents into their next worlds, before their first look."""
         self._simulation.place(which, self._worlds.next(which, self.np_random))
         self._steps[which] = 0
 
     def _sense(self, which: Indices) -> None:
-        """Let some agents look, and no other: a look more would move its frames on."""
+        """Let only some agents look, as every look advances the frames of an agent."""
         if len(which) == self.num_envs:
             self._simulation.sense()
             return
@@ -193,6 +193,6 @@ class ReferenceVectorEnv(VectorEnv[Observations, Actions, npt.NDArray[Any]]):
 
 
 def _as_indices(actions: Any) -> Actions:
-    """Integers of any kind as int64; what is no integer is left for the simulation to refuse."""
+    """Integers of any type as int64; other types are left for the simulation to refuse."""
     array = np.asarray(actions)
     return np.ascontiguousarray(array, np.int64) if array.dtype.kind in "iu" else array

@@ -1,7 +1,7 @@
 """Fault scripts: what goes wrong between a body's eye and the bus, and when. Data only.
 
-Times are seconds since the body's first retina. `fault_file` reads a script from a file,
-`random_faults` makes one from a seed, `faults` does what it says.
+Times are seconds since the body's first retina. `script_file` reads a script from a file,
+`random_script` draws one from a seed, `faulty_stream` applies it.
 """
 
 import dataclasses
@@ -45,7 +45,7 @@ class Malformation(StrEnum):
     HUGE_ATTACHMENT = "huge-attachment"
     NEGATIVE_STAMP = "negative-stamp"
     HUGE_PAYLOAD = "huge-payload"
-    """Two MiB that are no protobuf."""
+    """Two MiB that are not protobuf."""
     HUGE_TEXT = "huge-text"
     """A picture whose pixel encoding is a text of almost one MiB."""
 
@@ -118,7 +118,7 @@ class Malformed:
 
 @dataclass(frozen=True)
 class Silence:
-    """The sender dies; it returns with another identity and begins its numbers again at 0."""
+    """The sender is silent; it returns with another identity, and its numbers begin again at 0."""
 
     begin_s: float
     duration_s: float
@@ -126,7 +126,7 @@ class Silence:
 
 @dataclass(frozen=True)
 class SecondSender:
-    """Somebody else says that the way is free, on a clock that is ahead by `ahead_s`."""
+    """Another sender reports a free way, on a clock that is ahead by `ahead_s`."""
 
     begin_s: float
     duration_s: float
@@ -161,10 +161,10 @@ KINDS: Mapping[str, type[Any]] = arms_of(Fault)
 
 @dataclass(frozen=True)
 class FaultScript:
-    """Faults and the seed of every draw: equal scripts do equal harm.
+    """Faults, and the seed of all random draws: equal scripts give equal faults.
 
     Raises:
-        UsageError: a value that makes no sense.
+        UsageError: a value is out of range.
     """
 
     faults: tuple[Fault, ...]
