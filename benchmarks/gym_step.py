@@ -18,7 +18,7 @@ import gymnasium
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_sim_bridge.environments.single import REFERENCE_ID
+from reflexarc_sim_bridge.environments.registration import REFERENCE_ID
 from reflexarc_sim_bridge.native.decorators import compiled_allocating
 from reflexarc_sim_bridge.native.threads import set_thread_count
 from reflexarc_sim_bridge.simulation.simulation import Simulation
@@ -32,6 +32,7 @@ ROUNDS = 9
 AGENT_STEPS = 30_000
 HELD_STEPS = 3
 UNLIMITED = 1 << 40
+ENVIRONMENT = f"reflexarc.envs:{REFERENCE_ID}"
 
 Actions = npt.NDArray[np.int64]
 Way = Callable[[Actions], object]
@@ -72,7 +73,7 @@ def one_by_one(environment: gymnasium.Env[Any, Any]) -> Way:
 
 def together(agents: int) -> Way:
     """One call of a vector environment a step."""
-    environments = gymnasium.make_vec(REFERENCE_ID, agents, max_episode_steps=UNLIMITED)
+    environments = gymnasium.make_vec(ENVIRONMENT, agents, max_episode_steps=UNLIMITED)
     environments.reset(seed=0)
 
     def run(actions: Actions) -> None:
@@ -84,7 +85,7 @@ def together(agents: int) -> Way:
 
 def wrapped() -> Iterator[tuple[str, Way]]:
     """The environment as `gymnasium.make` gives it, then with ever fewer wrappers."""
-    environment: Any = gymnasium.make(REFERENCE_ID, max_episode_steps=UNLIMITED)
+    environment: Any = gymnasium.make(ENVIRONMENT, max_episode_steps=UNLIMITED)
     names = [f"gymnasium.make ({type(environment).__name__} outside)"]
     while environment is not environment.unwrapped:
         yield names[-1], one_by_one(environment)

@@ -1,13 +1,12 @@
 """reflexarc: a learned reflex for robots.
 
 The public names, each loaded from its room only when it is used: importing this package costs
-nothing, and a target without torch can use everything that needs none.
+nothing, and a target without torch can use everything that needs none. `import reflexarc.envs`
+tells Gymnasium the names of the environments.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
-
-from reflexarc_sim_bridge.environments.registration import announce
 
 if TYPE_CHECKING:
     from reflexarc_logs.reading.reader import read_log
@@ -56,8 +55,6 @@ __all__ = [
     "train",
     "world_named",
 ]
-
-announce()  # Gymnasium knows the worlds by name from now on
 
 
 def __getattr__(name: str) -> Any:

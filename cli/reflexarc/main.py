@@ -56,15 +56,15 @@ COMMANDS = (
 BAD_INPUT = 2
 
 _EXTRAS = {
-    **dict.fromkeys(("torch", "matplotlib"), "train"),
+    "torch": "train",
     "rosbags": "ros2",
     "cv2": "camera",
     "tensorboard": "tensorboard",
 }
-"""Which extra brings a module."""
+"""Which extra brings a module that no other extra brings."""
 
-_NEEDS = dict.fromkeys(("demo", "train", "study", "export", "render"), "train")
-"""Which extra a command needs, where the missing module does not tell; `sim` for the others."""
+_NEEDS = {**dict.fromkeys(("demo", "train", "study", "export"), "train"), "render": "pictures"}
+"""Which extra a command needs, where the missing module does not tell."""
 
 _STYLE = (tyro.conf.FlagCreatePairsOff, tyro.conf.OmitArgPrefixes, tyro.conf.DisallowNone)
 
@@ -137,7 +137,8 @@ def _one_line(complaint: str) -> str:
 
 def _explain_missing(error: ModuleNotFoundError, command: str) -> str:
     module = (error.name or "").partition(".")[0]
-    extra = _EXTRAS.get(module) or _NEEDS.get(command, "sim")
+    extra = _EXTRAS.get(module) or _NEEDS.get(command)
+    extra = extra or ("pictures" if module in ("matplotlib", "PIL") else "sim")
     return (
         f"this command needs {module}, which is not installed here; "
         f"install the extra: pip install 'reflexarc[{extra}]'"

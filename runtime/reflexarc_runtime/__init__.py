@@ -1,1 +1,4 @@
-"""ACTS: the contract, the policy and the sense–act loop. Imports no other room, and no torch."""
+"""ACTS: runs a policy on a robot. Its contract, its file, the sense–act loop, the bus.
+
+Imports no other package of this project, and no torch.
+"""

@@ -1,4 +1,7 @@
-"""The arrays that rooms hand to each other, by name. Shapes are checked at process boundaries."""
+"""Names for the NumPy arrays that the packages exchange, with their shapes.
+
+Shapes are checked where data enters a process.
+"""
 
 from typing import TypeAlias
 
@@ -12,7 +15,7 @@ RetinaStack: TypeAlias = npt.NDArray[np.uint8]
 """What a policy sees at one tick: (frames, eyes, rays, channels), oldest frame first."""
 
 RetinaBatch: TypeAlias = npt.NDArray[np.uint8]
-"""Many stacks: (n, frames, eyes, rays, channels)."""
+"""Stacks of many ticks: (n, frames, eyes, rays, channels)."""
 
 QValues: TypeAlias = npt.NDArray[np.float32]
 """Action values: (n, actions)."""
@@ -24,4 +27,4 @@ Ranges: TypeAlias = npt.NDArray[np.float64]
 """Distances of one scan in metres, counter-clockwise: (beams,)."""
 
 Mask: TypeAlias = npt.NDArray[np.bool_]
-"""Which of n: (n,)."""
+"""A truth value for each of n items: (n,)."""

@@ -7,47 +7,19 @@ own configuration, given as a file.
 """
 
 import json
-import re
 import uuid
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
-from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
 import zenoh
 
-from reflexarc_runtime.errors import BusError, UsageError
-from reflexarc_runtime.messages.topics import DEFAULT_ROBOT, Quality, Topic, alive_key, policy_key
+from reflexarc_runtime.bus_config import LOOPBACK, BusConfig
+from reflexarc_runtime.errors import BusError
+from reflexarc_runtime.messages.topics import Quality, Topic, alive_key, policy_key
 from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp, protobuf_encoding
 
-DEFAULT_PORT = 7447
-LOOPBACK = "127.0.0.1"
-
-_ROBOT_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}")
 _RETRY = {"period_init_ms": 50, "period_max_ms": 500, "period_increase_factor": 2}
-
-
-@dataclass(frozen=True)
-class BusConfig:
-    """How a node joins the bus."""
-
-    robot: str = DEFAULT_ROBOT
-    """First part of every key."""
-    port: int = DEFAULT_PORT
-    """Port of the loopback interface on which the body listens."""
-    listens: bool = False
-    """Whether this node is the one that listens there."""
-    zenoh_file: Path | None = None
-    """A Zenoh configuration (JSON5) to use in place of all this."""
-
-    def __post_init__(self) -> None:
-        if not _ROBOT_NAME.fullmatch(self.robot):
-            raise UsageError(
-                f"--robot: expected letters, digits, _ . - (at most 64), got {self.robot!r}"
-            )
-        if not 1 <= self.port <= 65535:
-            raise UsageError(f"--port: expected 1 to 65535, got {self.port}")
 
 
 class Publisher:
@@ -71,7 +43,7 @@ class Publisher:
         return self._sequence
 
     def put(self, payload: bytes, time_ns: int) -> None:
-        """Send a message. A bus that fails is counted, never raised into a loop."""
+        """Send a message. A failure of the bus is counted, not raised: it must not end a loop."""
         stamp = pack_stamp(Stamp(self._sequence, time_ns), self._sender)
         self._sequence += 1
         try:
@@ -80,7 +52,7 @@ class Publisher:
             self.failures += 1
 
     def put_raw(self, payload: bytes, attachment: bytes, encoding: str) -> None:
-        """Send bytes as they are: for players, and for faults on purpose."""
+        """Send bytes as they are: for players of logs, and for injected faults."""
         self._publisher.put(payload, attachment=attachment, encoding=zenoh.Encoding(encoding))
 
 
@@ -120,7 +92,7 @@ class Bus:
         return self.publisher_of_key(topic.key(self._config.robot), encoding, topic.quality)
 
     def publisher_of_key(self, key: str, encoding: str, quality: Quality) -> Publisher:
-        """A publisher on a key of somebody else's table."""
+        """A publisher on a key that is not in our topic table."""
         urgent = quality is Quality.CONTROL
         publisher = self._session.declare_publisher(
             key,
@@ -132,12 +104,12 @@ class Bus:
         return Publisher(publisher, self._sender)
 
     def subscribe(self, topics: Iterable[Topic], deliver: Callable[[Message], None]) -> None:
-        """Deliver every message of these topics; called on a thread of Zenoh's."""
+        """Call `deliver` with every message of these topics, on a thread of Zenoh's."""
         for topic in topics:
             self.subscribe_to_key(topic.key(self._config.robot), deliver)
 
     def subscribe_to_key(self, key: str, deliver: Callable[[Message], None]) -> None:
-        """Deliver every message of a key of somebody else's table."""
+        """The same for a key that is not in our topic table."""
 
         def on_sample(sample: zenoh.Sample) -> None:
             deliver(_message(sample, self._now_ns()))
@@ -149,7 +121,7 @@ class Bus:
         self.announce_key(alive_key(self._config.robot, node))
 
     def announce_key(self, key: str) -> None:
-        """Declare a liveliness token of somebody else's table, for as long as this one."""
+        """Declare a liveliness token under any key, for as long as this session is open."""
         self._kept.append(self._session.liveliness().declare_token(key))
 
     def is_alive(self, node: str) -> bool:
@@ -158,7 +130,7 @@ class Bus:
         return any(reply.ok is not None for reply in replies)
 
     def offer_policy(self, policy: bytes) -> None:
-        """Answer queries for the policy with its file."""
+        """Answer queries for the policy with the bytes of its file."""
         key = policy_key(self._config.robot)
         answer: Callable[[zenoh.Query], None] = lambda query: query.reply(key, policy)  # noqa: E731
         self._kept.append(self._session.declare_queryable(key, answer))

@@ -13,8 +13,12 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
+from functools import partial
 from typing import Any, Self
 
+from reflexarc_runtime.config.checks import require
+from reflexarc_runtime.config.fill import fill
+from reflexarc_runtime.config.source import MappingSource
 from reflexarc_runtime.errors import ContractError
 
 SCHEMA_VERSION = 2
@@ -22,6 +26,8 @@ SCHEMA_VERSION = 2
 METADATA_KEY = "reflexarc.contract"
 
 _MAX_RETINA_VALUES = 1 << 16
+
+_require = partial(require, error=ContractError)
 
 
 class Shading(StrEnum):
@@ -187,9 +193,8 @@ class PolicyContract:
             ContractError: not JSON, a schema newer than this package, or a field that is missing,
                 unknown, of the wrong type or out of range.
         """
-        document = _parse(text)
-        contract: Self = _build(cls, document, "contract")
-        return contract
+        source = MappingSource(_parse(text), "contract", ContractError)
+        return fill(cls, source, require_all=True)
 
 
 def _parse(text: str) -> dict[str, Any]:
@@ -221,62 +226,6 @@ def _schema(version: object) -> int:
     return version
 
 
-def _build(cls: type[Any], document: object, where: str) -> Any:
-    """Fill a dataclass of this module from JSON, strictly, naming the field that does not fit."""
-    if not isinstance(document, dict):
-        raise ContractError(f"{where}: expected an object, got {type(document).__name__}")
-    known = {f.name: f for f in dataclasses.fields(cls)}
-    for name in document:
-        if name not in known:
-            raise ContractError(f"{where}.{name}: unknown field; known: {', '.join(known)}")
-    missing = [name for name in known if name not in document]
-    if missing:
-        raise ContractError(f"{where}: missing field {missing[0]!r}")
-    return cls(
-        **{name: _value(f.type, document[name], f"{where}.{name}") for name, f in known.items()}
-    )
-
-
-def _value(kind: Any, value: object, where: str) -> Any:
-    match kind:
-        case _ if dataclasses.is_dataclass(kind):
-            return _build(kind, value, where)  # type: ignore[arg-type]  # a dataclass type, not an instance
-        case _ if kind is Shading:
-            return _shading(value, where)
-        case _ if kind is int or kind is float:
-            return _number(kind, value, where)
-        case _ if kind is str:
-            return _typed(str, value, where)
-        case _ if getattr(kind, "__origin__", None) is tuple:
-            items = _typed(list, value, where)
-            return tuple(_value(kind.__args__[0], v, f"{where}[{i}]") for i, v in enumerate(items))
-        case _:
-            return _typed(dict, value, where)
-
-
-def _shading(value: object, where: str) -> Shading:
-    try:
-        return Shading(value)  # type: ignore[arg-type]  # any other type fails as it should
-    except ValueError:
-        raise ContractError(f"{where}: expected {' or '.join(Shading)}, got {value!r}") from None
-
-
-def _number(kind: type, value: object, where: str) -> float:
-    accepted = (int, float) if kind is float else (int,)
-    if isinstance(value, bool) or not isinstance(value, accepted):
-        raise ContractError(f"{where}: expected {kind.__name__}, got {value!r}")
-    try:
-        return kind(value)  # type: ignore[no-any-return]  # int or float
-    except OverflowError:
-        raise ContractError(f"{where}: expected {kind.__name__}, got a number too large") from None
-
-
-def _typed(kind: type[Any], value: object, where: str) -> Any:
-    if not isinstance(value, kind):
-        raise ContractError(f"{where}: expected {kind.__name__}, got {type(value).__name__}")
-    return value
-
-
 def _check_golden(contract: PolicyContract) -> None:
     golden, count = contract.golden, len(contract.golden.retinas)
     lengths = (len(golden.q_values), len(golden.actions))
@@ -290,8 +239,3 @@ def _check_golden(contract: PolicyContract) -> None:
         _require(all(0 <= v <= 255 for v in retina), "golden.retinas", "values 0 to 255", "others")
         wanted = len(contract.actions)
         _require(len(q_values) == wanted, "golden.q_values", f"{wanted} each", len(q_values))
-
-
-def _require(holds: bool, where: str, expected: str, got: object) -> None:
-    if not holds:
-        raise ContractError(f"{where}: expected {expected}, got {got}")

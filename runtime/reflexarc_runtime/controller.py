@@ -1,10 +1,10 @@
-"""The controller: one pure step from what arrived to what to do.
+"""The controller: a pure function from the messages that arrived to a decision.
 
     step(state, inputs, now_ns) → (state, decision)
 
 No clock, bus, file or randomness. It is given raw bytes and decodes them itself, so that bad
-input replays too. Anything but a good, fresh input and finite action values gives a verdict and
-the safe command, never an exception.
+input replays too. Unless the input is good and fresh and the action values are finite, the decision
+is the safe command, with a verdict that says why; there is never an exception.
 """
 
 from dataclasses import dataclass, replace
@@ -26,17 +26,17 @@ from reflexarc_runtime.policy.policy import Policy
 from reflexarc_runtime.sensing.senses import Sense, Sensed
 
 RECOVERY_INPUTS = 3
-"""Good inputs in a row that it takes to drive: at the start, and after every fault."""
+"""Consecutive good inputs before the policy may drive, at the start and after every fault."""
 
 
 @dataclass(frozen=True, slots=True)
 class Inputs:
-    """What a tick begins with."""
+    """What arrived for a tick."""
 
     messages: tuple[Message, ...]
     """All that arrived since the last tick, oldest first."""
     slot: int
-    """Which deadline this tick answers."""
+    """Number of the deadline that this tick belongs to."""
     stop: bool = False
     """The runtime has been asked to end."""
 
@@ -52,12 +52,12 @@ class State:
     frames: tuple[Retina, ...] = ()
     """The last accepted retinas, oldest first."""
     fault: str = ""
-    """Why the newest message is no good; empty if it is."""
+    """Why the newest message cannot be used; empty if it can."""
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What the policy said, or why it was not asked."""
+    """What the policy computed, or why it was not asked."""
 
     verdict: Verdict
     reason: str = ""
@@ -68,7 +68,7 @@ class Outcome:
 
 @dataclass(frozen=True, slots=True)
 class Controller:
-    """A policy with its contract and its sense."""
+    """A policy, its contract, and the sense that turns messages into retinas."""
 
     policy: Policy
     contract: PolicyContract
@@ -166,10 +166,11 @@ class Controller:
 
 
 def _is_newer(stamp: Stamp, newest: Sensed | None) -> bool:
-    """A repeated or reordered message has neither a later number nor a later time.
+    """Whether a message is newer than the last accepted one.
 
-    Only a number and a time that both fail to grow make a message old: a sender that restarts
-    begins its numbers again, and a clock may step back. After a fault anything is news again.
+    A repeated or reordered message has neither a larger number nor a later time. One of the two is
+    enough: a sender that restarts begins its numbers again, and a clock may step back. After a
+    fault this is not asked: any good message is accepted.
     """
     if newest is None:
         return True

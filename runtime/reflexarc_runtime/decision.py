@@ -1,4 +1,4 @@
-"""What one tick of the controller says. Plain values: equal inputs give equal decisions."""
+"""Decisions: what the controller returns for one tick, as plain values that can be compared."""
 
 from dataclasses import dataclass
 from enum import IntEnum
@@ -6,7 +6,7 @@ from enum import IntEnum
 from reflexarc_runtime.contract import Action
 
 SAFE_ACTION = -1
-"""Index of the safe command, which is none of the contract's actions."""
+"""Index that stands for the safe command, which is not among the contract's actions."""
 
 
 class Verdict(IntEnum):
@@ -45,7 +45,7 @@ class Command:
     angular_radps: float
     valid_for_ns: int = 0
     source_sequence: int | None = None
-    """Echo of the input; none in a safe command, which is always obeyed."""
+    """Number of the input that led to it; None in a safe command, which is always obeyed."""
     source_time_ns: int | None = None
 
     @property
@@ -56,7 +56,7 @@ class Command:
 
 @dataclass(frozen=True, slots=True)
 class Decision:
-    """Everything that the controller saw, computed and said at one tick."""
+    """Everything that the controller received, computed and decided at one tick."""
 
     index: int
     slot: int
@@ -74,7 +74,7 @@ class Decision:
 
 @dataclass(frozen=True, slots=True)
 class Timing:
-    """How the node fared at one tick; nanoseconds. Never compared at replay."""
+    """How punctual the node was at one tick, in nanoseconds. Never compared at replay."""
 
     deadline_ns: int
     wake_ns: int
@@ -82,16 +82,16 @@ class Timing:
     decide_ns: int
     publish_ns: int
     record_ns: int
-    """Handing over the records of the tick before this one."""
+    """What handing over the records of the previous tick took."""
 
     @property
     def lateness_ns(self) -> int:
-        """How long after its deadline the tick woke."""
+        """How long after its deadline the tick began."""
         return self.wake_ns - self.deadline_ns
 
 
 def safe_command(index: int, verdict: Verdict, safe: Action) -> Command:
-    """The contract's safe command, without an echo."""
+    """The contract's safe command; it names no input."""
     return Command(
         index, SAFE_ACTION, verdict, safe.linear_mps, safe.lateral_mps, safe.angular_radps
     )
@@ -100,7 +100,7 @@ def safe_command(index: int, verdict: Verdict, safe: Action) -> Command:
 def drive_command(
     index: int, action: int, motion: Action, echo: Input, valid_for_ns: int
 ) -> Command:
-    """The command for an action that the policy chose, with the echo of its input."""
+    """The command for an action that the policy chose; it names the input that led to it."""
     return Command(
         sequence=index,
         action=action,

@@ -6,12 +6,15 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+UNFINISHED = ".unfinished"
+"""Ending of a file that is still being written."""
+
 
 def write_atomically(path: Path, data: bytes) -> None:
-    """Put `data` at `path`; whoever reads meets the old file or the new one, never a part.
+    """Put `data` at `path`; a reader sees the old file or the new one, never a part.
 
     Raises:
-        OSError: the folder cannot be written; then nothing is left behind.
+        OSError: the folder cannot be written; then no temporary file is left.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
@@ -27,12 +30,9 @@ def write_atomically(path: Path, data: bytes) -> None:
         raise
 
 
-UNFINISHED = ".unfinished"
-
-
 @contextmanager
 def whole_file(path: Path) -> Iterator[Path]:
-    """Where to write meanwhile; at the end it takes the name of `path`, after a failure it goes."""
+    """A path to write to: renamed to `path` at the end, removed after a failure."""
     unfinished = path.with_name(path.name + UNFINISHED)
     try:
         yield unfinished

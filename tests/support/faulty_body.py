@@ -12,7 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-from reflexarc_runtime.bus import Bus, BusConfig
+from reflexarc_runtime.bus import Bus
+from reflexarc_runtime.bus_config import BusConfig
 from reflexarc_runtime.contract import PolicyContract
 from reflexarc_runtime.loop import realtime
 from reflexarc_runtime.loop.clock import MonotonicClock

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Iterator
 from typing import Any, TypeAlias
 
-from reflexarc_runtime.bus import LOOPBACK
+from reflexarc_runtime.bus_config import LOOPBACK
 from reflexarc_runtime.errors import BusError
 
 PATIENCE_S = 60.0

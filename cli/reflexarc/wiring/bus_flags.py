@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 from reflexarc.terminal.output import aside
 
 if TYPE_CHECKING:
-    from reflexarc_runtime.bus import Bus, BusConfig
+    from reflexarc_runtime.bus import Bus
+    from reflexarc_runtime.bus_config import BusConfig
     from reflexarc_runtime.contract import PolicyContract
 
 ASK_AGAIN_S = 0.1
@@ -30,7 +31,7 @@ class Joining:
 
     def config(self, *, listens: bool = False) -> "BusConfig":
         """How to join; `listens` for the one body."""
-        from reflexarc_runtime.bus import BusConfig
+        from reflexarc_runtime.bus_config import BusConfig
 
         return BusConfig(self.robot, self.port, listens, self.zenoh)
 

@@ -1,12 +1,15 @@
 """The body that a log becomes when it is played: its streams, and an ear for commands."""
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from reflexarc_logs.playing.schedule import PLAYED
-from reflexarc_runtime.bus import Bus
 from reflexarc_runtime.loop import lockstep
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.messages.topics import BODY_NODE, COMMAND, RUNTIME_NODE, Topic
+
+if TYPE_CHECKING:
+    from reflexarc_runtime.bus import Bus
 
 
 class PlayingBody:
@@ -18,7 +21,7 @@ class PlayingBody:
         should_stop: whether to wait no longer.
     """
 
-    def __init__(self, bus: Bus, sensor: str, should_stop: Callable[[], bool]) -> None:
+    def __init__(self, bus: "Bus", sensor: str, should_stop: Callable[[], bool]) -> None:
         self._bus = bus
         self._sensor = sensor
         self._should_stop = should_stop

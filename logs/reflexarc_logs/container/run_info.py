@@ -9,8 +9,12 @@ import platform
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from importlib import metadata
-from typing import Any, Self
+from typing import Self
 
+from reflexarc_runtime.config.checks import require
+from reflexarc_runtime.config.fill import fill
+from reflexarc_runtime.config.key_path import KeyPath
+from reflexarc_runtime.config.source import MappingSource
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages.topics import DEFAULT_ROBOT, SENSORS
 from reflexarc_runtime.policy.policy import Backend
@@ -73,11 +77,10 @@ class RunInfo:
         Raises:
             LogError: a field that cannot be what it should be.
         """
-        known = {f.name: f.type for f in dataclasses.fields(cls)}
-        given = {name: text for name, text in document.items() if name in known}
-        if "run_id" not in given:
+        if "run_id" not in document:
             raise LogError(f"{RUN}: expected a run_id, got none; the log is damaged")
-        info = cls(**{name: _read(name, known[name], text) for name, text in given.items()})
+        source = MappingSource(_with_versions(document), RUN, LogError)
+        info = fill(cls, source, _number, ignore_unknown=True)
         _check(info)
         return info
 
@@ -93,13 +96,21 @@ def installed_versions() -> dict[str, str]:
     return versions
 
 
-def _read(name: str, kind: object, text: str) -> Any:
+def _with_versions(document: Mapping[str, str]) -> dict[str, object]:
+    """The metadata with the one field whose text is JSON as what it stands for."""
+    text = document.get("versions", "{}")
     try:
-        if kind is int or kind is float:
-            return kind(text)
-        return json.loads(text) if name == "versions" else text
+        return {**document, "versions": json.loads(text)}
     except (ValueError, RecursionError):
-        raise LogError(f"{RUN}.{name}: got {text[:40]!r}; the log is damaged") from None
+        raise LogError(f"{RUN}.versions: got {text[:40]!r}; the log is damaged") from None
+
+
+def _number(text: object, kind: type, path: KeyPath) -> object:
+    """What the text of a number stands for."""
+    try:
+        return kind(text)
+    except ValueError:
+        raise ValueError(f"got {str(text)[:40]!r}; the log is damaged") from None
 
 
 def _check(info: RunInfo) -> None:
@@ -110,8 +121,5 @@ def _check(info: RunInfo) -> None:
         "recorded_by": (info.recorded_by, RECORDERS),
     }
     for name, (value, allowed) in choices.items():
-        if value not in allowed:
-            expected = " or ".join(allowed)
-            raise LogError(f"{RUN}.{name}: expected {expected}, got {value[:40]!r}")
-    if not isinstance(info.versions, dict):
-        raise LogError(f"{RUN}.versions: expected a JSON object; the log is damaged")
+        known = " or ".join(allowed)
+        require(value in allowed, f"{RUN}.{name}", known, repr(value[:40]), LogError)

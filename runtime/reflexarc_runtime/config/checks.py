@@ -1,19 +1,36 @@
-"""Checks of a configuration: each refusal is one line that names the field."""
+"""Checks of values: each refusal is one line that names the field, what was expected and what came.
+
+A room whose errors are of another class makes its own form once:
+`_require = partial(require, error=ContractError)`.
+"""
 
 import math
 from typing import Any, get_args
 
-from reflexarc_runtime.errors import UsageError
+from reflexarc_runtime.errors import ReflexarcError, UsageError
 
 
-def require(holds: bool, where: str, expected: str, got: object) -> None:
+def require(
+    holds: bool,
+    where: str,
+    expected: str,
+    got: object,
+    error: type[ReflexarcError] = UsageError,
+) -> None:
     """Refuse unless `holds`.
 
+    Args:
+        holds: whether the value is as expected.
+        where: the field, as the user names it.
+        expected: what it may be, in words.
+        got: what it is.
+        error: what to raise.
+
     Raises:
-        UsageError: it does not.
+        ReflexarcError: of the given class: it does not hold.
     """
     if not holds:
-        raise UsageError(f"{where}: expected {expected}, got {got}")
+        raise error(f"{where}: expected {expected}, got {got}")
 
 
 def require_one_of(choices: Any, where: str, got: object) -> None:

@@ -1,27 +1,39 @@
-"""Dataclasses filled from TOML, strictly: whatever is off names its line and its field.
+"""Dataclasses filled from mappings, strictly: a complaint names the field, and in TOML its line.
 
 A table becomes a dataclass, whose fields say which keys there are, of which type, and which may be
-missing. Annotations understood: float, int, str, a `StrEnum`, a dataclass, `X | None`, a tuple of
-fixed length, `tuple[X, ...]`, and a union of dataclasses, among which `kind = "second-sender"`
-chooses the class `SecondSender`. Where a list of lists is expected, one list stands for its only
-element. Dataclasses check their values themselves; what they refuse is told with its line.
+missing. Annotations understood: float, int, str, bool, a `StrEnum`, a `Literal` of texts, a
+dataclass, `X | None`, a tuple of fixed length, `tuple[X, ...]`, `Mapping[str, X]`, `object` and
+`Any` (taken as they are), and a union of dataclasses, among which `kind = "second-sender"` chooses
+the class `SecondSender`. Where a list of lists is expected, one list stands for its only element.
+Dataclasses check their values themselves; what they refuse is told with its place.
 """
 
 import dataclasses
 import re
 import reprlib
 from collections.abc import Callable, Mapping
-from enum import StrEnum
-from functools import cache
-from types import NoneType, UnionType
-from typing import Any, Never, TypeAlias, TypeVar, Union, get_args, get_origin, get_type_hints
+from types import NoneType
+from typing import Any, Never, TypeAlias, TypeVar, get_args, get_origin
 
-from reflexarc_runtime.config.toml_lines import KeyPath, dotted
-from reflexarc_runtime.config.toml_source import TomlSource
+from reflexarc_runtime.config.annotations import (
+    arms_of,
+    choices_of,
+    described,
+    elements_of,
+    fields_of,
+    is_union,
+)
+from reflexarc_runtime.config.key_path import KeyPath
+from reflexarc_runtime.config.source import Source
 from reflexarc_runtime.errors import ReflexarcError
+
+_MOST_INT = 1 << 128
+"""Larger numbers are refused by their type: they overflow a float, or fill a screen."""
 
 Resolve: TypeAlias = Callable[[object, type, KeyPath], object]
 """Makes a number of what stands for one: (value, int or float, path) → the number, or the value.
+
+A whole number where one is expected stands for itself and may not be handed over.
 
 Raises:
     ValueError: it stands for no number; the message says what was expected.
@@ -29,44 +41,66 @@ Raises:
 
 _T = TypeVar("_T")
 
-_MOST_INT = 1 << 64
-_COUNTS = {2: "two", 3: "three"}
-_WORDS: Mapping[Any, str] = {float: "number", int: "whole number", str: "text"}
 
-
-def fill(kind: type[_T], source: TomlSource, resolve: Resolve = lambda value, *_: value) -> _T:
+def fill(
+    kind: type[_T],
+    source: Source,
+    resolve: Resolve = lambda value, *_: value,
+    *,
+    ignore_unknown: bool = False,
+    require_all: bool = False,
+) -> _T:
     """A whole document as a dataclass.
 
     Args:
         kind: the dataclass.
         source: the document.
         resolve: what may stand in place of a number; nothing by default.
+        ignore_unknown: keys that no field has are left out; by default they are refused.
+        require_all: fields with a default must be given, too.
 
     Raises:
         ReflexarcError: of the source's class: a key is missing, unknown, of the wrong type or out
             of range.
     """
-    filled: _T = _Filling(source, resolve).table(kind, source.document, ())
+    filling = _Filling(source, resolve, ignore_unknown, require_all)
+    filled: _T = filling.table(kind, source.document, ())
     return filled
+
+
+def converted(hint: Any, value: object, source: Source, path: KeyPath) -> Any:
+    """One value as the field with that annotation takes it.
+
+    Args:
+        hint: the annotation.
+        value: the value.
+        source: what complains.
+        path: where the value stands.
+
+    Raises:
+        ReflexarcError: of the source's class: it is of the wrong type.
+    """
+    return _Filling(source, lambda value, *_: value).value(hint, value, path)
 
 
 @dataclasses.dataclass(frozen=True)
 class _Filling:
     """From tables and values to dataclasses and theirs; `path` is always where the value stands."""
 
-    source: TomlSource
+    source: Source
     resolve: Resolve
+    ignore_unknown: bool = False
+    require_all: bool = False
 
     def table(self, kind: Any, value: object, path: KeyPath) -> Any:
         """A dataclass."""
-        table, fields = self._require_table(value, path), _fields(kind)
-        for name in table:
-            if name not in fields:
-                self._refuse((*path, name), f"unknown; known: {', '.join(fields)}")
-        for name, (hint, is_required) in fields.items():
-            if is_required and name not in table:
-                self._refuse((*path, name), f"missing; expected {_described(hint, name)}")
-        values = {name: self.value(fields[name][0], v, (*path, name)) for name, v in table.items()}
+        table, fields = self._require_table(value, path), fields_of(kind)
+        self._check_keys(table, fields, path)
+        values = {
+            name: self.value(fields[name][0], item, (*path, name))
+            for name, item in table.items()
+            if name in fields
+        }
         try:
             return kind(**values)
         except ReflexarcError as error:
@@ -74,10 +108,16 @@ class _Filling:
 
     def value(self, hint: Any, value: object, path: KeyPath) -> object:
         """Whatever an annotation asks for."""
+        if hint is int and type(value) is int and -_MOST_INT <= value <= _MOST_INT:
+            return value  # thousands of them in a contract's golden vectors
+        if hint in (Any, object):
+            return value
         if get_origin(hint) is tuple:
             return self._tuple(hint, value, path)
-        if get_origin(hint) in (Union, UnionType):
+        if is_union(hint):
             return self._one_of(hint, value, path)
+        if get_origin(hint) is Mapping:
+            return self._mapping(hint, value, path)
         if dataclasses.is_dataclass(hint):
             return self.table(hint, value, path)
         scalar = self._scalar(hint, value, path)
@@ -86,21 +126,28 @@ class _Filling:
         return scalar
 
     def _one_of(self, hint: Any, value: object, path: KeyPath) -> object:
-        """One of several dataclasses, by its kind; or the only thing beside None."""
-        arms = [arm for arm in get_args(hint) if arm is not NoneType]
+        """One of several dataclasses, by its kind; or None, or the only thing beside it."""
+        if value is None and NoneType in get_args(hint):
+            return None
+        arms = arms_of(hint)
         if len(arms) == 1:
-            return self.value(arms[0], value, path)
+            (only,) = arms.values()
+            return self.value(only, value, path)
         table = dict(self._require_table(value, path))
-        kinds = {_in_kebab_case(arm.__name__): arm for arm in arms}
         name = table.pop("kind", None)
-        if not isinstance(name, str) or name not in kinds:
+        if not isinstance(name, str) or name not in arms:
             got = "none" if name is None else _shown(name)
-            self._refuse((*path, "kind"), f"expected one of {', '.join(kinds)}, got {got}")
-        return self.table(kinds[name], table, path)
+            self._refuse((*path, "kind"), f"expected one of {', '.join(arms)}, got {got}")
+        return self.table(arms[name], table, path)
+
+    def _mapping(self, hint: Any, value: object, path: KeyPath) -> dict[str, object]:
+        """A dictionary whose keys are free."""
+        inner, table = get_args(hint)[1], self._require_table(value, path)
+        return {name: self.value(inner, item, (*path, name)) for name, item in table.items()}
 
     def _tuple(self, hint: Any, value: object, path: KeyPath) -> tuple[object, ...]:
         """A list; of fixed length only if it holds nothing but numbers or texts."""
-        inner, length = _elements(hint)
+        inner, length = elements_of(hint)
         if not isinstance(value, list):
             self._refuse_type(hint, value, path)
         if length is None:
@@ -113,19 +160,30 @@ class _Filling:
         return scalars
 
     def _scalar(self, hint: Any, value: object, path: KeyPath) -> object:
-        """The value as a number, a text or a choice; None if it is none."""
+        """The value as a number, a text or a choice; None if it is of another type."""
         if hint in (float, int):
             try:
                 return _number(hint, self.resolve(value, hint, path))
             except ValueError as reason:
                 self._refuse(path, str(reason))
-        if issubclass(hint, StrEnum):
-            return next((choice for choice in hint if choice == value), None)
+        if choices := choices_of(hint):
+            return next((choice for choice in choices if choice == value), None)
         return value if isinstance(value, hint) else None
 
-    def _require_table(self, value: object, path: KeyPath) -> dict[str, object]:
-        if not isinstance(value, dict):
-            self._refuse(path, f"expected a table, [{_header(path)}], got {_shown(value)}")
+    def _check_keys(
+        self, table: Mapping[str, object], fields: Mapping[str, tuple[Any, bool]], path: KeyPath
+    ) -> None:
+        for name in table:
+            if name not in fields and not self.ignore_unknown:
+                self._refuse((*path, name), f"unknown; known: {', '.join(fields)}")
+        for name, (hint, has_no_default) in fields.items():
+            if name not in table and (has_no_default or self.require_all):
+                at = (*path, name)
+                self._refuse(at, f"missing; expected {described(hint, self.source, at)}")
+
+    def _require_table(self, value: object, path: KeyPath) -> Mapping[str, object]:
+        if not isinstance(value, Mapping):
+            self._refuse(path, f"expected {self.source.one_table(path)}, got {_shown(value)}")
         return value
 
     def _relocated(self, error: ReflexarcError, kind: Any, path: KeyPath) -> ReflexarcError:
@@ -133,20 +191,20 @@ class _Filling:
         where, _, words = str(error).partition(": ")
         parts = re.findall(r"\w+", where)
         for first, name in enumerate(parts):
-            if name in _fields(kind):
+            if name in fields_of(kind):
                 inner = [int(part) if part.isdecimal() else part for part in parts[first:]]
                 return self.source.complaint((*path, *inner), words)
         return self.source.complaint(path, str(error))
 
     def _refuse_type(self, hint: Any, value: object, path: KeyPath) -> Never:
-        self._refuse(path, f"expected {_described(hint, _header(path))}, got {_shown(value)}")
+        self._refuse(path, f"expected {described(hint, self.source, path)}, got {_shown(value)}")
 
     def _refuse(self, path: KeyPath, words: str) -> Never:
         raise self.source.complaint(path, words)
 
 
 def _number(hint: type, value: object) -> float | None:
-    """The value as an int or a float; None if it is none, or beyond all that a number is for."""
+    """The value as an int or a float; None if it is of another type, or too large for any use."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return None
     if isinstance(value, int) and abs(value) > _MOST_INT:
@@ -154,49 +212,6 @@ def _number(hint: type, value: object) -> float | None:
     if hint is float:
         return float(value)
     return value if isinstance(value, int) else None
-
-
-def _described(hint: Any, header: str) -> str:
-    """What an annotation asks for, in words; `header` is where a table would stand."""
-    if get_origin(hint) in (Union, UnionType) or dataclasses.is_dataclass(hint):
-        return f"a table, [{header}]"
-    if get_origin(hint) is tuple:
-        inner, length = _elements(hint)
-        if length is not None:
-            return f"{_COUNTS.get(length, length)} {_WORDS[inner]}s"
-        if inner in _WORDS:
-            return f"a list of {_WORDS[inner]}s"
-        if get_origin(inner) is tuple:
-            return f"a list of {_described(inner, header)}, or several of them"
-        return f"tables, each under [[{header}]]"
-    if issubclass(hint, StrEnum):
-        return " or ".join(hint) if len(hint) == 2 else f"one of {', '.join(hint)}"
-    return f"a {_WORDS[hint]}"
-
-
-def _elements(hint: Any) -> tuple[Any, int | None]:
-    """Type of a tuple's elements, and how many there are; None for any number."""
-    arms = get_args(hint)
-    return arms[0], None if arms[-1] is Ellipsis else len(arms)
-
-
-@cache
-def _fields(kind: Any) -> Mapping[str, tuple[Any, bool]]:
-    """The annotation of each field, and whether it must be given."""
-    hints, missing = get_type_hints(kind), dataclasses.MISSING
-    return {
-        field.name: (hints[field.name], field.default is field.default_factory is missing)
-        for field in dataclasses.fields(kind)
-    }
-
-
-def _header(path: KeyPath) -> str:
-    """A path as a header writes it, without indices."""
-    return dotted(tuple(part for part in path if isinstance(part, str)))
-
-
-def _in_kebab_case(name: str) -> str:
-    return re.sub(r"(?<!^)(?=[A-Z])", "-", name).lower()
 
 
 def _shown(value: object) -> str:

@@ -1,17 +1,17 @@
 """On which line of a TOML text each key and each table stands.
 
-Python's `tomllib` tells values and no lines. This walks over a text that it has accepted: it cuts
-the text into statements (a header, or a key with its value) and lets `tomllib` read each header
-and each key alone. What stands within a value, such as an inline table, is on its statement's line.
+Python's `tomllib` gives values without lines. This module goes over a text that `tomllib` has
+accepted: it cuts the text into statements (a header, or a key with its value) and lets `tomllib`
+read each header and each key alone. What stands within a value, such as an inline table, is on its
+statement's line.
 """
 
 import re
 import tomllib
 from collections.abc import Iterator, Mapping
-from typing import Any, TypeAlias
+from typing import Any
 
-KeyPath: TypeAlias = tuple[str | int, ...]
-"""Keys and indices from the top of a document down to a value; () is the document."""
+from reflexarc_runtime.config.key_path import KeyPath
 
 _TOKEN = re.compile(
     r'#[^\n]*|"{3}(?:\\.|[^\\])*?"{3,5}|\'{3}.*?\'{3,5}|"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\'|.',
@@ -19,10 +19,8 @@ _TOKEN = re.compile(
 )
 """A comment, a string of one of the four kinds, or any other character."""
 
-_BARE = re.compile(r"[A-Za-z0-9_-]{1,64}")
-_SHOWN = 40
 _DEEPEST = 20
-"""Nothing that anybody reads lies deeper."""
+"""Keys on the way to a value whose line is noted; no document of ours has half as many."""
 
 
 def key_lines(text: str) -> Mapping[KeyPath, int]:
@@ -45,12 +43,6 @@ def line_of(path: KeyPath, lines: Mapping[KeyPath, int]) -> int:
     """The line of a value: its own, or that of the nearest thing around it."""
     depths = range(min(len(path), _DEEPEST), 0, -1)
     return next((lines[path[:depth]] for depth in depths if path[:depth] in lines), 1)
-
-
-def dotted(path: KeyPath) -> str:
-    """A path as one reads it: `layers[0].density_per_m2`."""
-    parts = [f"[{part}]" if isinstance(part, int) else f".{_shown(part)}" for part in path]
-    return "".join(parts).removeprefix(".")
 
 
 def _statements(text: str) -> Iterator[tuple[int, str]]:
@@ -94,7 +86,3 @@ def _opened(keys: tuple[str, ...], lengths: dict[KeyPath, int], *, is_array: boo
         lengths[path] = lengths.get(path, 0) + 1
         return (*path, lengths[path] - 1)
     return path
-
-
-def _shown(key: str) -> str:
-    return key if _BARE.fullmatch(key) else repr(key[:_SHOWN])

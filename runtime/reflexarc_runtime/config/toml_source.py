@@ -5,11 +5,12 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from reflexarc_runtime.config.toml_lines import KeyPath, dotted, key_lines, line_of
+from reflexarc_runtime.config.key_path import KeyPath, dotted, without_indices
+from reflexarc_runtime.config.toml_lines import key_lines, line_of
 from reflexarc_runtime.errors import ReflexarcError, UsageError
 
 MAX_BYTES = 64 * 1024
-"""More is no file that anybody wrote for this."""
+"""The largest file that is read; those of people have a few KiB."""
 MAX_LINE = 2000
 """Characters. A key of 30,000 parts would keep `tomllib` busy for half a minute."""
 
@@ -65,6 +66,14 @@ class TomlSource:
         """The error for what stands at a path, with its line."""
         where = f"{dotted(path)}: " if path else ""
         return self._on_line(line_of(path, key_lines(self.text)), where + words)
+
+    def one_table(self, path: KeyPath) -> str:
+        """What a dataclass is filled from."""
+        return f"a table, [{without_indices(path)}]"
+
+    def many_tables(self, path: KeyPath) -> str:
+        """What a tuple of dataclasses is filled from."""
+        return f"tables, each under [[{without_indices(path)}]]"
 
     def _parsed(self) -> dict[str, Any]:
         try:

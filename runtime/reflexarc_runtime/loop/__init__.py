@@ -1,1 +1,1 @@
-"""The sense–act loop: when a tick begins, what it receives, how punctual it was, who is waiting."""
+"""The sense–act loop: its clock, pace, inbox, statistics, and the watchdog on the body's side."""

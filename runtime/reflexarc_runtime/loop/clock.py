@@ -1,14 +1,14 @@
-"""Clocks. Nothing else in the runtime reads the time or sleeps."""
+"""Clocks: the only code of the runtime that reads the time or sleeps."""
 
 import time
 from typing import Protocol
 
 
 class Clock(Protocol):
-    """A monotonic clock that can be slept on."""
+    """A monotonic clock, and a way to sleep until a time on it."""
 
     def now_ns(self) -> int:
-        """Nanoseconds since some moment that does not move."""
+        """Nanoseconds since a fixed moment."""
         ...
 
     def sleep_until_ns(self, deadline_ns: int) -> None:
@@ -31,7 +31,7 @@ class MonotonicClock:
 
 
 class ManualClock:
-    """A clock that moves only when it is slept on, and may oversleep: timing, exact and instant."""
+    """A clock for tests: it advances only when a caller sleeps, at once, and may oversleep."""
 
     def __init__(self, now_ns: int = 0, oversleep_ns: int = 0) -> None:
         self.time_ns = now_ns

@@ -1,7 +1,7 @@
 """The inbox: everything that arrived since the last tick, oldest first.
 
-A subscriber's callback appends; a tick drains. It is bounded: when full, the oldest message is
-lost and counted, so that a runtime that hangs wakes to fresh input and not to its past.
+A subscriber's callback appends; a tick drains. Its size is bounded: when it is full, the oldest
+message is dropped and counted, so that a runtime that was blocked goes on with recent input.
 """
 
 import threading
@@ -36,14 +36,14 @@ class Inbox:
             self._arrival.notify()
 
     def drain(self) -> tuple[Message, ...]:
-        """Take all that is there."""
+        """Take all messages, oldest first."""
         with self._arrival:
             messages = tuple(self._messages)
             self._messages.clear()
             return messages
 
     def take(self, timeout_s: float) -> Message | None:
-        """Take the oldest message, waiting for one; None when the time is over."""
+        """Take the oldest message, waiting for one if need be; None after the timeout."""
         with self._arrival:
             if not self._messages:
                 self._arrival.wait(timeout_s)

@@ -1,7 +1,7 @@
-"""Lockstep from the body's side: it waits for the command of each sensor message.
+"""Lockstep as a body sees it: after each sensor message it waits for the command.
 
-The runtime in lockstep makes one tick an input and numbers its commands from 0, as the body numbers
-its sensor messages; so the command of message n is command n. The other side is
+In lockstep the runtime makes one tick for each input, and numbers its commands from 0, as the body
+numbers its sensor messages; so the command of message n is command n. The runtime's side is
 `pacer.LockstepPacer`.
 """
 
@@ -21,11 +21,11 @@ _POLL_S = 0.05
 def wait_for_runtime(
     inbox: Inbox, is_ready: Callable[[], bool], should_stop: Callable[[], bool]
 ) -> None:
-    """Wait until a runtime hears the body, and is heard; what came before that is dropped.
+    """Wait until a runtime listens and has announced itself; commands before that are dropped.
 
     Args:
         inbox: where the bus delivers the commands.
-        is_ready: whether it listens to the sensor and has announced itself.
+        is_ready: whether the runtime listens to the sensor and has announced itself.
         should_stop: whether to wait no longer.
     """
     while not is_ready() and not should_stop():
@@ -47,7 +47,7 @@ def await_command(
         should_stop: whether to wait no longer.
 
     Raises:
-        BusError: it did not come.
+        BusError: it did not come within `PATIENCE_S`.
     """
     waited_s = 0.0
     while not should_stop():

@@ -1,4 +1,4 @@
-"""How the loop fares: counts since the start; rate and lateness over run and period."""
+"""Statistics of the loop: verdicts, rate and lateness, over the run and over the last period."""
 
 from collections import Counter, deque
 from collections.abc import Iterable
@@ -9,12 +9,12 @@ import numpy as np
 from reflexarc_runtime.decision import Decision, Timing, Verdict
 
 REMEMBERED_TICKS = 1 << 16
-"""Percentiles rest on the last ticks only, so that a loop may run for ever."""
+"""Ticks from which percentiles are computed: the last ones, so that memory stays bounded."""
 
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """A stretch of ticks, in numbers. Counts are since the start of the run."""
+    """Statistics of a series of ticks. Counts are since the start of the run."""
 
     ticks: int
     skipped_slots: int
@@ -27,7 +27,7 @@ class Summary:
 
 @dataclass
 class Stretch:
-    """Ticks one after another: when they woke, and how late."""
+    """Timing of a series of ticks: when they began, and how late."""
 
     first_ns: int = 0
     last_ns: int = 0
@@ -50,7 +50,7 @@ class Stretch:
 
 @dataclass
 class Monitor:
-    """Watches ticks go by."""
+    """Collects the statistics, tick by tick."""
 
     verdicts: Counter[Verdict] = field(default_factory=Counter)
     run: Stretch = field(default_factory=Stretch)
@@ -58,7 +58,7 @@ class Monitor:
     last_slot: int = 0
 
     def saw(self, decision: Decision, timing: Timing) -> None:
-        """Count one tick. The last one, which ends the run, keeps no deadline."""
+        """Count one tick. The last one, which ends the run, has no deadline and no lateness."""
         self.verdicts[decision.verdict] += 1
         if decision.verdict is Verdict.STOPPED:
             return
@@ -68,7 +68,7 @@ class Monitor:
 
     @property
     def skipped_slots(self) -> int:
-        """Deadlines that no tick kept."""
+        """Deadlines for which there was no tick."""
         return max(0, self.last_slot - self.run.ticks)
 
     def summary(self) -> Summary:

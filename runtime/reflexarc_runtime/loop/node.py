@@ -1,7 +1,7 @@
 """The sense–act loop: wait, receive, decide, publish, record.
 
-The node owns no policy of its own: the pacer says when, the controller says what, the outlets
-carry it to the body, the sink remembers it.
+The node connects the parts: the pacer says when a tick begins, the controller decides, the outlets
+publish the command, the sink records.
 """
 
 from collections.abc import Callable
@@ -21,7 +21,7 @@ STATUS_PERIOD_NS = 1_000_000_000
 
 
 class Outlet(Protocol):
-    """Carries the messages of one topic away."""
+    """Publishes the messages of one topic."""
 
     def put(self, payload: bytes, time_ns: int) -> None:
         """Send one message; never blocks, never raises."""
@@ -30,7 +30,7 @@ class Outlet(Protocol):
 
 @dataclass(frozen=True)
 class Outlets:
-    """Where a runtime speaks."""
+    """The topics on which a runtime publishes."""
 
     command: Outlet
     tick: Outlet
@@ -66,7 +66,7 @@ class Node:
     def run(
         self, should_stop: Callable[[], bool] = lambda: False, max_ticks: int | None = None
     ) -> Summary:
-        """Tick until asked to stop, or until `max_ticks` were made; end with a safe command."""
+        """Tick until asked to stop, or `max_ticks` times; the last command is the safe one."""
         while max_ticks is None or self._state.index < max_ticks:
             wakeup = self._pacer.wait(should_stop)
             if wakeup is None:
@@ -103,7 +103,7 @@ class Node:
     def _record(
         self, messages: tuple[Message, ...], decision: Decision, timing: Timing, command: bytes
     ) -> None:
-        """The batch first, then the tick that used it: replay counts on this order."""
+        """Record the messages first, then the tick that used them: replay relies on this order."""
         tick = encode_tick(decision, timing)
         for message in messages:
             self._sink.put(message)

@@ -1,9 +1,9 @@
 """Pacers: when a tick happens, and with which messages.
 
 - `RatePacer`: absolute deadlines on a clock. A slot that was missed is counted and skipped; there
-  is never a burst to catch up.
-- `LockstepPacer`: one tick an input, whose source time is the time. No clock, no sleeping: the
-  same inputs give the same ticks on any machine under any load.
+  is never a burst of ticks to catch up.
+- `LockstepPacer`: one tick for each input, at the source time of that input. It reads no clock and
+  does not sleep: the same inputs give the same ticks on any machine under any load.
 """
 
 from collections.abc import Callable
@@ -15,10 +15,10 @@ from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.messages.wire import Message, at_source_time
 
 PATIENCE_NS = 200_000_000
-"""How often a loop that waits for a far deadline looks whether it should end."""
+"""Interval at which a loop that waits for a far deadline checks whether it should end."""
 
 LOCKSTEP_PATIENCE_S = 0.05
-"""How often a waiting lockstep loop looks whether it should end."""
+"""Interval at which a waiting lockstep loop checks whether it should end."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +47,7 @@ class Pacer(Protocol):
         ...
 
     def now_ns(self) -> int:
-        """The time by which phases are measured."""
+        """The time from which durations of phases are computed."""
         ...
 
 
@@ -98,7 +98,7 @@ class RatePacer:
 
 
 class LockstepPacer:
-    """One tick an input; the input's source time is the time."""
+    """One tick for each input, at the source time of that input."""
 
     def __init__(self, inbox: Inbox) -> None:
         self._inbox = inbox

@@ -1,8 +1,8 @@
-"""What a process can do to wake on time, and what it obtained.
+"""Settings of the process that let a loop wake on time, and which of them were granted.
 
 Without privileges: a timer slack of 1 ns (the kernel's default of 50 µs is most of the lateness of
-an idle machine) and a garbage collector that leaves the start-up objects alone. With them, asked
-for by a priority: first-in-first-out scheduling.
+an idle machine), and start-up objects that the garbage collector no longer visits. With
+privileges, if a priority is given: first-in-first-out scheduling.
 """
 
 import ctypes

@@ -1,4 +1,4 @@
-"""Where the runtime hands its records. The runtime knows no file format."""
+"""Sinks: what the runtime hands its records to. It knows no file format itself."""
 
 from typing import Protocol
 
@@ -6,7 +6,7 @@ from reflexarc_runtime.messages.wire import Message
 
 
 class Sink(Protocol):
-    """Takes records; never blocks, never raises."""
+    """Takes records. It never blocks and never raises."""
 
     def put(self, message: Message) -> None:
         """Take one message, as it came or as it was sent."""

@@ -1,7 +1,7 @@
 """The body's own watchdog: whether a command may still be obeyed.
 
-A command echoes the source time of the input that led to it, on the body's own clock; so the body
-compares its own clock with itself, and silence, whoever is to blame, ends in a stop.
+A command repeats the source time of the input that led to it, which the body itself had set. So the
+body compares only times of its own clock, and silence of any cause ends in a stop.
 """
 
 from dataclasses import dataclass, replace
@@ -12,7 +12,7 @@ from reflexarc_runtime.decision import Command
 
 @dataclass(frozen=True, slots=True)
 class Watchdog:
-    """The last command that came, and what to do without one."""
+    """The last command that came, and the safe action for when it no longer holds."""
 
     safe: Action
     last: Command | None = None
@@ -22,10 +22,10 @@ class Watchdog:
         return replace(self, last=command)
 
     def obeyed(self, now_ns: int) -> Command | None:
-        """The command to obey now; None: do the safe thing.
+        """The command to obey now; None: execute the safe action.
 
-        A drive command holds while now − its source time < `valid_for_ns`. A time in the future
-        is no time of this body's clock, and is not obeyed.
+        A drive command holds while now − its source time < `valid_for_ns`. A source time in the
+        future cannot be of this body's clock: such a command is not obeyed.
         """
         if self.last is None or self.last.source_time_ns is None:
             return self.last

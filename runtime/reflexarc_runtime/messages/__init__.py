@@ -1,1 +1,1 @@
-"""What goes over the bus: the table of topics, the wire format, the protobuf codec."""
+"""Messages on the bus: the table of topics, the wire format, the protobuf codec."""

@@ -1,4 +1,4 @@
-"""Between plain values and protobuf, in both directions; the same bytes on the bus and in a log."""
+"""Conversion between plain values and protobuf messages; bus and log carry the same bytes."""
 
 import math
 from dataclasses import dataclass
@@ -40,7 +40,7 @@ SCHEMAS: dict[str, type[ProtobufMessage]] = {
 
 @dataclass(frozen=True, slots=True)
 class Status:
-    """How a node fares, over the last period."""
+    """Counts and timing of a node over the last period."""
 
     node: str
     run_id: str = ""
@@ -88,7 +88,7 @@ def encode_command(command: Command) -> bytes:
 
 
 def decode_command(payload: bytes) -> Command | None:
-    """A command from the bus; None where the bytes are none, or its speeds are not finite."""
+    """A command from the bus; None if it cannot be decoded or its speeds are not finite."""
     try:
         message = pb.Command.FromString(payload)
         speeds = (message.linear_mps, message.lateral_mps, message.angular_radps)

@@ -1,7 +1,7 @@
-"""The topic table: every stream, its message, who says it, how fast, and whether it is recorded.
+"""The topic table: every stream, its message, who publishes it, how often, whether recorded.
 
 A key on the bus is `<robot>/<name>`, without a leading slash; the topic in a log is the same with
-one. This table is the only place that knows.
+one. No other place defines topics.
 """
 
 from dataclasses import dataclass
@@ -69,6 +69,8 @@ TOPICS: tuple[Topic, ...] = (
 SENSORS: dict[str, Topic] = {"retina": RETINA, "scan": SCAN}
 """The streams that the runtime can decide on, by the value of `--input`."""
 
+_BY_NAME = {topic.name: topic for topic in TOPICS}
+
 
 def topic_of(key: str) -> Topic | None:
     """The topic that a key on the bus belongs to, whatever the robot; None if it is not ours."""
@@ -83,6 +85,3 @@ def alive_key(robot: str, node: str) -> str:
 def policy_key(robot: str) -> str:
     """Key of the queryable that answers with the policy file."""
     return f"{robot}/policy"
-
-
-_BY_NAME = {topic.name: topic for topic in TOPICS}

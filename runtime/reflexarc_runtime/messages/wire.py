@@ -1,4 +1,4 @@
-"""A message as it travels: key, payload, encoding, and an attachment that says when and which.
+"""A message on the bus: key, payload, encoding, and an attachment with its number and time.
 
 The attachment has the 33 bytes of rmw_zenoh: sequence (int64), source time (int64 ns), length of
 the identifier (uint8, 16) and the sender's identifier, little-endian.
@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 MAX_PAYLOAD_BYTES = 1 << 20
 MAX_SEQUENCE = (1 << 32) - 1
-"""A log keeps sequence numbers in 32 bits."""
+"""The largest sequence number that a log can keep, in 32 bits."""
 
 _ATTACHMENT = struct.Struct("<qqB16s")
 _NO_SENDER = bytes(16)
@@ -20,7 +20,7 @@ class UndecodableError(ValueError):
 
 
 class UnfitError(ValueError):
-    """A message that decodes, and does not fit the contract."""
+    """A message that was decoded and does not fit the contract."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +38,7 @@ class Message:
 
 @dataclass(frozen=True, slots=True)
 class Stamp:
-    """Which message of its sender this is, and when it left, on the sender's clock."""
+    """Sequence number of a message, and the time on the sender's clock when it was sent."""
 
     sequence: int
     time_ns: int
@@ -75,7 +75,7 @@ def unpack_stamp(attachment: bytes) -> Stamp:
 
 
 def at_source_time(message: Message, earliest_ns: int = 0) -> Message:
-    """The message as if it had arrived when it was sent: in lockstep there is no other time.
+    """The message as if it had arrived when it was sent, which lockstep takes for the time.
 
     Without a readable stamp, or with one before `earliest_ns`, it arrives at `earliest_ns`.
     """
@@ -87,7 +87,7 @@ def at_source_time(message: Message, earliest_ns: int = 0) -> Message:
 
 
 def check_encoding(message: Message, schema: str) -> None:
-    """Check what a message says that it is, and its size.
+    """Check the encoding that a message declares, and its size.
 
     Raises:
         UndecodableError: another encoding or schema, or a payload beyond 1 MiB.

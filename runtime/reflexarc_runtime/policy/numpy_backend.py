@@ -1,10 +1,10 @@
-"""The NumPy backend: a closed list of ONNX operators, in float64.
+"""The NumPy backend: computes a policy's ONNX graph in float64, for a closed list of operators.
 
 A small network computed in float64 from float32 weights and 8-bit inputs, and rounded once to
-float32, gives the same bits whatever the order of summation or the vector width, but for ties of a
-double rounding. That makes it the reference: what it computed on one machine replays on another.
+float32, gives the same bits for any order of summation and any vector width, except at ties of the
+two roundings. So it is the reference: what it computed on one machine replays on another.
 
-A graph is compiled once into a list of steps; running it is one NumPy call a node.
+A graph is compiled once into a list of steps; running it makes one NumPy call for each node.
 """
 
 from collections.abc import Callable, Mapping
@@ -110,7 +110,7 @@ def _reshape(_: Attributes) -> Operator:
 
 
 def _arg_max(attributes: Attributes) -> Operator:
-    """Winner takes all, over the values as they leave the graph: rounded to float32."""
+    """Index of the largest value, after rounding to float32 as at the output of the graph."""
     axis, keep = attributes.get("axis", 0), bool(attributes.get("keepdims", 1))
     if attributes.get("select_last_index", 0):
         raise PolicyError("operator ArgMax: select_last_index=1; a tie must take the first action")

@@ -22,7 +22,7 @@ from reflexarc_runtime.policy.numpy_backend import NumpyGraph
 from reflexarc_runtime.policy.onnxruntime_backend import OnnxruntimeGraph
 
 Q_TOLERANCE = 1e-6
-"""How far onnxruntime's float32 may lie from the reference, times the larger of 1 and |Q|."""
+"""Largest difference between onnxruntime and the reference, times the larger of 1 and |Q|."""
 
 MAX_FILE_BYTES = 256 << 20
 
@@ -52,7 +52,7 @@ class Policy(Protocol):
 
 
 class Graph(Protocol):
-    """A backend with a graph in it."""
+    """The graph of a policy, ready to be computed by one of the backends."""
 
     name: str
 
@@ -69,7 +69,7 @@ class LoadedPolicy:
     policy_hash: str
     """SHA-256 of the file."""
     data: bytes
-    """The file itself, to be attached to logs and handed to those who ask."""
+    """The file itself, to be attached to logs and sent to bodies that ask for it."""
     graph: Graph
 
     @property
@@ -90,11 +90,11 @@ def load_policy(
     Args:
         source: path of the ONNX file, or its bytes.
         backend: what shall compute it.
-        verify: reproduce the golden vectors; only the exporter, which makes them, does without.
+        verify: reproduce the golden vectors; only the exporter, which makes them, does not.
 
     Raises:
-        PolicyError: the file is missing, no ONNX, not ours, or does not reproduce its vectors.
-        ContractError: the contract in it is malformed, or newer than this package.
+        PolicyError: the file is missing or is not ONNX, or does not reproduce its golden vectors.
+        ContractError: the contract in it is missing, malformed, or newer than this package.
     """
     where = "policy" if isinstance(source, bytes) else str(source)
     data = source if isinstance(source, bytes) else _read(Path(source))
@@ -118,11 +118,23 @@ def policy_hash(data: bytes) -> str:
 
 
 def within_tolerance(q_values: QValues, reference: QValues) -> bool:
-    """Whether two sets of finite Q-values agree as two backends must."""
+    """Whether two sets of Q-values are finite and as close as those of two backends must be."""
     if not (np.isfinite(q_values).all() and np.isfinite(reference).all()):
         return False
     allowed = Q_TOLERANCE * np.maximum(1.0, np.abs(reference))
     return bool(np.all(np.abs(q_values - reference) <= allowed))
+
+
+def flips(actions: Actions, winners: Actions, reference: QValues) -> Mask:
+    """Where two backends chose differently by more than rounding: bool (n,).
+
+    A flip between two actions whose reference values lie closer than the tolerance is rounding.
+    """
+    rows = np.arange(len(actions))
+    margin = np.abs(reference[rows, winners] - reference[rows, actions])
+    scale = np.maximum(1.0, np.abs(reference[rows, winners]))
+    mask: Mask = (actions != winners) & (margin > 2 * Q_TOLERANCE * scale)
+    return mask
 
 
 def _read(path: Path) -> bytes:
@@ -221,18 +233,6 @@ def _agree(
         same_bits = q_values.tobytes() == expected.tobytes()
         return same_bits and bool(np.array_equal(actions, winners))
     return within_tolerance(q_values, expected) and not flips(actions, winners, expected).any()
-
-
-def flips(actions: Actions, winners: Actions, reference: QValues) -> Mask:
-    """Where two backends chose differently by more than rounding: bool (n,).
-
-    A flip between two actions whose reference values lie closer than the tolerance is rounding.
-    """
-    rows = np.arange(len(actions))
-    margin = np.abs(reference[rows, winners] - reference[rows, actions])
-    scale = np.maximum(1.0, np.abs(reference[rows, winners]))
-    mask: Mask = (actions != winners) & (margin > 2 * Q_TOLERANCE * scale)
-    return mask
 
 
 def _first_line(error: Exception) -> str:

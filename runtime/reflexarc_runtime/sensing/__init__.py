@@ -1,1 +1,1 @@
-"""From a message to a retina: decoding images and range scans into what the policy sees."""
+"""From sensor messages to retinas: images and range scans become what the policy sees."""

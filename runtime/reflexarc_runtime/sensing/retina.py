@@ -1,7 +1,7 @@
 """From distances to a retina: one definition for simulator, bus and replay.
 
 The functions on single numbers are plain Python. The simulator compiles these same functions and
-makes their arguments to the same bits, so that a simulated eye, a real scan and a replayed one
+computes their arguments to the same bits, so that a simulated eye, a real scan and a replayed one
 agree.
 """
 
@@ -17,7 +17,7 @@ from reflexarc_runtime.errors import ContractError
 FULL_SCALE = 255
 MAX_UNKNOWN_SHARE = 0.25
 MIN_STEP_RAD = 1e-9
-"""Beams closer than that are no scan, and their count to a bearing may be no number."""
+"""Smallest angle between beams that is accepted; below it, the index of a beam may overflow."""
 
 
 def ray_bearing_rad(ray: int, rays: int, fov_rad: float) -> float:
@@ -26,9 +26,9 @@ def ray_bearing_rad(ray: int, rays: int, fov_rad: float) -> float:
 
 
 def brightness(colour: float, share: float, nearness: bool) -> float:
-    """How bright something of `colour` (0 to 1) looks at this share of the range, 0 to 1.
+    """Brightness, 0 to 1, of a thing of `colour` (0 to 1) at this share of the range.
 
-    Nothing within range (a share of 1 and more, +inf or NaN) is background: 0.
+    A share of 1 or more, +inf or NaN means that nothing is within range: background, 0.
     """
     if not share < 1.0:
         return 0.0
@@ -36,7 +36,7 @@ def brightness(colour: float, share: float, nearness: bool) -> float:
 
 
 def value(bright: float) -> int:
-    """A brightness from 0 to 1 as the 8 bits of a retina."""
+    """A brightness from 0 to 1 as an 8-bit value of a retina."""
     return int(FULL_SCALE * bright + 0.5)
 
 
@@ -46,13 +46,13 @@ def shade(colour: float, distance_m: float, range_m: float, nearness: bool) -> i
 
 
 def nearest_beam(bearing_rad: float, start_rad: float, step_rad: float) -> int:
-    """Index of the beam nearest to a bearing, on the circle; halfway belongs to the later beam."""
+    """Index of the beam nearest to a bearing, on the circle; of two equally near the later one."""
     offset_rad = (bearing_rad - start_rad + 0.5 * step_rad) % (2.0 * math.pi)
     return int(offset_rad / step_rad)
 
 
 def is_unknown(distance_m: float) -> bool:
-    """NaN, zero and negative distances say nothing; +inf says that nothing was met."""
+    """Whether a distance is no measurement: NaN, zero or negative. +inf is one: nothing was met."""
     return not distance_m > 0.0
 
 
@@ -71,7 +71,7 @@ class Scan:
 
 
 class UnusableScanError(ValueError):
-    """A scan that gives no retina; its message says why."""
+    """A scan from which no retina can be made; its message says why."""
 
 
 def check_scannable(spec: RetinaSpec) -> None:
@@ -88,9 +88,9 @@ def check_scannable(spec: RetinaSpec) -> None:
 
 
 def retina_from_scan(scan: Scan, spec: RetinaSpec) -> Retina:
-    """Each ray takes the beam nearest to its bearing. A scan has no colour: all is 1.
+    """Make a retina: each ray takes the beam nearest to its bearing, with colour 1.
 
-    A ray of several samples shows the mean of theirs; each takes the beam nearest to it.
+    Where a ray has several samples, each takes its nearest beam, and the ray shows their mean.
 
     Raises:
         UnusableScanError: the scan does not cover the field of view, or more than a quarter of

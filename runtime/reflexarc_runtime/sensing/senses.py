@@ -1,4 +1,4 @@
-"""From a sensor message on the bus to a retina that fits the contract."""
+"""Decoders: each turns the sensor messages of one topic into retinas that fit the contract."""
 
 import math
 from dataclasses import dataclass
@@ -31,12 +31,12 @@ from reflexarc_runtime.sensing.retina import (
 M = TypeVar("M", RawImage, LaserScan)
 
 _QUOTED = 40
-"""How much of a sender's own words a reason repeats."""
+"""Characters of a sender's text that a reason quotes."""
 
 
 @dataclass(frozen=True, slots=True)
 class Sensed:
-    """A sensor message that is good."""
+    """A sensor message that was decoded and fits the contract."""
 
     stamp: Stamp
     received_ns: int
@@ -59,7 +59,7 @@ class Sense(Protocol):
 
 
 class RetinaSense:
-    """Retinas as they come: `foxglove.RawImage`, width = rays, height = eyes."""
+    """Reads retinas that are sent as such: `foxglove.RawImage`, width = rays, height = eyes."""
 
     topic = RETINA
 
@@ -75,7 +75,7 @@ class RetinaSense:
 
 
 class ScanSense:
-    """Retinas out of scans: `foxglove.LaserScan`.
+    """Makes retinas from scans: `foxglove.LaserScan`.
 
     Raises:
         ContractError: the policy sees more than one eye or channel.

@@ -1,4 +1,4 @@
-"""The body: one robot in a world, with its own watchdog. It knows no bus and no clock."""
+"""A simulated robot in a world, with a watchdog of its own. It uses neither bus nor clock."""
 
 from dataclasses import dataclass, replace
 
@@ -14,7 +14,7 @@ from reflexarc_sim_bridge.worlds.world import World
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where the robot stands and looks, in the world's frame."""
+    """Position and heading of the robot, in the world's frame."""
 
     x_m: float
     y_m: float
@@ -23,13 +23,13 @@ class Place:
 
 
 class Body:
-    """A robot that sees as the contract says and moves as it is told.
+    """A robot with the eye of a contract, which moves by the commands that it gets.
 
     Args:
-        world: where it lives.
-        contract: what it sees, and what it does when nobody tells it anything.
-        rate_hz: how often it moves a second.
-        seed: which of the world's endless variants this is.
+        world: the world that it drives in.
+        contract: its eye, its fastest motions, and its safe command.
+        rate_hz: steps of the simulation a second.
+        seed: of the world.
         number: which of several robots in one world; each has places of its own.
 
     Raises:
@@ -59,16 +59,16 @@ class Body:
         self._watchdog = self._watchdog.heard(command)
 
     def move(self, now_ns: int) -> Place | None:
-        """Move for one period by the command that still holds, or do the safe thing.
+        """Move for one period by the command that still holds, else by the safe command.
 
         Returns:
-            Where a collision began, to within the lateral way of one step; or None. The robot
-            itself now stands elsewhere.
+            Where a collision began, to within the sideways motion of one step; None without a
+            collision. After one the robot stands elsewhere.
         """
         before = self.place
         command = self._watchdog.obeyed(now_ns)
-        # The safe thing is this body's own: a command without an echo moves nothing, whatever
-        # speeds it names, for it would hold for ever.
+        # A safe command that was received never expires, so its speeds are not used: the body moves
+        # by the safe command of its own contract.
         drives = command is not None and not command.is_safe and self._can_move_so(command)
         motion = command if command is not None and drives else self.contract.safe_command
         if not self.simulation.drive(motion.linear_mps, motion.lateral_mps, motion.angular_radps):
@@ -77,7 +77,7 @@ class Body:
         return replace(before, x_m=self.place.x_m)
 
     def _can_move_so(self, command: Command) -> bool:
-        """Whether it is no faster than the contract's fastest actions: nobody else is obeyed."""
+        """Whether no speed exceeds those of the contract's actions; else it is not obeyed."""
         return all(
             abs(getattr(command, speed))
             <= max(abs(getattr(a, speed)) for a in self.contract.actions)
@@ -91,6 +91,6 @@ class Body:
 
     @property
     def place(self) -> Place:
-        """Where it stands."""
+        """Its position and heading now."""
         here = self.simulation
         return Place(float(here.x_m[0]), float(here.y_m[0]), float(here.heading_rad[0]))

@@ -1,15 +1,14 @@
-"""The bridge: a body on the bus, in real time or in lockstep.
+"""The bridge between a body and the bus, in real time or in lockstep.
 
-In real time the body moves at its own rate, obeys a command while it is valid, and says what it
-sees; nobody waits for anybody. In lockstep it waits for the command of each retina, and the time is
-the number of the step: the same drive on any machine, under any load.
+In real time the body moves at its own rate, obeys a command while it is valid, and publishes what
+it sees, without waiting. In lockstep it waits for the command of each retina, and time is counted
+in steps: the same drive on any machine, under any load.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
-from reflexarc_runtime.bus import Bus
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.lockstep import await_command, wait_for_runtime
 from reflexarc_runtime.loop.pacer import RatePacer
@@ -38,13 +37,16 @@ from reflexarc_sim_bridge.body.faults.faulty_stream import Sending
 from reflexarc_sim_bridge.body.faults.script import FaultScript
 from reflexarc_sim_bridge.body.foxglove_messages import encode_pose, encode_scene, encode_transform
 
+if TYPE_CHECKING:
+    from reflexarc_runtime.bus import Bus
+
 _SPOKEN = (RETINA, POSE, TRANSFORM, SCENE, CONTACT, STATUS)
 _SECOND_NS = 1_000_000_000
 
 
 @dataclass(frozen=True, slots=True)
 class Journey:
-    """What became of a drive."""
+    """Length and contacts of a drive."""
 
     steps: int
     contacts: int
@@ -52,15 +54,15 @@ class Journey:
 
 
 class RetinaOutlet(Protocol):
-    """Takes the retinas to the bus."""
+    """Publishes retinas."""
 
     def put(self, payload: bytes, time_ns: int) -> None:
-        """Take a retina that was seen at `time_ns`; never blocks."""
+        """Publish a retina that was seen at `time_ns`; never blocks."""
         ...
 
 
-def faulty_retinas(bus: Bus, script: FaultScript, now_ns: Callable[[], int]) -> Courier:
-    """A way to the bus on which a script goes wrong; a context manager."""
+def faulty_retinas(bus: "Bus", script: FaultScript, now_ns: Callable[[], int]) -> Courier:
+    """A publisher of retinas with the faults of a script; a context manager."""
     publisher = bus.publisher(RETINA)
 
     def send(sending: Sending) -> None:
@@ -70,10 +72,10 @@ def faulty_retinas(bus: Bus, script: FaultScript, now_ns: Callable[[], int]) -> 
 
 
 class Voice:
-    """Says on the bus what a body sees and where it is."""
+    """Publishes what a body sees and where it is."""
 
     def __init__(
-        self, bus: Bus, body: Body, robot: str, retinas: RetinaOutlet | None = None
+        self, bus: "Bus", body: Body, robot: str, retinas: RetinaOutlet | None = None
     ) -> None:
         self._publishers = {topic: bus.publisher(topic) for topic in _SPOKEN}
         self._retinas = retinas or self._publishers[RETINA]
@@ -87,7 +89,7 @@ class Voice:
         return self._publishers[topic].has_listener
 
     def say(self, contact: Place | None, now_ns: int) -> None:
-        """Publish the state of the body: the retina first, as somebody waits for it."""
+        """Publish the state of the body: the retina first, because the runtime waits for it."""
         retina = encode_retina(self._body.see(), self._body.contract.retina, now_ns, self._robot)
         self._retinas.put(retina, now_ns)
         place = self._body.place
@@ -110,18 +112,18 @@ class Voice:
 
 
 class Bridge:
-    """Joins a body to the bus.
+    """Connects a body to the bus.
 
     Args:
         bus: an open session.
-        body: who drives.
+        body: the robot.
         robot: first part of every key.
         inbox: where the bus delivers the commands.
         retinas: where the retinas go; straight to the bus by default.
     """
 
     def __init__(
-        self, bus: Bus, body: Body, robot: str, inbox: Inbox, retinas: RetinaOutlet | None = None
+        self, bus: "Bus", body: Body, robot: str, inbox: Inbox, retinas: RetinaOutlet | None = None
     ) -> None:
         self._bus = bus
         self._body = body
@@ -150,7 +152,7 @@ class Bridge:
     def drive_in_lockstep(
         self, period_ns: int, should_stop: Callable[[], bool], steps: int | None = None
     ) -> Journey:
-        """Drive one step a command, on the time of the step.
+        """Drive one step for each command; the time is that of the step.
 
         Raises:
             BusError: no command came for a retina.

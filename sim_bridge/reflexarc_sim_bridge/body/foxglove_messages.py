@@ -1,4 +1,4 @@
-"""What the viewers show of a body: its pose, its transform, and the obstacles around it."""
+"""Messages for viewers: a body's pose, its transform, and the obstacles around it."""
 
 import math
 from collections.abc import Sequence
@@ -47,7 +47,7 @@ def encode_transform(place: Place, robot: str, time_ns: int) -> bytes:
 
 
 def encode_scene(outlines: Sequence[Outline], time_ns: int) -> bytes:
-    """`foxglove.SceneUpdate`: one entity that replaces the one before."""
+    """`foxglove.SceneUpdate`: one entity, which replaces the previous one."""
     entity = SceneEntity(
         timestamp=timestamp(time_ns),
         frame_id=WORLD_FRAME,
@@ -75,7 +75,7 @@ def _cylinder(disc: Outline) -> CylinderPrimitive:
 
 
 def _fan(polygon: Outline) -> TriangleListPrimitive:
-    """Triangles from the middle to every side: all outlines are star-shaped.
+    """Triangles from the middle to every side, which works as all outlines are star-shaped.
 
     Points: the middle, then the corners.
     """
@@ -95,7 +95,7 @@ def _pose_of(outline: Outline) -> Pose:
 
 
 def _paint(colour: tuple[float, float, float]) -> Color:
-    """Full white, the colour of most obstacles, becomes a blue that shows on a white ground."""
+    """A colour for display: white, as most obstacles are, becomes a blue for white grounds."""
     red, green, blue = colour
     return Color(r=0.30 * red, g=0.45 * green, b=0.65 * blue, a=1.0)
 

@@ -1,4 +1,4 @@
-"""What the Gymnasium environments mean by an episode: its world, its rewards, its end.
+"""Episodes of the Gymnasium environments: their worlds, their rewards, their ends.
 
 The first episode of a seed is in the world of that seed, so that a seed names the same world here
 as everywhere else. Those after it are in worlds drawn from the seed: number k is the k-th draw of
@@ -17,13 +17,15 @@ from reflexarc_runtime.errors import WorldError
 from reflexarc_sim_bridge.worlds.files import world_named
 from reflexarc_sim_bridge.worlds.world import AfterContact, WorldSource
 
+EPISODE_STEPS = 1000
+"""After so many steps an episode is truncated, unless told otherwise."""
 STEP_REWARD = 0.1
 """For a step without contact (the paper, section 4.2)."""
 CONTACT_REWARD = -1.0
 """For a step with one (the same)."""
 
 INFO = ("x_m", "y_m", "distance_m", "contacts")
-"""What is told of an agent beside what it sees, of this episode."""
+"""What `info` holds about the current episode of an agent."""
 
 _GAMMA = np.uint64(0x9E3779B97F4A7C15)
 
@@ -32,7 +34,7 @@ Indices = npt.NDArray[np.int64]
 
 
 class WorldSequence:
-    """Which world each of n environments meets next."""
+    """The seed of the next world for each of n environments."""
 
     def __init__(self, environments: int) -> None:
         self._seeds = np.zeros(environments, np.uint64)
@@ -61,7 +63,7 @@ def checked_seeds(seeds: Sequence[int]) -> Seeds:
     """Seeds as an array: (n,).
 
     Raises:
-        WorldError: one of them is no world's seed.
+        WorldError: one of them is not a seed.
     """
     for seed in seeds:
         if not 0 <= seed < 1 << 64:
@@ -73,7 +75,7 @@ def the_world(world: WorldSource | str) -> WorldSource:
     """A world, or the one of that name or file.
 
     Raises:
-        WorldError: no such world, or a file that says what no world can be.
+        WorldError: no such world, or a file that describes no valid world.
     """
     return world_named(world) if isinstance(world, str) else world
 

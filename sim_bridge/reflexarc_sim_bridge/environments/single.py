@@ -26,17 +26,10 @@ from reflexarc_sim_bridge.environments.episodes import (
     observation_space,
     the_world,
 )
-from reflexarc_sim_bridge.environments.registration import (
-    EPISODE_STEPS,
-    REFERENCE_ID,
-    register_environments,
-)
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.simulation.single_agent import REFUSED, OneAgent
 from reflexarc_sim_bridge.worlds.reference_contract import WORLD_NAME, reference_contract
 from reflexarc_sim_bridge.worlds.world import WorldSource
-
-__all__ = ["CONTACT_REWARD", "EPISODE_STEPS", "REFERENCE_ID", "STEP_REWARD", "ReferenceEnv"]
 
 _REWARDS = (STEP_REWARD, CONTACT_REWARD)
 _ONLY = np.zeros(1, np.int64)
@@ -56,7 +49,7 @@ class ReferenceEnv(gymnasium.Env[npt.NDArray[np.uint8], np.int64]):
     def __init__(
         self, contract: PolicyContract | None = None, world: WorldSource | str = WORLD_NAME
     ) -> None:
-        """Make ready; `reset` begins.
+        """Build the simulation; `reset` begins an episode.
 
         Args:
             contract: what the agent sees and how each action moves it; the reference's if None.
@@ -80,7 +73,7 @@ class ReferenceEnv(gymnasium.Env[npt.NDArray[np.uint8], np.int64]):
         """Begin in the world of `seed`, or in a new one.
 
         Raises:
-            WorldError: a seed that is no world's.
+            WorldError: not a seed of a world.
         """
         super().reset(seed=seed)
         if seed is not None:
@@ -109,6 +102,3 @@ class ReferenceEnv(gymnasium.Env[npt.NDArray[np.uint8], np.int64]):
             raise WorldError(f"action: expected 0 to {known - 1}, the contract's, got {action}")
         info = {"x_m": x_m, "y_m": y_m, "distance_m": distance_m, "contacts": contacts}
         return self._agent.stack.copy(), _REWARDS[met], self._terminates and met == 1, False, info
-
-
-register_environments()

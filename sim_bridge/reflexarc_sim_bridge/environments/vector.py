@@ -2,11 +2,12 @@
 
 All agents take a compiled step together. An agent whose episode has ended begins the next one at
 the following step, which ignores its action and rewards it with 0: Gymnasium's next-step
-autoreset. With the same seeds each agent meets what a single environment meets (`environment.py`),
-step by step, to the bit.
+autoreset. With the same seeds each agent gets the observations and rewards of a single environment
+(`single.py`), step by step, to the bit.
 """
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import gymnasium
@@ -16,10 +17,12 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from reflexarc_runtime.arrays import Actions, Mask
+from reflexarc_runtime.config.checks import require
 from reflexarc_runtime.contract import PolicyContract
 from reflexarc_runtime.errors import WorldError
 from reflexarc_sim_bridge.environments.episodes import (
     CONTACT_REWARD,
+    EPISODE_STEPS,
     INFO,
     STEP_REWARD,
     Indices,
@@ -31,10 +34,11 @@ from reflexarc_sim_bridge.environments.episodes import (
     observation_space,
     the_world,
 )
-from reflexarc_sim_bridge.environments.registration import EPISODE_STEPS
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.reference_contract import WORLD_NAME, reference_contract
 from reflexarc_sim_bridge.worlds.world import WorldSource
+
+_require = partial(require, error=WorldError)
 
 Observations = npt.NDArray[np.uint8]
 Step = tuple[Observations, npt.NDArray[np.float64], Mask, Mask, dict[str, Any]]
@@ -60,7 +64,7 @@ class ReferenceVectorEnv(VectorEnv[Observations, Actions, npt.NDArray[Any]]):
         world: WorldSource | str = WORLD_NAME,
         max_episode_steps: int | None = EPISODE_STEPS,
     ) -> None:
-        """Make ready; `reset` begins.
+        """Build the simulation; `reset` begins the episodes.
 
         Args:
             num_envs: how many agents.
@@ -98,9 +102,9 @@ class ReferenceVectorEnv(VectorEnv[Observations, Actions, npt.NDArray[Any]]):
         """Begin all episodes, or those of `options["reset_mask"]`: bool (n,).
 
         Args:
-            seed: of the worlds: s for s, s + 1, s + 2 …, or one each; where there is none, the
-                next world of the agent's sequence.
-            options: see above; nothing else is looked at.
+            seed: of the worlds: s for s, s + 1, s + 2 …, or a list with one for each agent; where
+                it is None, the next world of the agent's sequence.
+            options: `reset_mask`; other keys are ignored.
 
         Raises:
             WorldError: seeds or a mask of another form.
@@ -144,12 +148,12 @@ class ReferenceVectorEnv(VectorEnv[Observations, Actions, npt.NDArray[Any]]):
         return self._observations(), rewards, terminations, truncations, self._infos()
 
     def _place(self, which: Indices) -> None:
-        """Put agents into their next worlds; they have not looked yet."""
+        """Put agents into their next worlds, before their first look."""
         self._simulation.place(which, self._worlds.next(which, self.np_random))
         self._steps[which] = 0
 
     def _sense(self, which: Indices) -> None:
-        """Let some agents look, and no other: a look more would move its frames on."""
+        """Let only some agents look, as every look advances the frames of an agent."""
         if len(which) == self.num_envs:
             self._simulation.sense()
             return
@@ -189,11 +193,6 @@ class ReferenceVectorEnv(VectorEnv[Observations, Actions, npt.NDArray[Any]]):
 
 
 def _as_indices(actions: Any) -> Actions:
-    """Integers of any kind as int64; what is no integer is left for the simulation to refuse."""
+    """Integers of any type as int64; other types are left for the simulation to refuse."""
     array = np.asarray(actions)
     return np.ascontiguousarray(array, np.int64) if array.dtype.kind in "iu" else array
-
-
-def _require(holds: bool, where: str, expected: str, got: object) -> None:
-    if not holds:
-        raise WorldError(f"{where}: expected {expected}, got {got}")

@@ -1,7 +1,7 @@
-"""How much of each lateral place of a world is covered by obstacles, measured without an agent.
+"""The share of each lateral bin of a world that obstacles cover, measured without an agent.
 
-Places are drawn evenly: columns anywhere along the way, and in each column one place in every bin
-across. The bins share out the width of the world; of a corridor, the room between its walls. Every
+Points are drawn evenly: columns at random x, and in each column one point in every bin across. The
+bins divide the width of the world; in a corridor, the room between its walls. Every
 seed is an independent sample; errors are standard errors over them.
 """
 
@@ -21,15 +21,16 @@ from reflexarc_sim_bridge.worlds.world import World, WorldSource
 
 BINS = 40
 
-Floats = npt.NDArray[np.float64]
-Progress = Callable[[int, int], None]
-
 _LENGTH_M = 10_000.0
 _FIRST_COLUMNS, _MOST_COLUMNS = 64, 1024
 _WANTED_ERROR = 0.01
 _WALL_MARGIN_M = 0.1
-"""A wall is a chain of straight pieces, which leave its curve by so much at most."""
+"""Largest distance between the straight pieces of a wall and its curve."""
 _RANDOM_SEED = 20_250_102
+
+Floats = npt.NDArray[np.float64]
+Progress = Callable[[int, int], None]
+"""Called with what is done, and how much there is in all."""
 
 
 @dataclass(frozen=True)
@@ -56,17 +57,15 @@ class CoverProfile:
         return (np.arange(len(self.cover)) + 0.5) / len(self.cover) * self.width_m
 
 
-def measure_profile(
-    source: WorldSource, seeds: Sequence[int], progress: Callable[[int, int], None]
-) -> CoverProfile:
+def measure_profile(source: WorldSource, seeds: Sequence[int], progress: Progress) -> CoverProfile:
     """Measure the profile of a world, or of a family over its seeds.
 
-    A first look says how many places it takes to know the deviations to 1 %.
+    A first, small sample says how many columns it takes to know the deviations to 1 %.
 
     Args:
         source: the world.
         seeds: two or more.
-        progress: told how many seeds are done, and of how many.
+        progress: called with the number of seeds that are done, and of all.
     """
     generator = np.random.default_rng(_RANDOM_SEED)
     worlds = [source.drawn(seed) for seed in seeds]
@@ -120,7 +119,7 @@ def ratio(parts: Floats, wholes: Floats) -> tuple[Floats, Floats]:
 
 
 def _shares(world: World, seed: int, columns: int, generator: np.random.Generator) -> Floats:
-    """Share of the places of each bin that are covered: (bins,)."""
+    """Share of the points of each bin that are covered: (bins,)."""
     x_m = generator.uniform(0.0, _LENGTH_M, columns)
     across = (np.arange(BINS) + generator.random((columns, BINS))) / BINS
     y_m = right_side_m(world, seed, x_m)[:, np.newaxis] + across * _room_m(world)
@@ -130,7 +129,7 @@ def _shares(world: World, seed: int, columns: int, generator: np.random.Generato
 
 
 def _columns_for(cover: float, seeds: int) -> int:
-    """Columns a seed for the wanted error of a deviation, √((1 − c) / (c n)) with n columns."""
+    """Columns a seed for the wanted error of a deviation, √((1 − c) / (c n)) for n columns."""
     if cover == 0.0:
         return _FIRST_COLUMNS
     columns = (1.0 - cover) / cover / _WANTED_ERROR**2 / seeds

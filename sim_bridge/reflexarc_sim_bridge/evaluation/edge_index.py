@@ -1,10 +1,10 @@
-"""Does a policy hide at the edge? Metric 9 of the evaluation: the edge index.
+"""The edge index: how much more time a policy spends at the sides of a track than elsewhere.
 
     E = (share of the time within 2R of a side) / (4R/W)
 
 R is half the mean lateral width of an obstacle plus the agent's radius, W the width of the track.
-An agent that is anywhere alike has E = 1; one that lives at the sides has W/4R. A periodic world
-has no sides: it is measured at the same bands, as if its seam were a wall.
+An agent whose lateral places are uniform has E = 1; one that is always at the sides has W/4R. A
+periodic world has no sides: the same bands are taken, as if its seam were a wall.
 """
 
 import numpy as np
@@ -18,7 +18,7 @@ from reflexarc_sim_bridge.worlds.world import Edges, World, WorldSource
 def edge_index(
     lateral_m: npt.NDArray[np.float64], width_m: float, obstacle_radius_m: float
 ) -> float:
-    """E of some lateral places.
+    """E of a set of lateral places.
 
     Args:
         lateral_m: places from the right side on, in [0, W]: any shape.
@@ -31,7 +31,7 @@ def edge_index(
 
 
 def obstacle_radius_m(world: World) -> float:
-    """R: half the mean lateral width of what is scattered, plus the agent's radius."""
+    """R: half the mean lateral width of the scattered obstacles, plus the agent's radius."""
     scatters = [layer for layer in world.layers if isinstance(layer, Scatter)]
     densities = [layer.mean_density_per_m2 for layer in scatters]
     widths = [layer.mean_width_m for layer in scatters]
@@ -39,10 +39,10 @@ def obstacle_radius_m(world: World) -> float:
 
 
 def require_edge_index(world: WorldSource) -> World:
-    """The world, if it has sides or a seam and nothing but scattered obstacles in between.
+    """The world, if it has sides or a seam, and only scattered obstacles in between.
 
     Raises:
-        UsageError: it has not.
+        UsageError: it has no sides, other obstacles, or too little width.
     """
     scattered = isinstance(world, World) and all(isinstance(part, Scatter) for part in world.layers)
     if not (isinstance(world, World) and scattered and world.layers):

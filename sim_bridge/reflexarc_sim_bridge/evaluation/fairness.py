@@ -1,15 +1,17 @@
-"""Is a world fair? Measured without an agent, and with one that never steers.
+"""Checks whether a world is fair: whether avoiding obstacles is the only way to do well in it.
+
+Three things are measured, without a trained policy.
 
 **Lateral cover profile.** Where obstacles cover less than elsewhere an agent can hide, and learns
-nothing but to go there. A fair world is flat within 5 %. In a corridor that means: beside its walls
-there are as many obstacles as in its middle. The walls themselves are seen, and can be touched.
+only to go there. The profile of a fair world is flat within 5 %: in a corridor, there are as many
+obstacles beside the walls as in the middle. The walls themselves are seen, and can be touched.
 
 **Blind contact rate.** In an even, unthinned Poisson field at rest an agent that never steers meets
-2ρR obstacles a metre. A simulated one must do so too, or space, vision and motion disagree.
+2ρR obstacles a metre. A simulated one must do so too, or obstacles, vision and motion disagree.
 
-**Clutter number** ρR²v/w: an agent passes for ever only below a critical value (Karaman and
-Frazzoli, arXiv 1202.0253), which for v = w lies between 0.20 and 0.25. A world above it is hard,
-and not unfair.
+**Clutter number** ρR²v/w: an agent can go on for ever only below a critical value (Karaman and
+Frazzoli, arXiv 1202.0253), which for v = w lies between 0.20 and 0.25. A world above it is
+hard, but not unfair.
 
 Errors are standard errors. A world is called unfair only where it leaves a tolerance by four of
 them.
@@ -34,13 +36,13 @@ MAX_SEEDS = 10_000
 FLATNESS = 0.05
 """Largest share of the mean by which cover may deviate anywhere across."""
 BLIND_TOLERANCE, BLIND_TOLERANCE_ROUND = 0.02, 0.05
-"""Largest deviation from 2ρR; where a shape is wider elsewhere than where it was met, its wider
-part still lies ahead, and is met again by some."""
+"""Largest deviation from 2ρR, for upright boxes and for other shapes: after a contact with one of
+those, some agents meet a wider part of it again."""
 CRITICAL_CLUTTER = 0.25
-"""Above it, at equal speeds ahead and aside, no agent passes for ever."""
+"""Above it, at equal speeds ahead and aside, no agent can go on for ever."""
 
 _SURE = 4.0
-"""Standard errors."""
+"""Standard errors by which a tolerance must be exceeded."""
 _BLIND_AGENTS, _BLIND_STEPS, _DISCARDED_STEPS = 1024, 1000, 50
 _SIDES = 0.1
 """Share of the width that counts as a side."""
@@ -48,14 +50,14 @@ _SIDES = 0.1
 
 @dataclass(frozen=True)
 class WorldReport:
-    """What a world is like."""
+    """What was measured of a world, and the verdict."""
 
     name: str
     fair: bool
     reasons: tuple[str, ...]
     """Why it is unfair, in words; none for a fair world."""
     notes: tuple[str, ...]
-    """What else is to be known."""
+    """Other remarks, in words."""
     seeds: int
     cover: float
     """Share of the plane that obstacles cover."""
@@ -91,7 +93,7 @@ def check_world(
     Args:
         source: the world.
         seeds: how many, 2 or more.
-        progress: told what is done, and of how much.
+        progress: called with what is done, and how much there is in all.
 
     Raises:
         WorldError: too few or too many seeds, or a world that cannot be simulated.
@@ -129,7 +131,7 @@ def _blind_rate(
 ) -> tuple[float, float]:
     """Contacts per 100 m of agents that never steer, and its standard error.
 
-    Each agent has a seed of its own; in a family, where each is another world, one of the seeds.
+    Each agent has a seed of its own; in a family, whose worlds differ by seed, one of `seeds`.
     """
     worlds = _BLIND_AGENTS if isinstance(source, World) else seeds
     own = np.resize(np.arange(worlds), max(_BLIND_AGENTS, seeds))
@@ -156,7 +158,7 @@ def _expected_blind(worlds: list[World]) -> float | None:
 
 
 def _unevenness(profile: CoverProfile) -> tuple[str, ...]:
-    """What is wrong with the profile, if anything."""
+    """Why the profile is unfair, in words; empty if it is not."""
     beyond = np.abs(profile.deviation) - FLATNESS - _SURE * profile.error
     if beyond.max() <= 0.0:
         return ()
@@ -179,7 +181,7 @@ def _place(bin_number: int, profile: CoverProfile) -> str:
 def _disagreement(
     world: World, blind: float, error: float, expected: float | None
 ) -> tuple[str, ...]:
-    """What is wrong with the blind agent, if anything."""
+    """Why the contacts of a blind agent are not as expected, in words; empty if they are."""
     if expected is None:
         return ()
     tolerance = BLIND_TOLERANCE if _is_all_upright(world) else BLIND_TOLERANCE_ROUND

@@ -5,7 +5,7 @@ steps of 0.1 s. A policy is greedy and decides at every step. 4,096 agents, each
 test seed; 100 steps are discarded, then 2,000 are counted. The figure is contacts per 100 m of
 progress along x, with a 95 % bootstrap interval over agents.
 
-Progress along x, not the length of the path: nobody scores better by zigzagging. An agent that
+Progress along x, not the length of the path: zigzagging does not improve the score. An agent that
 never steers scores 100 · 2ρR = 36.0.
 """
 
@@ -36,7 +36,7 @@ _BOOTSTRAP_SEED = 20_250_101
 
 @dataclass(frozen=True)
 class FieldScore:
-    """What a policy scored. The interval holds 95 % of a bootstrap over agents."""
+    """The score of a policy, with the 95 % interval of a bootstrap over agents."""
 
     contacts_per_100m: float
     low: float
@@ -63,12 +63,12 @@ def measure(
     Args:
         policy: decides for all agents at once.
         contract: its eye and its actions. An eye other than the reference's sees the same world.
-        agents: how many.
-        steps: counted steps of each.
-        discard: steps before them that do not count.
+        agents: number of agents.
+        steps: counted steps of each agent.
+        discard: steps of each before the counting begins.
         seeds: worlds of the agents, cycled if there are fewer than agents; test seeds if None.
         world: another kind of world than the reference's.
-        progress: told the steps done and all steps, after each.
+        progress: called after each step with the steps done and the steps in all.
 
     Raises:
         WorldError: a contract that the simulator does not support.

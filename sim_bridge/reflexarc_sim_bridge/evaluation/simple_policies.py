@@ -1,4 +1,4 @@
-"""Policies that look at nothing: the floor that every other policy is measured against."""
+"""Policies that ignore what they see: the baseline for every other policy."""
 
 import numpy as np
 

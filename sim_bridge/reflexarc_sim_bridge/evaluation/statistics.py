@@ -1,13 +1,13 @@
-"""What many runs say together: the interquartile mean and its bootstrap interval.
+"""Statistics over many runs: the interquartile mean and its bootstrap interval.
 
 As `rliable` has them (Agarwal et al., "Deep Reinforcement Learning at the Edge of the Statistical
 Precipice", 2021, section 4). The interquartile mean is the mean of the middle half: from n values,
-sorted, ⌊n/4⌋ are left away at either end (`scipy.stats.trim_mean(values, 0.25)`). One bad seed of
+sorted, ⌊n/4⌋ are left out at either end (`scipy.stats.trim_mean(values, 0.25)`). One bad seed of
 four does not move it, and it needs fewer seeds than a median.
 
 The interval is that of the percentile bootstrap: values are drawn with replacement, as many as
 there are, and of the interquartile means of many such draws the middle 95 % are taken. Groups, such
-as two cells that are compared, are drawn from apart (stratified). Draws are seeded: the same values
+as two cells that are compared, are drawn separately (stratified). Draws are seeded: the same values
 give the same interval.
 """
 
@@ -17,14 +17,14 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
-
 TRIMMED = 0.25
-"""Share of the values that is left away at either end."""
+"""Share of the values that is left out at either end."""
 COVERAGE = 0.95
 
 _DRAWS = 10_000
 _SEED = 20_250_103
+
+Floats = npt.NDArray[np.float64]
 
 
 class Estimate(NamedTuple):
@@ -51,7 +51,7 @@ def estimate(values: Sequence[float] | Floats) -> Estimate:
 
 
 def ratio_estimate(values: Sequence[float] | Floats, base: Sequence[float] | Floats) -> Estimate:
-    """How many times one interquartile mean is of another; each group is drawn from apart.
+    """Ratio of two interquartile means; the bootstrap draws each group separately.
 
     Args:
         values: (n,).

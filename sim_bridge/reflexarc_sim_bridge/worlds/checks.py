@@ -3,6 +3,7 @@
 import math
 from typing import TypeAlias
 
+from reflexarc_runtime.config import checks
 from reflexarc_runtime.errors import WorldError
 
 Span: TypeAlias = tuple[float, float]
@@ -10,9 +11,12 @@ Span: TypeAlias = tuple[float, float]
 
 
 def require(holds: bool, where: str, expected: str, got: object) -> None:
-    """Raise a `WorldError` that names the field, unless it holds."""
-    if not holds:
-        raise WorldError(f"world.{where}: expected {expected}, got {got}")
+    """Refuse a field of a world unless `holds`.
+
+    Raises:
+        WorldError: it does not hold.
+    """
+    checks.require(holds, f"world.{where}", expected, got, WorldError)
 
 
 def require_within(where: str, value: float, least: float, most: float) -> None:

@@ -30,7 +30,7 @@ from functools import cache, cached_property
 from pathlib import Path
 
 from reflexarc_runtime.config.fill import fill
-from reflexarc_runtime.config.toml_lines import KeyPath, dotted
+from reflexarc_runtime.config.key_path import KeyPath, dotted
 from reflexarc_runtime.config.toml_source import TomlSource, read_text
 from reflexarc_runtime.errors import WorldError
 from reflexarc_sim_bridge.worlds import ranges as world_ranges

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import TypeAlias
 
 from reflexarc_runtime.config.fill import Resolve
-from reflexarc_runtime.config.toml_lines import KeyPath, dotted
+from reflexarc_runtime.config.key_path import KeyPath, dotted
 from reflexarc_sim_bridge.worlds.checks import Span
 
 Choose: TypeAlias = Callable[[Span, type, KeyPath], float]

@@ -41,6 +41,25 @@ def test_a_run_without_an_identity_is_refused():
         RunInfo.from_metadata({"robot": "robot0"})
 
 
+@pytest.mark.parametrize(
+    ("field", "text", "words"),
+    [
+        ("rate_hz", "fast", "reflexarc.run.rate_hz: got 'fast'; the log is damaged"),
+        ("seed", "1.5", "reflexarc.run.seed: got '1.5'; the log is damaged"),
+        ("versions", "{", "reflexarc.run.versions: got '{'; the log is damaged"),
+        ("versions", "[]", r"reflexarc.run.versions: expected an object, got \[\]"),
+        ("clock", "sun", "reflexarc.run.clock: expected monotonic or lockstep, got 'sun'"),
+    ],
+)
+def test_a_damaged_field_is_refused_by_its_name(field, text, words):
+    with pytest.raises(LogError, match=words):
+        RunInfo.from_metadata({"run_id": "ab", field: text})
+
+
+def test_a_field_of_a_newer_version_is_left_alone():
+    assert RunInfo.from_metadata({"run_id": "ab", "weather": "fine"}) == RunInfo("ab")
+
+
 def test_the_versions_name_python_and_what_computes():
     versions = installed_versions()
     assert versions["python"].startswith("3.")

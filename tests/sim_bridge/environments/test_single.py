@@ -1,7 +1,5 @@
 import copy
 import pickle
-import subprocess
-import sys
 from collections.abc import Iterator
 
 import gymnasium
@@ -12,8 +10,9 @@ from stable_baselines3.common.env_checker import check_env as stable_baselines_c
 
 from reflexarc_runtime.contract import PolicyContract, RetinaSpec
 from reflexarc_runtime.errors import WorldError
-from reflexarc_sim_bridge.environments.registration import environment_id
-from reflexarc_sim_bridge.environments.single import EPISODE_STEPS, REFERENCE_ID, ReferenceEnv
+from reflexarc_sim_bridge.environments.episodes import EPISODE_STEPS
+from reflexarc_sim_bridge.environments.registration import REFERENCE_ID, environment_id
+from reflexarc_sim_bridge.environments.single import ReferenceEnv
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.files import WORLDS, world_named
 from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
@@ -191,35 +190,6 @@ def test_a_world_s_name_is_its_environment_s_but_for_the_reference_s_number(
     assert environment_id(name) == expected
 
 
-ANNOUNCE = "from reflexarc_sim_bridge.environments.registration import announce; announce()"
-
-
-@pytest.mark.parametrize(
-    "imports",
-    [
-        f"import gymnasium; {ANNOUNCE}",
-        f"{ANNOUNCE}; import gymnasium",
-        "import reflexarc_sim_bridge.environments.single, gymnasium",
-    ],
-)
-def test_the_names_are_known_in_any_order_of_imports(imports: str) -> None:
-    script = f"{imports}\nprint(*(name for name in gymnasium.registry if 'reflexarc' in name))"
-    assert run(script).split() == [environment_id(name) for name in WORLDS]
-
-
-def test_announcing_alone_loads_neither_gymnasium_nor_the_compiler() -> None:
-    script = (
-        f"import sys; {ANNOUNCE}\n"
-        "announce(); print(*{'gymnasium', 'numba', 'numpy'} & set(sys.modules))"
-    )
-    assert run(script).split() == []
-
-
 def told(simulation: Simulation) -> dict[str, float]:
     names = ("x_m", "y_m", "distance_m", "contacts")
     return {name: getattr(simulation, name)[0] for name in names}
-
-
-def run(script: str) -> str:
-    command = [sys.executable, "-W", "error", "-c", script]
-    return subprocess.run(command, capture_output=True, text=True, check=True).stdout

@@ -8,8 +8,9 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv, VectorEnv
 
 from reflexarc_runtime.contract import Action, PolicyContract, RetinaSpec
 from reflexarc_runtime.errors import WorldError
-from reflexarc_sim_bridge.environments.registration import environment_id
-from reflexarc_sim_bridge.environments.single import EPISODE_STEPS, REFERENCE_ID, ReferenceEnv
+from reflexarc_sim_bridge.environments.episodes import EPISODE_STEPS
+from reflexarc_sim_bridge.environments.registration import REFERENCE_ID, environment_id
+from reflexarc_sim_bridge.environments.single import ReferenceEnv
 from reflexarc_sim_bridge.environments.vector import ReferenceVectorEnv
 from reflexarc_sim_bridge.worlds.files import WORLDS
 from reflexarc_sim_bridge.worlds.reference_contract import reference_contract

@@ -131,3 +131,27 @@ def test_paper_preset_is_the_papers_learner_and_its_literal_eye() -> None:
     assert sizes == (16, 10, 3)
     assert (learner.reward_step, learner.reward_contact) == (0.1, -1.0)
     assert paper.retina.shading is Shading.COLOUR
+
+
+def test_configuration_of_an_older_version_reads_with_the_defaults_of_later_fields() -> None:
+    document = TrainConfig().resolved()
+    del document["retina"]["samples"], document["learner"]["averaged_weights"], document["motion"]
+    document["network"]["hidden"] = 10
+    assert TrainConfig.from_resolved(document) == TrainConfig()
+
+
+@pytest.mark.parametrize(
+    ("part", "change", "words"),
+    [
+        ("learner", {"gamma": "high"}, "configuration.learner.gamma: expected a number"),
+        ("learner", {"gamma": 1.5}, r"configuration.learner.gamma: expected in \[0, 1\)"),
+        ("retina", {"shading": "loud"}, "retina.shading: expected colour or nearness"),
+        ("network", {"units": "step"}, "network.units: expected one of sigmoid, tanh, relu"),
+    ],
+)
+def test_a_field_of_another_version_is_named_by_its_path(
+    part: str, change: dict[str, Any], words: str
+) -> None:
+    document = TrainConfig().resolved()
+    with pytest.raises(UsageError, match=words):
+        TrainConfig.from_resolved({**document, part: {**document[part], **change}})

@@ -132,7 +132,10 @@ WRONG: dict[str, tuple[str, str]] = {
     "truth": (f"{CELL}learner.gamma = true\n", "expected a number, got True"),
     "choice": (f'{CELL}"learner.form" = "offline"\n', "expected online or batched"),
     "shading": (f'{CELL}"retina.shading" = 3\n', "expected colour or nearness"),
-    "list": (f'{CELL}"network.hidden" = ["a"]\n', "expected whole numbers"),
+    "list": (
+        f'{CELL}"network.hidden" = ["a"]\n',
+        "network.hidden[0]: expected a whole number, got 'a'",
+    ),
     "out of range": (
         f'{CELL}\n"learner.gamma" = 1.5\n',
         "mine.toml:7: cell[0].'learner.gamma': a: learner.gamma: expected in [0, 1)",

@@ -12,15 +12,16 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, Self
 
 from reflexarc_runtime.config.checks import require, require_one_of
+from reflexarc_runtime.config.fill import fill
+from reflexarc_runtime.config.source import MappingSource
 from reflexarc_runtime.contract import (
     Action,
     PolicyContract,
     Provenance,
     RetinaSpec,
-    Shading,
     sideways_actions,
 )
-from reflexarc_runtime.errors import ContractError, UsageError
+from reflexarc_runtime.errors import ReflexarcError, UsageError
 from reflexarc_sim_bridge.worlds.world import WorldSource
 from reflexarc_trainer.config.learner_config import (
     BatchedConfig,
@@ -44,6 +45,17 @@ __all__ = [
 
 MOST_WORLDS = 64
 
+_OTHER_VERSION = "configuration: not one of this version"
+_PARTS = (
+    ("worlds",),
+    ("retina", "shading"),
+    ("network",),
+    ("learner", "exploration"),
+    ("learner", "online"),
+    ("learner", "batched"),
+    ("validation",),
+)
+"""What a configuration of any version has."""
 
 Motion = Literal["sideways", "turning"]
 
@@ -152,20 +164,12 @@ class TrainConfig:
         Raises:
             UsageError: a field is missing, unknown or out of range.
         """
+        source = MappingSource(_with_layers(document), "configuration")
         try:
-            eye = {**document["retina"], "shading": Shading(document["retina"]["shading"])}
-            parts = {
-                "worlds": tuple(TrainingWorld(**world) for world in document["worlds"]),
-                "retina": RetinaSpec(**eye),
-                "network": NetworkConfig(**document["network"]),
-                "learner": _learner(document["learner"]),
-                "validation": ValidationConfig(**document["validation"]),
-            }
-            return cls(**{**document, **parts})
-        except (KeyError, TypeError, ValueError, ContractError) as error:
-            raise UsageError(
-                f"configuration: not one of this version ({error}); train anew"
-            ) from None
+            _require_parts(source)
+            return fill(cls, source)
+        except ReflexarcError as error:
+            raise UsageError(f"{_OTHER_VERSION} ({error}); train anew") from None
 
     def contract(self, provenance: Provenance | None = None) -> PolicyContract:
         """What the policy of this run sees and does."""
@@ -192,10 +196,19 @@ def turning_actions(forward_mps: float, angular_radps: float) -> tuple[Action, .
     )
 
 
-def _learner(document: Mapping[str, Any]) -> LearnerConfig:
-    parts = {
-        "exploration": ExplorationConfig(**document["exploration"]),
-        "online": OnlineConfig(**document["online"]),
-        "batched": BatchedConfig(**document["batched"]),
-    }
-    return LearnerConfig(**{**document, **parts})
+def _require_parts(source: MappingSource) -> None:
+    """Refuse a document without the parts that every version wrote; later fields have defaults."""
+    for path in _PARTS:
+        part: Any = source.document
+        for name in path:
+            part = part.get(name) if isinstance(part, Mapping) else None
+        if not part:
+            raise source.complaint(path, "missing")
+
+
+def _with_layers(document: Mapping[str, Any]) -> dict[str, Any]:
+    """A configuration of when there was one hidden layer, whose `hidden` is a plain number."""
+    network = document.get("network")
+    if isinstance(network, dict) and isinstance(network.get("hidden"), int):
+        network = {**network, "hidden": [network["hidden"]]}
+    return {**document, "network": network}

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from reflexarc_runtime.config.checks import require
-from reflexarc_runtime.config.toml_lines import KeyPath
+from reflexarc_runtime.config.key_path import KeyPath
 from reflexarc_runtime.config.toml_source import TomlSource
 from reflexarc_runtime.errors import ReflexarcError, UsageError
 from reflexarc_trainer.study.settings import check_setting

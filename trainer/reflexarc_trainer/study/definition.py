@@ -31,7 +31,7 @@ from typing import Any
 
 from reflexarc_runtime.config.checks import require
 from reflexarc_runtime.config.fill import fill
-from reflexarc_runtime.config.toml_lines import KeyPath
+from reflexarc_runtime.config.key_path import KeyPath
 from reflexarc_runtime.config.toml_source import TomlSource, read_text
 from reflexarc_runtime.errors import ReflexarcError, UsageError
 from reflexarc_sim_bridge.evaluation.edge_index import require_edge_index

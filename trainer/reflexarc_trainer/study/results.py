@@ -69,8 +69,8 @@ def read_results(path: Path) -> list[Result]:
     results = []
     for line in path.read_bytes().split(b"\n")[:-1]:
         try:
-            results.append(Result(**json.loads(line)))
-        except (ValueError, TypeError):
+            results.append(Result.from_plain(json.loads(line)))
+        except (ValueError, UsageError):
             continue
     return results
 

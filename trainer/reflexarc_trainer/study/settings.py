@@ -4,12 +4,12 @@ The dataclasses say which fields there are and of which type, and check the valu
 """
 
 import dataclasses
-import types
 from collections.abc import Mapping
-from enum import StrEnum
-from functools import cache
-from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
+from typing import Any, get_origin
 
+from reflexarc_runtime.config.annotations import fields_of
+from reflexarc_runtime.config.fill import converted
+from reflexarc_runtime.config.source import MappingSource
 from reflexarc_runtime.errors import ReflexarcError, UsageError
 from reflexarc_trainer.config.presets import preset_named
 from reflexarc_trainer.config.train_config import TrainConfig
@@ -23,8 +23,6 @@ _NOT_HERE = {
     "init_from": "nothing: a study's runs begin with new weights",
 }
 """What a cell cannot set, and what says it in its place."""
-
-_WORDS = {float: "a number", int: "a whole number", str: "a text", bool: "true or false"}
 
 
 def configured(preset: str, settings: Mapping[str, object]) -> TrainConfig:
@@ -83,13 +81,9 @@ def _converted(name: str, value: object) -> object:
     if name == WORLDS:
         return _worlds(value)
     hint = _hint(name)
-    if get_origin(hint) is Literal:
-        return _chosen(name, value, get_args(hint))
-    if isinstance(hint, type) and issubclass(hint, StrEnum):
-        return hint(_chosen(name, value, tuple(hint)))
-    if get_origin(hint) is tuple:
-        return _whole_numbers(name, value)
-    return _plain(name, value, hint)
+    if get_origin(hint) is tuple and not isinstance(value, list):
+        value = [value]  # one stands for a list of one
+    return converted(hint, value, MappingSource({}), tuple(name.split(".")))
 
 
 def _hint(name: str) -> Any:
@@ -109,33 +103,11 @@ def _hint(name: str) -> Any:
     return hint
 
 
-@cache
 def _fields(kind: Any) -> Mapping[str, Any]:
     """Annotations of a dataclass's fields; none of anything else."""
-    return get_type_hints(kind) if dataclasses.is_dataclass(kind) else {}
-
-
-def _chosen(name: str, value: object, choices: tuple[Any, ...]) -> Any:
-    if value not in choices:
-        raise UsageError(f"{name}: expected {' or '.join(choices)}, got {value!r}")
-    return value
-
-
-def _whole_numbers(name: str, value: object) -> tuple[int, ...]:
-    """A list of them; one stands for a list of one."""
-    values = value if isinstance(value, list) else [value]
-    if not values or any(type(one) is not int for one in values):
-        raise UsageError(f"{name}: expected whole numbers, got {value!r}")
-    return tuple(values)
-
-
-def _plain(name: str, value: object, hint: Any) -> object:
-    if hint is float and type(value) is int:
-        return float(value)
-    kinds = get_args(hint) if get_origin(hint) in (Union, types.UnionType) else (hint,)
-    if type(value) not in kinds:
-        raise UsageError(f"{name}: expected {_WORDS[kinds[0]]}, got {value!r}")
-    return value
+    if not (isinstance(kind, type) and dataclasses.is_dataclass(kind)):
+        return {}
+    return {name: hint for name, (hint, _) in fields_of(kind).items()}
 
 
 def _worlds(value: object) -> tuple[object, ...]:

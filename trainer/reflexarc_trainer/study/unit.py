@@ -13,7 +13,9 @@ from functools import lru_cache
 from typing import Any, Self
 
 from reflexarc_runtime.config.checks import require
-from reflexarc_runtime.errors import UsageError
+from reflexarc_runtime.config.fill import fill
+from reflexarc_runtime.config.source import MappingSource
+from reflexarc_runtime.errors import ReflexarcError, UsageError
 from reflexarc_sim_bridge.native.cache import source_key
 from reflexarc_trainer.config.train_config import TrainConfig
 from reflexarc_trainer.config.training_world import TrainingWorld
@@ -92,13 +94,8 @@ class Unit:
             UsageError: it is none of this version.
         """
         try:
-            return cls(
-                config=TrainConfig.from_resolved(document["config"]),
-                evaluation=Evaluation(**document["evaluation"]),
-                measure=Measure(document["measure"]),
-                world=TrainingWorld(**document["world"]),
-            )
-        except (KeyError, TypeError, ValueError) as error:
+            return fill(cls, MappingSource(document, "unit"), require_all=True)
+        except ReflexarcError as error:
             raise UsageError(f"unit: not one of this version ({error})") from None
 
     @property
@@ -129,6 +126,15 @@ class Result:
     """None, too, where it is not the study's measure."""
     weights_hash: str = ""
     """SHA-256 of what was learned, as float64."""
+
+    @classmethod
+    def from_plain(cls, document: Mapping[str, Any]) -> Self:
+        """Read back what `dataclasses.asdict` gave of one.
+
+        Raises:
+            UsageError: it is none of this version.
+        """
+        return fill(cls, MappingSource(document, "result"))
 
     def figure(self, measure: Measure) -> float | None:
         """The figure that a study is about."""

@@ -16,7 +16,6 @@ from collections.abc import Iterator
 from queue import SimpleQueue
 from typing import Any, TextIO
 
-import numba
 import torch
 
 from reflexarc_runtime.errors import ReflexarcError
@@ -45,7 +44,6 @@ def _take_standard_output() -> TextIO:
 def _compute_on_one_thread() -> None:
     """Processes share the processors, not threads."""
     set_thread_count(1)
-    numba.set_num_threads(1)
     torch.set_num_threads(1)
 
 

@@ -84,7 +84,7 @@ class WorkerProcess:
             return None
         if "error" in message:
             return Failure(unit, message["error"])
-        return Result(**message["result"])
+        return Result.from_plain(message["result"])
 
     def end(self) -> None:
         """End it, whatever it is doing, and wait until it is gone."""

@@ -41,7 +41,7 @@ class Import:
     def run(self) -> int:
         """Import, and say what was in the file and what was not."""
         from reflexarc_logs.importing.lidar_import import import_log
-        from reflexarc_runtime.bus import BusConfig
+        from reflexarc_runtime.bus_config import BusConfig
 
         BusConfig(self.robot)  # refuses a name that cannot be part of a key
         imported = import_log(self.file, self.out, self.format, rate=self.rate, robot=self.robot)

@@ -1,25 +1,27 @@
-"""The bridge: a camera on the bus. It shows retinas and moves nothing."""
+"""The bridge between a camera and the bus: it publishes retinas and takes no commands."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
-from reflexarc_runtime.bus import Bus
 from reflexarc_runtime.contract import RetinaSpec
 from reflexarc_runtime.loop.clock import Clock
 from reflexarc_runtime.messages.codec import Status, encode_retina, encode_status
 from reflexarc_runtime.messages.topics import BODY_NODE, RETINA, STATUS
 from reflexarc_sim_bridge.body.camera.eye import CameraEye, Image
 
+if TYPE_CHECKING:
+    from reflexarc_runtime.bus import Bus
+
 _SECOND_NS = 1_000_000_000
 _POLL_NS = 10_000_000
 
 Moment = tuple[Image | None, ...]
-"""One image an eye, taken at one moment; None where one cannot be decoded."""
+"""One image for each eye, taken at one moment; None where one cannot be decoded."""
 
 
 class Pace(Protocol):
-    """Decides when the next image is shown."""
+    """Decides when the next image is published."""
 
     def wait(self, should_stop: Callable[[], bool]) -> object | None:
         """Wait; None when asked to stop meanwhile."""
@@ -28,25 +30,25 @@ class Pace(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Account:
-    """What was shown."""
+    """How many images were published, or could not be."""
 
     retinas: int
     undecodable: int
 
 
 class CameraBridge:
-    """Shows on the bus what a camera sees.
+    """Publishes what a camera sees.
 
     Args:
         bus: an open session.
-        eye: how images are looked at.
+        eye: makes retinas of images.
         spec: what the policy sees.
         robot: whose camera it is.
         clock: source time of the retinas.
     """
 
     def __init__(
-        self, bus: Bus, eye: CameraEye, spec: RetinaSpec, robot: str, clock: Clock
+        self, bus: "Bus", eye: CameraEye, spec: RetinaSpec, robot: str, clock: Clock
     ) -> None:
         self._retinas = bus.publisher(RETINA)
         self._status = bus.publisher(STATUS)
@@ -58,7 +60,7 @@ class CameraBridge:
         bus.announce(BODY_NODE)
 
     def wait_for_listener(self, should_stop: Callable[[], bool]) -> None:
-        """Wait until somebody listens: what is in a file is shown only once."""
+        """Wait for a subscriber: the images of a file are published only once."""
         while not self._retinas.has_listener and not should_stop():
             self._clock.sleep_until_ns(self._clock.now_ns() + _POLL_NS)
 
@@ -69,13 +71,13 @@ class CameraBridge:
         pace: Pace | None = None,
         progress: Callable[[int], None] = lambda done: None,
     ) -> Account:
-        """Show one moment after another.
+        """Publish one moment after another.
 
         Args:
-            moments: what to show.
-            should_stop: asked between two.
-            pace: when each is due; without one, as they come.
-            progress: told how many there were.
+            moments: the images.
+            should_stop: asked between two moments.
+            pace: when each is due; without one, at once.
+            progress: called with the number of moments so far.
         """
         retinas = undecodable = 0
         for images in moments:
@@ -91,7 +93,7 @@ class CameraBridge:
         return Account(retinas, undecodable)
 
     def _show(self, images: tuple[Image, ...]) -> None:
-        # Taken just now, as far as anyone here can know: exposure and transfer came before.
+        # The time of exposure is unknown here; that of arrival is the nearest one.
         now_ns = self._clock.now_ns()
         payload = encode_retina(self._eye.look(images), self._spec, now_ns, self._robot)
         self._retinas.put(payload, now_ns)

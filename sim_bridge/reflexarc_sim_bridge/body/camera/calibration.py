@@ -1,4 +1,4 @@
-"""What has to be known about a camera and its surroundings; a small TOML file, read strictly.
+"""Calibration of a camera: its rows, its lens, and the colours of obstacles. A small TOML file.
 
 [band]                         # which rows count, as shares of the height from the top
 top = 0.45
@@ -8,11 +8,11 @@ bottom = 0.55
 fov_rad = 2.0                  # from the left to the right edge of the image of one eye
 projection = "pinhole"         # or "equidistant", as fisheye lenses nearly are
 
-[background]                   # what is near this colour is no obstacle …
+[background]                   # a pixel near this colour is background, any other an obstacle
 colour = [200, 200, 190]       # red, green, blue
 tolerance = 60.0               # distance in RGB, of at most 441.7
 
-[obstacle]                     # … or, in its place: what lies between these colours is one
+[obstacle]                     # in place of a background: a pixel between these colours
 lowest = [150, 0, 0]
 highest = [255, 90, 90]
 """
@@ -22,15 +22,15 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
 
+from reflexarc_runtime.config.checks import require
 from reflexarc_runtime.config.fill import fill
 from reflexarc_runtime.config.toml_source import TomlSource, read_text
-from reflexarc_runtime.errors import UsageError
+
+MAX_DISTANCE = math.sqrt(3 * 255**2)
+"""Distance in RGB from black to white."""
 
 Colour = tuple[int, int, int]
 """Red, green, blue, each 0 to 255."""
-
-MAX_DISTANCE = math.sqrt(3 * 255**2)
-"""From black to white."""
 
 
 class Projection(StrEnum):
@@ -44,14 +44,14 @@ class Projection(StrEnum):
 
 @dataclass(frozen=True)
 class Band:
-    """The rows that count, as shares of the image's height from the top."""
+    """The rows that are looked at, as shares of the image's height from the top."""
 
     top: float = 0.45
     bottom: float = 0.55
 
     def __post_init__(self) -> None:
-        _require(0.0 <= self.top <= 1.0, "band.top", "0 to 1", self.top)
-        _require(self.top < self.bottom <= 1.0, "band.bottom", "top to 1", self.bottom)
+        require(0.0 <= self.top <= 1.0, "band.top", "0 to 1", self.top)
+        require(self.top < self.bottom <= 1.0, "band.bottom", "top to 1", self.bottom)
 
 
 @dataclass(frozen=True)
@@ -65,12 +65,12 @@ class Lens:
     def __post_init__(self) -> None:
         limit_rad = math.pi if self.projection is Projection.PINHOLE else 2.0 * math.pi
         inside = 0.0 < self.fov_rad < limit_rad
-        _require(inside, "lens.fov_rad", f"in (0, {limit_rad:.2f})", self.fov_rad)
+        require(inside, "lens.fov_rad", f"in (0, {limit_rad:.2f})", self.fov_rad)
 
 
 @dataclass(frozen=True)
 class Background:
-    """The colour of what is no obstacle."""
+    """The colour of the background: any other pixel belongs to an obstacle."""
 
     colour: Colour = (0, 0, 0)
     tolerance: float = 60.0
@@ -79,7 +79,7 @@ class Background:
     def __post_init__(self) -> None:
         _check_colour("background.colour", self.colour)
         inside = 0.0 <= self.tolerance <= MAX_DISTANCE
-        _require(inside, "background.tolerance", f"0 to {MAX_DISTANCE:.1f}", self.tolerance)
+        require(inside, "background.tolerance", f"0 to {MAX_DISTANCE:.1f}", self.tolerance)
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ class ColourRange:
         _check_colour("obstacle.lowest", self.lowest)
         _check_colour("obstacle.highest", self.highest)
         ordered = all(low <= high for low, high in zip(self.lowest, self.highest, strict=True))
-        _require(ordered, "obstacle.highest", "no channel below lowest", self.highest)
+        require(ordered, "obstacle.highest", "no channel below lowest", self.highest)
 
 
 @dataclass(frozen=True)
@@ -104,14 +104,14 @@ class Calibration:
     lens: Lens | None = None
     """None: equal shares of the columns become the rays, the leftmost is ray 0."""
     obstacle: Background | ColourRange = field(default_factory=Background)
-    """How an obstacle is told from what is none."""
+    """How an obstacle is told from the background."""
 
 
 def read_calibration(path: Path) -> Calibration:
     """Read a calibration from a TOML file.
 
     Raises:
-        UsageError: the file cannot be read, or says what no calibration can say.
+        UsageError: the file cannot be read, or describes no valid calibration.
     """
     name = f"--calibration: {path}"
     return parse_calibration(read_text(path, name), name)
@@ -125,7 +125,8 @@ def parse_calibration(text: str, name: str = "") -> Calibration:
         name: how complaints name it.
 
     Raises:
-        UsageError: no TOML, or a field that is missing, unknown, of the wrong type or out of range.
+        UsageError: it is not TOML, or a field is missing, unknown, of the wrong type or out of
+            range.
     """
     file = fill(_File, TomlSource(text, name))
     return Calibration(file.band, file.lens, file.obstacle or file.background or Background())
@@ -133,7 +134,7 @@ def parse_calibration(text: str, name: str = "") -> Calibration:
 
 @dataclass(frozen=True)
 class _File:
-    """A calibration as its file says it: an obstacle, or the background that is none."""
+    """A calibration as its file has it: the colours of obstacles, or of the background."""
 
     band: Band = field(default_factory=Band)
     lens: Lens | None = None
@@ -142,14 +143,9 @@ class _File:
 
     def __post_init__(self) -> None:
         one = self.background is None or self.obstacle is None
-        _require(one, "obstacle", "background or obstacle, one of the two", "both")
+        require(one, "obstacle", "background or obstacle, one of the two", "both")
 
 
 def _check_colour(where: str, colour: Colour) -> None:
     good = all(0 <= value <= 255 for value in colour)
-    _require(good, where, "three whole numbers, 0 to 255", list(colour))
-
-
-def _require(holds: bool, where: str, expected: str, got: object) -> None:
-    if not holds:
-        raise UsageError(f"{where}: expected {expected}, got {got}")
+    require(good, where, "three whole numbers, 0 to 255", list(colour))

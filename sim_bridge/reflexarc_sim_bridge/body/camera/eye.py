@@ -1,4 +1,4 @@
-"""From an image to a retina.
+"""Makes a retina of the images of a camera.
 
 The paper fills obstacles with a colour that tells them from the environment (section 4); here a
 calibration says which colours those are. A ray is the mean over its sector of columns, within a
@@ -39,14 +39,14 @@ _EDGE_TOLERANCE_RAD = 1e-9
 
 
 class CameraEye:
-    """Looks at images with the eye of a contract.
+    """Makes the retina of a contract from images.
 
     Args:
         calibration: of the camera.
         spec: what the policy sees.
 
     Raises:
-        ContractError: the policy wants to see how near things are, which a camera cannot tell.
+        ContractError: the policy sees how near things are, which a camera cannot measure.
         UsageError: the lens does not cover the policy's field of view.
     """
 
@@ -65,7 +65,7 @@ class CameraEye:
         """The retina of one moment.
 
         Args:
-            images: one an eye, the left one first; with two eyes also one, both side by side.
+            images: one for each eye, the left one first; or one of two eyes, side by side.
         """
         if len(images) < self._spec.eyes:
             images = _halves(images[0])
@@ -82,7 +82,7 @@ class CameraEye:
 
 
 def obstacle_pixels(image: Image, obstacle: Background | ColourRange) -> npt.NDArray[np.bool_]:
-    """Which pixels are obstacle: (rows, columns)."""
+    """Which pixels belong to obstacles: (rows, columns)."""
     if isinstance(obstacle, ColourRange):
         inside = (image >= np.array(obstacle.lowest)) & (image <= np.array(obstacle.highest))
         within: npt.NDArray[np.bool_] = np.all(inside, axis=2)

@@ -1,4 +1,4 @@
-"""Where images come from: a device, a video file, or image files. Only this module imports cv2."""
+"""Sources of images: a device, a video file, or image files. Only this module imports cv2."""
 
 import glob
 from collections.abc import Iterable, Iterator
@@ -17,9 +17,6 @@ IMAGE_SUFFIXES = frozenset(
 )
 
 _GLOB_SIGNS = "*?["
-
-# OpenCV would tell standard error about every file and device that is none; we say it ourselves.
-cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
 
 
 class Source(Protocol):
@@ -42,11 +39,11 @@ class Source(Protocol):
 
 @dataclass(frozen=True)
 class Device:
-    """A camera of this machine. Its own rate paces whoever iterates."""
+    """A camera of this machine. Iterating over its frames waits for each of them."""
 
     number: int
     wanted_hz: float | None = None
-    """What it is asked to give; it may give another rate."""
+    """The rate that is asked for; the device may have another."""
     rate_hz = None
     total = None
 
@@ -57,7 +54,7 @@ class Device:
             WorldError: the camera gives no more images.
         """
         capture = cv2.VideoCapture(self.number)
-        capture.set(cv2.CAP_PROP_BUFFERSIZE, 1)  # an old image is no use
+        capture.set(cv2.CAP_PROP_BUFFERSIZE, 1)  # the newest image, not one from a queue
         if self.wanted_hz is not None:
             capture.set(cv2.CAP_PROP_FPS, self.wanted_hz)
         try:
@@ -111,6 +108,8 @@ def source_named(name: str, wanted_hz: float | None = None) -> Source:
         UsageError: none of these.
         WorldError: the device cannot be opened.
     """
+    # OpenCV prints a line for every file and device that it cannot open; the errors here say it.
+    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
     if name.isdecimal():
         return _device(int(name), wanted_hz)
     path = Path(name)
@@ -124,7 +123,7 @@ def source_named(name: str, wanted_hz: float | None = None) -> Source:
 
 
 def _device(number: int, wanted_hz: float | None) -> Device:
-    """It is closed again: a camera that nobody reads keeps old images for whoever comes next."""
+    """A device that opens. It is closed again, as one that is not read keeps old images."""
     capture = cv2.VideoCapture(number)
     opens = capture.isOpened()
     capture.release()

@@ -1,7 +1,7 @@
 """The courier: sends faulty retinas when they are due, from a thread of its own.
 
-The body's loop keeps its rate whatever the faults do; a message that is late by 7 ms goes out
-7 ms late and not at the next step.
+So the body's loop keeps its rate, and a message that is to be late by 7 ms is sent 7 ms late, not
+at the next step.
 """
 
 import heapq
@@ -15,7 +15,7 @@ from reflexarc_sim_bridge.body.faults.script import FaultScript
 
 
 class Courier:
-    """An outlet for retinas with faults. A context manager: what is not due by then never goes.
+    """Publishes retinas with faults. A context manager: what is not due at its end is dropped.
 
     Args:
         script: what goes wrong.

@@ -1,9 +1,9 @@
-"""Faults on purpose: between what a body says and what goes onto the bus.
+"""Injected faults: what becomes of a body's retinas between the body and the bus.
 
     stream of (time, retina) → stream of (time, bytes, attachment, encoding)
 
-Pure and seeded: no clock, no bus. Each sending carries the truth that no receiver can know: when
-what it shows was seen, or that nobody should drive on it. Who judges a run compares with that.
+Pure and seeded: no clock, no bus. Each sending also carries what no receiver can know: when its
+picture was seen, or that it must not be used for driving. A judge of a run compares with that.
 """
 
 import heapq
@@ -38,16 +38,16 @@ _SENDER_BYTES = 16
 
 @dataclass(frozen=True, slots=True)
 class Sending:
-    """One message on its way onto the bus."""
+    """One message for the bus, and when to send it."""
 
     due_ns: int
-    """When it goes out, on the body's clock."""
+    """When to send it, on the body's clock."""
     payload: bytes
     attachment: bytes
     encoding: str
     seen_ns: int | None
-    """The truth: when what it shows was seen, on the body's clock. None: it is malformed, not of
-    this body, or stamped with another time than that, and is no ground to drive on."""
+    """When its picture was really seen, on the body's clock. None if it must not be used for
+    driving: it is malformed, not of this body, or stamped with another time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +60,7 @@ class _Retina:
 
 
 class _Sender:
-    """Somebody who numbers its messages from 0."""
+    """An identity that numbers its messages from 0."""
 
     def __init__(self, rng: np.random.Generator) -> None:
         self.identity = rng.bytes(_SENDER_BYTES)
@@ -72,7 +72,7 @@ class _Sender:
 
 
 class FaultyStream:
-    """Turns each retina into what a faulty body makes of it: nothing, one message, or many."""
+    """Turns each retina into the messages that a faulty body sends: none, one or many."""
 
     def __init__(self, script: FaultScript) -> None:
         self._script = script
@@ -84,7 +84,7 @@ class FaultyStream:
         self._was_silent = False
 
     def say(self, payload: bytes, time_ns: int) -> list[Sending]:
-        """What becomes of one retina.
+        """The messages that one retina becomes.
 
         Args:
             payload: the retina, `foxglove.RawImage`.
@@ -101,7 +101,7 @@ class FaultyStream:
         return sendings
 
     def _speak(self, payload: bytes, time_ns: int, active: tuple[Fault, ...]) -> list[Sending]:
-        """The body's own message, if it is not dead."""
+        """The body's own message; none while it is silent."""
         silent = any(isinstance(fault, Silence) for fault in active)
         if self._was_silent and not silent:
             self._own = _Sender(self._rng)
@@ -115,7 +115,7 @@ class FaultyStream:
         return [_packed(retina, self._own, time_ns)]
 
     def _intrude(self, payload: bytes, time_ns: int, active: tuple[Fault, ...]) -> list[Sending]:
-        """What others say in the body's place. On the body's own clock it is a rightful body."""
+        """Messages of second senders; what one sends on the body's own clock counts as valid."""
         others = [fault for fault in active if isinstance(fault, SecondSender)]
         sendings = []
         for fault in others:
@@ -126,7 +126,7 @@ class FaultyStream:
         return sendings
 
     def _mistake(self, fault: Fault, retina: _Retina) -> _Retina:
-        """What the sender itself does wrong."""
+        """Apply a fault of the sender itself: freezing, or a clock that steps."""
         match fault:
             case Freezing():
                 return _frozen(retina, self._frozen.setdefault(fault, retina), fault.what)
@@ -137,7 +137,7 @@ class FaultyStream:
                 return retina
 
     def _carry(self, fault: Fault, sending: Sending) -> list[Sending]:
-        """What happens to a message on its way."""
+        """Apply a fault on the way: delay, loss, copies or damage."""
         match fault:
             case Delay():
                 return [_later(sending, fault.delay_s)]
@@ -179,9 +179,10 @@ def _packed(retina: _Retina, sender: _Sender, time_ns: int) -> Sending:
 
 
 def _frozen(retina: _Retina, held: _Retina, what: Frozen) -> _Retina:
-    """The retina with a part of an earlier one. A frozen picture with a fresh stamp is a lie
-    that nothing but the world itself could disprove, so it counts as seen now; a fresh picture
-    with a frozen stamp is worth no more than it says.
+    """The retina with a part of an earlier one.
+
+    A frozen picture with a fresh stamp cannot be told from a good one by any receiver, so it counts
+    as seen now. A fresh picture with a frozen time counts as seen at that time.
     """
     match what:
         case Frozen.IMAGE:

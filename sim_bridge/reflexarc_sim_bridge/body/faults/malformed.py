@@ -1,4 +1,4 @@
-"""Messages that nobody can use: the bytes, attachments and encodings of a broken sender."""
+"""Unusable messages: the bytes, attachments and encodings of a broken sender."""
 
 from dataclasses import dataclass
 
@@ -21,7 +21,7 @@ class Parts:
 
 
 def malformed(parts: Parts, how: Malformation) -> Parts:
-    """A good retina, spoilt in one way. No result is a usable retina of the same contract."""
+    """A good retina, damaged in one way, so that no receiver can use it."""
     payload, attachment, encoding = parts.payload, parts.attachment, parts.encoding
     match how:
         case Malformation.NO_ATTACHMENT:

@@ -1,8 +1,8 @@
-"""Fault scripts out of a seed: ten consecutive seeds have each kind once.
+"""Fault scripts drawn from a seed: among ten consecutive seeds every kind of fault occurs once.
 
-Every script leaves the first 0.9 s and the last second alone, so that a drive is seen before the
-faults and after them. Clocks step by 0.3 s at least: a smaller step is no fault that anybody
-could tell from a slow sensor.
+Every script is without faults in its first 0.9 s and its last second, so that a run shows the drive
+before the faults and after them. Clocks step by at least 0.3 s: a smaller step cannot be told from
+a slow sensor.
 """
 
 from pathlib import Path
@@ -30,7 +30,7 @@ from reflexarc_sim_bridge.body.faults.script import (
 from reflexarc_sim_bridge.body.faults.script_file import read_script
 
 REPEAT_S = 4.0
-"""How often a random script begins again."""
+"""Period after which a random script begins again."""
 
 _SEED_PREFIX = "seed:"
 _LONGEST_STEP_S = 1e5
@@ -101,7 +101,7 @@ def _draw(kind: str, span: tuple[float, float], variant: int, rng: np.random.Gen
 
 
 def _companion(kind: str, span: tuple[float, float], rng: np.random.Generator) -> tuple[Fault, ...]:
-    """What goes wrong at the same time, in a part of the scripts."""
+    """A second fault at the same time, in some of the scripts."""
     if kind == "second-sender" and rng.random() < 0.5:
         return (Silence(*span),)  # only the other one speaks
     if rng.random() > 0.4:

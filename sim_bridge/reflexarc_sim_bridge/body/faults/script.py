@@ -1,7 +1,7 @@
 """Fault scripts: what goes wrong between a body's eye and the bus, and when. Data only.
 
-Times are seconds since the body's first retina. `fault_file` reads a script from a file,
-`random_faults` makes one from a seed, `faults` does what it says.
+Times are seconds since the body's first retina. `script_file` reads a script from a file,
+`random_script` draws one from a seed, `faulty_stream` applies it.
 """
 
 import dataclasses
@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, TypeAlias
 
-from reflexarc_runtime.errors import UsageError
+from reflexarc_runtime.config.annotations import arms_of
+from reflexarc_runtime.config.checks import require
 
 
 class Frozen(StrEnum):
@@ -44,7 +45,7 @@ class Malformation(StrEnum):
     HUGE_ATTACHMENT = "huge-attachment"
     NEGATIVE_STAMP = "negative-stamp"
     HUGE_PAYLOAD = "huge-payload"
-    """Two MiB that are no protobuf."""
+    """Two MiB that are not protobuf."""
     HUGE_TEXT = "huge-text"
     """A picture whose pixel encoding is a text of almost one MiB."""
 
@@ -117,7 +118,7 @@ class Malformed:
 
 @dataclass(frozen=True)
 class Silence:
-    """The sender dies; it returns with another identity and begins its numbers again at 0."""
+    """The sender is silent; it returns with another identity, and its numbers begin again at 0."""
 
     begin_s: float
     duration_s: float
@@ -125,7 +126,7 @@ class Silence:
 
 @dataclass(frozen=True)
 class SecondSender:
-    """Somebody else says that the way is free, on a clock that is ahead by `ahead_s`."""
+    """Another sender reports a free way, on a clock that is ahead by `ahead_s`."""
 
     begin_s: float
     duration_s: float
@@ -154,26 +155,16 @@ Fault: TypeAlias = (
     | ClockStep
 )
 
-KINDS: Mapping[str, type[Any]] = {
-    "delay": Delay,
-    "jitter": Jitter,
-    "loss": Loss,
-    "duplication": Duplication,
-    "reordering": Reordering,
-    "freezing": Freezing,
-    "malformed": Malformed,
-    "silence": Silence,
-    "second-sender": SecondSender,
-    "clock-step": ClockStep,
-}
+KINDS: Mapping[str, type[Any]] = arms_of(Fault)
+"""Every kind by its name in a file: `delay`, `second-sender` and so on, in the order above."""
 
 
 @dataclass(frozen=True)
 class FaultScript:
-    """Faults and the seed of every draw: equal scripts do equal harm.
+    """Faults, and the seed of all random draws: equal scripts give equal faults.
 
     Raises:
-        UsageError: a value that makes no sense.
+        UsageError: a value is out of range.
     """
 
     faults: tuple[Fault, ...]
@@ -182,8 +173,8 @@ class FaultScript:
     """Begin again after so long; 0: once."""
 
     def __post_init__(self) -> None:
-        _require(0 <= self.seed < 1 << 64, "seed", "0 to 2^64 − 1", self.seed)
-        _require(0.0 <= self.repeat_s < math.inf, "repeat_s", "0 or more", self.repeat_s)
+        require(0 <= self.seed < 1 << 64, "seed", "0 to 2^64 − 1", self.seed)
+        require(0.0 <= self.repeat_s < math.inf, "repeat_s", "0 or more", self.repeat_s)
         for number, fault in enumerate(self.faults):
             _check(fault, f"fault[{number}]")
 
@@ -208,17 +199,12 @@ def _check(fault: Fault, where: str) -> None:
         at = f"{where}.{name}"
         match name:
             case "begin_s" | "delay_s" | "jitter_s" | "held_s":
-                _require(0.0 <= value < math.inf, at, "0 or more seconds", value)
+                require(0.0 <= value < math.inf, at, "0 or more seconds", value)
             case "duration_s":
-                _require(0.0 < value < math.inf, at, "more than 0 seconds", value)
+                require(0.0 < value < math.inf, at, "more than 0 seconds", value)
             case "share":
-                _require(0.0 < value <= 1.0, at, "more than 0, at most 1", value)
+                require(0.0 < value <= 1.0, at, "more than 0, at most 1", value)
             case "copies":
-                _require(2 <= value <= 100, at, "2 to 100", value)
+                require(2 <= value <= 100, at, "2 to 100", value)
             case "ahead_s" | "step_s":
-                _require(abs(value) <= 1e9, at, "at most 10^9 seconds either way", value)
-
-
-def _require(holds: bool, where: str, expected: str, got: object) -> None:
-    if not holds:
-        raise UsageError(f"{where}: expected {expected}, got {got}")
+                require(abs(value) <= 1e9, at, "at most 10^9 seconds either way", value)

@@ -22,7 +22,7 @@ def read_script(path: Path) -> FaultScript:
     """Read a script from a TOML file.
 
     Raises:
-        UsageError: the file cannot be read, or says what no script can say.
+        UsageError: the file cannot be read, or describes no valid script.
     """
     name = f"--faults: {path}"
     return parse_script(read_text(path, name), name)
@@ -36,7 +36,8 @@ def parse_script(text: str, name: str = "") -> FaultScript:
         name: how complaints name it.
 
     Raises:
-        UsageError: no TOML; a field is missing, unknown, of the wrong type or out of range.
+        UsageError: it is not TOML, or a field is missing, unknown, of the wrong type or out of
+            range.
     """
     return fill(_File, TomlSource(text, name)).script
 

@@ -1,13 +1,12 @@
-"""The bridge: a robot that speaks ROS 2, as the body of our bus.
+"""The bridge between a robot that speaks ROS 2 and our bus, where that robot is the body.
 
-Scans go one way as they come: their source time is the moment of arrival on this machine's
-monotonic clock, which the command echoes; the header's own stamp stays in the message. Commands go
-the other way at a fixed rate: at every tick a watchdog decides whether the last one still holds,
-and else the robot is told to stand. So a runtime that dies, a scanner that dies and a bus that
+Scans are passed on as they come: their source time is the moment of arrival on this machine's
+monotonic clock, which the command repeats; the header's own stamp stays in the message. Commands go
+the other way at a fixed rate: at every tick a watchdog decides whether the last one still holds; if
+not, the robot is told to stand. So a runtime that dies, a scanner that dies and a bus that
 fails all stop the robot, within the command's validity and one tick.
 
-A command without an echo is the safe one. Nothing in it says how old it is, so it means stop here,
-whatever its speeds.
+A safe command names no input, so its age is unknown: here it means standstill, whatever its speeds.
 """
 
 import logging
@@ -15,8 +14,8 @@ import math
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from reflexarc_runtime.bus import Bus, Publisher
 from reflexarc_runtime.contract import Action
 from reflexarc_runtime.decision import Command
 from reflexarc_runtime.loop.clock import wall_offset_ns
@@ -37,6 +36,9 @@ from reflexarc_sim_bridge.body.ros2.messages import (
 )
 from reflexarc_sim_bridge.body.ros2.wires import Wire
 
+if TYPE_CHECKING:
+    from reflexarc_runtime.bus import Bus, Publisher
+
 STANDSTILL = Action("stop", 0.0, 0.0)
 COMMAND_FRAME = "base_link"
 """Frame of a stamped command: the robot's own (REP 105)."""
@@ -48,7 +50,7 @@ _LOG = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class Route:
-    """Which topics of the robot, and on which wire."""
+    """The topics of the robot, and how they are encoded on Zenoh."""
 
     wire: Wire
     scan: str
@@ -74,14 +76,14 @@ class Route:
         return self.wire.key(self.command, self.command_type)
 
     def tokens(self, session_id: str) -> tuple[str, ...]:
-        """What tells the robot's ROS graph about us."""
+        """Liveliness tokens by which we appear in the robot's ROS graph."""
         heard, spoken = (self.scan, LASER_SCAN), (self.command, self.command_type)
         return self.wire.tokens(session_id, heard, spoken)
 
 
 @dataclass(frozen=True, slots=True)
 class Account:
-    """What went over the bridge."""
+    """How many messages the bridge passed on or refused."""
 
     scans: int
     refused_scans: dict[str, int]
@@ -94,13 +96,13 @@ class Account:
 
 
 class ScanRelay:
-    """Hands on every scan that can be used, and counts the others by reason.
+    """Passes on every scan that can be used, and counts the others by reason.
 
     Args:
         publisher: of our own scans.
     """
 
-    def __init__(self, publisher: Publisher) -> None:
+    def __init__(self, publisher: "Publisher") -> None:
         self._publisher = publisher
         self.scans = 0
         self.refused: Counter[str] = Counter()
@@ -122,7 +124,7 @@ class ScanRelay:
 
 
 class CommandRelay:
-    """Tells the robot, whenever it is asked to, what still holds of what it was told.
+    """Sends the robot, at every call, the last command if it still holds, else a standstill.
 
     Args:
         publisher: on the robot's wire.
@@ -131,7 +133,7 @@ class CommandRelay:
     """
 
     def __init__(
-        self, publisher: Publisher, stamped: bool, wall_offset: Callable[[], int] = wall_offset_ns
+        self, publisher: "Publisher", stamped: bool, wall_offset: Callable[[], int] = wall_offset_ns
     ) -> None:
         self._publisher = publisher
         self._stamped = stamped
@@ -149,7 +151,7 @@ class CommandRelay:
         self._watchdog = self._watchdog.heard(command)
 
     def speak(self, now_ns: int) -> None:
-        """Send what holds now."""
+        """Send the command that holds now, or a standstill."""
         obeyed = self._watchdog.obeyed(now_ns)
         self._send(STANDSTILL if obeyed is None or obeyed.is_safe else obeyed, now_ns)
 
@@ -170,7 +172,7 @@ class CommandRelay:
 
 
 class RosBridge:
-    """Joins a robot that speaks ROS 2 to our bus.
+    """Connects a robot that speaks ROS 2 to our bus.
 
     Args:
         bus: an open session that reaches both.
@@ -178,7 +180,7 @@ class RosBridge:
         inbox: where the bus delivers our commands.
     """
 
-    def __init__(self, bus: Bus, route: Route, inbox: Inbox) -> None:
+    def __init__(self, bus: "Bus", route: Route, inbox: Inbox) -> None:
         self._scans = ScanRelay(bus.publisher(SCAN))
         wheel = bus.publisher_of_key(route.command_key, _CDR, Quality.CONTROL)
         self._commands = CommandRelay(wheel, route.stamped)
@@ -204,7 +206,7 @@ class RosBridge:
 
     @property
     def account(self) -> Account:
-        """What went over the bridge until now."""
+        """The counts until now."""
         return Account(
             scans=self._scans.scans,
             refused_scans=dict(self._scans.refused),

@@ -1,4 +1,4 @@
-"""Where ROS 2 lives on Zenoh: one pure function a format.
+"""Keys and liveliness tokens of ROS 2 on Zenoh: one pure function for each format.
 
 zenoh-plugin-ros2dds (`ros2_name_to_key_expr`): a topic's key is its full name without the leading
 slash.
@@ -75,7 +75,7 @@ def check_topic(flag: str, topic: str) -> str:
     """The topic with its leading slash.
 
     Raises:
-        UsageError: no name that ROS 2 allows.
+        UsageError: ROS 2 does not allow such a name.
     """
     if not _TOPIC.fullmatch(topic):
         raise UsageError(

@@ -1,9 +1,9 @@
-"""Between CDR, which ROS 2 speaks, and our own values.
+"""Conversion between messages of ROS 2, in CDR, and our own values.
 
 `sensor_msgs/LaserScan` measures from `angle_min` in steps of `angle_increment`, of either sign;
 ours go counter-clockwise. Its `angle_max` is not used: drivers disagree on whether it is the last
 beam or one step further. Ranges, after the message's comments and REP 117: below `range_min`, or
-NaN, says nothing (NaN); above `range_max`, or +inf, says that nothing was met (+inf).
+NaN, is unknown (NaN); above `range_max`, or +inf, means that nothing was met (+inf).
 """
 
 import math
@@ -32,7 +32,7 @@ _SECOND_NS = 1_000_000_000
 
 
 class UnusableMessageError(ValueError):
-    """A message that is no scan; its words are one of a few, so that they can be counted."""
+    """A message that is not a usable scan. Its text is one of a few, to be counted by reason."""
 
 
 class Motion(Protocol):
@@ -68,7 +68,7 @@ def decode_scan(payload: bytes) -> RosScan:
     """Read `sensor_msgs/LaserScan`.
 
     Raises:
-        UnusableMessageError: no little-endian CDR, no such message, or not fit to be a scan.
+        UnusableMessageError: not little-endian CDR, not a `LaserScan`, or not usable as a scan.
     """
     _check_envelope(payload)
     try:
@@ -84,7 +84,7 @@ def decode_scan(payload: bytes) -> RosScan:
 
 
 def encode_scan(scan: RosScan) -> bytes:
-    """A scan as `foxglove.LaserScan`; intensities stay behind, a retina has no use for them."""
+    """A scan as `foxglove.LaserScan`; intensities are left out, as no retina uses them."""
     message = LaserScan(
         timestamp=timestamp(scan.stamp_ns),
         frame_id=scan.frame_id,
@@ -124,7 +124,11 @@ def _check_envelope(payload: bytes) -> None:
 
 
 def _sweep(message: Any) -> Scan:
-    """The beams in our order, or the reason why they are none."""
+    """The beams in our order.
+
+    Raises:
+        UnusableMessageError: angles, limits or the number of beams are not usable.
+    """
     start_rad, step_rad = message.angle_min, message.angle_increment
     if not (math.isfinite(start_rad) and math.isfinite(step_rad)) or step_rad == 0.0:
         raise UnusableMessageError("angles that are none")
@@ -132,7 +136,7 @@ def _sweep(message: Any) -> Scan:
     if not 2 <= count <= MAX_BEAMS:
         raise UnusableMessageError(f"fewer than 2 or more than {MAX_BEAMS} beams")
     last_rad = start_rad + (count - 1) * step_rad
-    with np.errstate(invalid="ignore"):  # a signalling NaN is a beam that says nothing, too
+    with np.errstate(invalid="ignore"):  # a signalling NaN is an unknown beam, too
         ranges_m = message.ranges.astype(np.float64)
     ranges_m = _meaning(ranges_m, message.range_min, message.range_max)
     if step_rad < 0.0:

@@ -1,4 +1,4 @@
-"""The two ways in which ROS 2 travels over Zenoh, behind one face."""
+"""The two ways in which ROS 2 uses Zenoh, behind one interface."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -22,7 +22,7 @@ WIRES = ("ros2dds", "rmw")
 
 
 class Wire(Protocol):
-    """Where topics live, and how others learn of us."""
+    """Keys of topics, and the liveliness tokens that announce a node."""
 
     def key(self, topic: str, kind: RosType) -> str:
         """Key of a topic."""
@@ -46,7 +46,7 @@ class Ros2DdsWire:
     def tokens(
         self, session_id: str, heard: tuple[str, RosType], spoken: tuple[str, RosType]
     ) -> tuple[str, ...]:
-        """None: its tokens are for bridges among themselves, routes open without."""
+        """None: its routes open without tokens, which only its bridges exchange."""
         return ()
 
 

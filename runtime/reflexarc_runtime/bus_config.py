@@ -1,0 +1,33 @@
+"""How a node joins the bus. Checked here, so that nothing loads Zenoh to check a name."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from reflexarc_runtime.config.checks import require
+from reflexarc_runtime.messages.topics import DEFAULT_ROBOT
+
+DEFAULT_PORT = 7447
+LOOPBACK = "127.0.0.1"
+
+_ROBOT_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}")
+
+
+@dataclass(frozen=True)
+class BusConfig:
+    """How a node joins the bus."""
+
+    robot: str = DEFAULT_ROBOT
+    """First part of every key."""
+    port: int = DEFAULT_PORT
+    """Port of the loopback interface on which the body listens."""
+    listens: bool = False
+    """Whether this node is the one that listens there."""
+    zenoh_file: Path | None = None
+    """A Zenoh configuration (JSON5) to use in place of all this."""
+
+    def __post_init__(self) -> None:
+        wanted = "letters, digits, _ . - (at most 64)"
+        is_name = _ROBOT_NAME.fullmatch(self.robot) is not None
+        require(is_name, "--robot", wanted, repr(self.robot))
+        require(1 <= self.port <= 65535, "--port", "1 to 65535", self.port)
