@@ -1,12 +1,16 @@
 """The documents name what there is: links, paths, commands and targets of every page."""
 
+import contextlib
+import io
 import re
+import tomllib
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
 
-from reflexarc.main import COMMANDS
+from reflexarc.main import main
 
 ROOT = Path(__file__).parents[2]
 FOLDERS = (
@@ -57,14 +61,36 @@ def test_every_path_in_code_exists(page: Path) -> None:
 @each_page
 def test_every_command_and_target_in_code_is_one(page: Path) -> None:
     code = "\n".join(CODE.findall(text_of(page)))
-    commands = {kind.__name__.lower() for kind in COMMANDS}
     targets = set(re.findall(r"^([a-z-]+):", text_of(ROOT / "Makefile"), re.MULTILINE))
-    assert set(COMMAND.findall(code)) <= commands
+    assert not [word for word in set(COMMAND.findall(code)) if not is_command(word)]
     assert set(TARGET.findall(code)) <= targets
+
+
+def test_the_rooms_are_described_as_their_contracts_say() -> None:
+    said = text_of(ROOT / "CONTRIBUTING.md")
+    missing = [row for row in contract_rows() if row not in said]
+    assert not missing, f"CONTRIBUTING.md: expected the rows {missing}"
 
 
 def text_of(page: Path) -> str:
     return page.read_text(encoding="utf-8")
+
+
+@cache
+def is_command(word: str) -> bool:
+    """Whether `reflexarc` knows it."""
+    with contextlib.redirect_stdout(io.StringIO()), pytest.raises(SystemExit) as end:
+        main([word, "--help"])
+    return end.value.code == 0
+
+
+def contract_rows() -> Iterator[str]:
+    """What may import what inside each package, as rows of a table, out of pyproject.toml."""
+    project = tomllib.loads(text_of(ROOT / "pyproject.toml"))
+    for contract in project["tool"]["importlinter"]["contracts"]:
+        for package in contract.get("containers", ()):
+            layers = [layer.replace(" | ", "` \\| `") for layer in contract["layers"]]
+            yield f"| `{package}` | {' › '.join(f'`{layer}`' for layer in layers)} |"
 
 
 def anchors(page: Path) -> set[str]:
