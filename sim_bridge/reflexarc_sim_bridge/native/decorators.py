@@ -41,6 +41,8 @@ from reflexarc_sim_bridge.native.numba_compiler import (
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
+BORROWED = {"_nrt": False}
+"""Numba's option for functions that count no references to arrays."""
 _LIBERTIES = {"contract", "reassoc"}
 _njit: Any = numba.njit  # its stub does not know all of its options
 
@@ -50,12 +52,12 @@ def compiled(function: _Function) -> _Function:
 
     It allocates nothing.
     """
-    return _kept(function, _nrt=False)
+    return _kept(function)
 
 
 def compiled_free(function: _Function) -> _Function:
     """The same; Python's other threads run during a call from Python."""
-    return _kept(function, _nrt=False, nogil=True)
+    return _kept(function, nogil=True)
 
 
 def compiled_allocating(function: _Function) -> _Function:
@@ -65,7 +67,7 @@ def compiled_allocating(function: _Function) -> _Function:
 
 def compiled_called(function: _Function) -> _Function:
     """Compile a large function that compiled code calls by its address; it returns nothing."""
-    return _kept(function, _nrt=False, pipeline_class=InnerCompiler)
+    return _kept(function, pipeline_class=InnerCompiler)
 
 
 def compiled_inner(function: _Function) -> _Function:
@@ -102,7 +104,7 @@ def compiled_part(function: _Function) -> _Function:
 
 def fused_free(function: _Function) -> _Function:
     """As `compiled_free`, with the learners' arithmetic."""
-    return _kept(function, _nrt=False, nogil=True, fastmath=_LIBERTIES)
+    return _kept(function, nogil=True, fastmath=_LIBERTIES)
 
 
 def fused(function: _Function) -> _Function:
@@ -125,11 +127,12 @@ def fused_disjoint(function: _Function) -> _Function:
 
 def _inner(function: _Function, **options: Any) -> _Function:
     """Not kept by itself: its machine code is part of its callers', which are."""
-    return _dispatcher(function, **{"_nrt": False, "pipeline_class": InnerCompiler, **options})
+    return _dispatcher(function, **{**BORROWED, "pipeline_class": InnerCompiler, **options})
 
 
 def _kept(function: _Function, **options: Any) -> _Function:
-    return keep_on_disk(_dispatcher(function, **{"pipeline_class": WideCompiler, **options}))
+    usual = {**BORROWED, "pipeline_class": WideCompiler}
+    return keep_on_disk(_dispatcher(function, **{**usual, **options}))
 
 
 def _dispatcher(function: _Function, **options: Any) -> _Function:

@@ -28,14 +28,16 @@ from numba.core.typed_passes import NativeLowering
 from reflexarc_sim_bridge.native.cache import prepare
 
 _registered: Any = register_pass(mutates_CFG=True, analysis_only=False)  # type: ignore[no-untyped-call]
-_WIDE = '"prefer-vector-width"="512"'
+
+FUNCTION_ATTRIBUTES = {'"prefer-vector-width"="512"'}
+"""What every function asks of LLVM."""
 
 
 class _WideLower(Lower):
     def setup_function(self, fndesc: object) -> None:
         super().setup_function(fndesc)  # type: ignore[no-untyped-call]
-        # llvmlite's own `add` knows no attributes with values.
-        set.add(self.function.attributes, _WIDE)
+        # llvmlite's own `update` knows no attributes with values.
+        set.update(self.function.attributes, FUNCTION_ATTRIBUTES)
 
 
 class _InnerLower(_WideLower):

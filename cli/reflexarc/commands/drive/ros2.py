@@ -59,7 +59,7 @@ class Ros2:
     def _route(self) -> "Route":
         from reflexarc_runtime.messages.topics import COMMAND, SCAN
         from reflexarc_sim_bridge.body.ros2.bridge import Route
-        from reflexarc_sim_bridge.body.ros2.keys import check_topic
+        from reflexarc_sim_bridge.body.ros2.key_expressions import check_topic
         from reflexarc_sim_bridge.body.ros2.wires import wire_named
 
         if not 0.0 < self.rate <= MAX_RATE_HZ:

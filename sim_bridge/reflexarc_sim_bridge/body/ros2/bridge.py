@@ -25,7 +25,7 @@ from reflexarc_runtime.loop.watchdog import Watchdog
 from reflexarc_runtime.messages.codec import Status, decode_command, encode_status
 from reflexarc_runtime.messages.topics import BODY_NODE, COMMAND, SCAN, STATUS, Quality
 from reflexarc_runtime.messages.wire import Message
-from reflexarc_sim_bridge.body.ros2.keys import LASER_SCAN, TWIST, TWIST_STAMPED, RosType
+from reflexarc_sim_bridge.body.ros2.key_expressions import LASER_SCAN, TWIST, TWIST_STAMPED, RosType
 from reflexarc_sim_bridge.body.ros2.messages import (
     Motion,
     UnusableMessageError,

@@ -20,7 +20,7 @@ from reflexarc_runtime.arrays import Ranges
 from reflexarc_runtime.messages.codec import timestamp
 from reflexarc_runtime.messages.wire import MAX_PAYLOAD_BYTES
 from reflexarc_runtime.sensing.retina import Scan
-from reflexarc_sim_bridge.body.ros2.keys import LASER_SCAN, TWIST, TWIST_STAMPED
+from reflexarc_sim_bridge.body.ros2.key_expressions import LASER_SCAN, TWIST, TWIST_STAMPED
 
 LITTLE_ENDIAN_CDR = b"\x00\x01"
 """First bytes of the encapsulation (DDS-XTYPES 1.3, 7.6.3.1.2); two of options follow."""

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from reflexarc_runtime.errors import UsageError
-from reflexarc_sim_bridge.body.ros2.keys import (
+from reflexarc_sim_bridge.body.ros2.key_expressions import (
     BEST_EFFORT,
     MAX_DOMAIN,
     RELIABLE,

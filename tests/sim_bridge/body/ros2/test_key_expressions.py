@@ -3,7 +3,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from reflexarc_runtime.errors import UsageError
 from reflexarc_runtime.messages.wire import Stamp, pack_stamp
-from reflexarc_sim_bridge.body.ros2.keys import (
+from reflexarc_sim_bridge.body.ros2.key_expressions import (
     LASER_SCAN,
     RELIABLE,
     TWIST,

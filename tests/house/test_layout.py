@@ -1,0 +1,107 @@
+"""The house from outside: a newcomer finds the room from the listing."""
+
+import ast
+from collections import Counter, defaultdict
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+ROOMS = {
+    path.parent.name: path
+    for path in (
+        ROOT / "cli" / "reflexarc",
+        *sorted(ROOT.glob("*/reflexarc_*")),
+    )
+    if (path / "__init__.py").exists()
+}
+MOST_FILES = 20
+
+# Counterparts in parallel folders, which do the same thing in two ways, may share a name.
+COUNTERPARTS = {
+    "sim_bridge": {"bridge.py": "a body on our bus: simulated, behind ROS 2, behind a camera"},
+    "trainer": {
+        "learner.py": "online and batched, and the face that both share",
+        "update.py": "online and batched",
+    },
+    "cli": {
+        "train.py": "none yet",
+    },
+}
+
+
+def sources(room: Path) -> list[Path]:
+    return [path for path in sorted(room.rglob("*.py")) if not path.name.endswith("_pb2.py")]
+
+
+def all_sources() -> Iterator[Path]:
+    for room in ROOMS.values():
+        yield from sources(room)
+
+
+def test_all_rooms_are_looked_at() -> None:
+    assert set(ROOMS) == {"cli", "logs", "pictures", "runtime", "sim_bridge", "trainer"}
+
+
+def test_no_folder_has_more_files_than_a_reader_takes_in_at_a_glance() -> None:
+    counts = Counter(path.parent for path in all_sources())
+    assert {str(folder): n for folder, n in counts.items() if n > MOST_FILES} == {}
+
+
+def test_every_folder_says_in_its_first_line_what_it_is_for() -> None:
+    for folder in {path.parent for path in all_sources()}:
+        docstring = ast.get_docstring(ast.parse((folder / "__init__.py").read_text()))
+        assert docstring, f"{folder}: expected a docstring in __init__.py"
+        assert docstring.splitlines()[0].endswith("."), folder
+
+
+@pytest.mark.parametrize("room", sorted(ROOMS))
+def test_no_file_name_stands_twice_within_a_room_but_for_counterparts(room: str) -> None:
+    counts = Counter(p.name for p in sources(ROOMS[room]) if not p.name.startswith("__"))
+    twice = {name for name, n in counts.items() if n > 1}
+    assert twice <= set(COUNTERPARTS.get(room, {}))
+
+
+def test_no_class_name_means_two_things() -> None:
+    found = defaultdict(list)
+    for path in all_sources():
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+                found[node.name].append(str(path.relative_to(ROOT)))
+    assert {name: paths for name, paths in found.items() if len(paths) > 1} == {}
+
+
+def test_no_private_name_is_used_in_another_file() -> None:
+    used = []
+    for path in all_sources():
+        tree = ast.parse(path.read_text())
+        modules = set()
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("reflexarc"):
+                used += [(path.name, a.name) for a in node.names if is_private(a.name)]
+                modules |= {alias.asname or alias.name for alias in node.names}
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Attribute) and is_private(node.attr):
+                owner = node.value
+                if isinstance(owner, ast.Name) and owner.id in modules and owner.id.islower():
+                    used.append((path.name, f"{owner.id}.{node.attr}"))
+    assert used == []
+
+
+def is_private(name: str) -> bool:
+    return name.startswith("_") and not name.startswith("__")
+
+
+def test_tests_lie_where_what_they_test_lies() -> None:
+    """A test of a module stands in the folder of the same name; the others in any of the room's."""
+    for room, package in ROOMS.items():
+        modules = {path.stem: path.parent.relative_to(package) for path in sources(package)}
+        folders = {path.parent.relative_to(package) for path in sources(package)}
+        for test in (ROOT / "tests" / room).rglob("test_*.py"):
+            folder = test.parent.relative_to(ROOT / "tests" / room)
+            assert folder in folders, f"{test}: expected a folder of {package}"
+            names = Counter(path.stem for path in sources(package))
+            name = test.stem.removeprefix("test_")
+            if names[name] == 1:
+                assert folder == modules[name], f"{test}: expected in {modules[name]}"
