@@ -1,15 +1,16 @@
 # Every target does its own set-up; a second call installs nothing.
 PYTHON ?= python3
-VENV   := .venv
-BIN    := $(VENV)/bin
-STAMP  := $(VENV)/.installed
+VENV   ?= .venv
+BIN     = $(VENV)/bin
+STAMP   = $(VENV)/.installed
+CONSTRAINTS ?= constraints.txt
 PYTEST_WORKERS ?= 2
 
 # Threads of NumPy and numba must neither fight nor spin while they wait.
 export OPENBLAS_NUM_THREADS ?= 1
 export OMP_WAIT_POLICY ?= passive
 
-.PHONY: help demo test check fmt wheel golden proto clean real-input worlds studies
+.PHONY: help demo test test-quick test-numba check fmt wheel golden proto clean real-input worlds studies
 
 help:            ## say what there is
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/'
@@ -19,6 +20,22 @@ demo: $(STAMP)   ## learn, export, drive, record, replay
 
 test: check      ## every check, then every test
 	$(BIN)/pytest -n $(PYTEST_WORKERS)
+
+test-quick: $(STAMP) ## what a change breaks first, within a minute: no processes, no training
+	$(BIN)/pytest -q -n $(PYTEST_WORKERS) tests/house tests/docs tests/runtime tests/logs/container tests/cli/terminal
+
+# Each version of Numba, and each Python (PYTHON=python3.13), gets an environment of its own, with
+# constraints of its own: what Numba needs of NumPy and llvmlite is its own choice.
+test-numba:      ## every test on another Numba: VERSION=0.62.1 [PYTHON=python3.12]
+	@test -n "$(VERSION)" || { echo 'test-numba: VERSION=0.62.1: which version of Numba?' >&2; exit 2; }
+	$(MAKE) runs/constraints-numba-$(VERSION).txt
+	$(MAKE) test VENV=.venv-$(notdir $(PYTHON))-numba-$(VERSION) \
+		CONSTRAINTS=runs/constraints-numba-$(VERSION).txt
+
+runs/constraints-numba-%.txt: constraints.txt
+	mkdir -p runs
+	grep -vE '^(numba|llvmlite|numpy)==' $< > $@
+	echo 'numba==$*' >> $@
 
 check: $(STAMP)  ## format, linter, types, import contracts
 	$(BIN)/ruff format --check .
@@ -49,15 +66,15 @@ studies: $(STAMP) ## run every shipped study (half an hour) → docs/studies/
 	$(BIN)/python docs/studies_page.py
 
 proto:           ## generate messages_pb2 (protoc of grpcio-tools 1.71, the oldest supported protobuf)
-	$(PYTHON) -m venv $(VENV)-proto
-	$(VENV)-proto/bin/pip install --quiet grpcio-tools==1.71.2
-	$(VENV)-proto/bin/python -m grpc_tools.protoc -I runtime --python_out=runtime --pyi_out=runtime \
+	$(PYTHON) -m venv .venv-proto
+	.venv-proto/bin/pip install --quiet grpcio-tools==1.71.2
+	.venv-proto/bin/python -m grpc_tools.protoc -I runtime --python_out=runtime --pyi_out=runtime \
 		reflexarc_runtime/messages.proto
 
 clean:           ## remove the environment and what was built
-	rm -rf $(VENV) $(VENV)-proto dist
+	rm -rf .venv .venv-* dist
 
-$(STAMP): pyproject.toml constraints.txt
+$(STAMP): pyproject.toml $(CONSTRAINTS)
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'
+	$(BIN)/pip install --quiet --disable-pip-version-check -c $(CONSTRAINTS) -e '.[dev]'
 	touch $(STAMP)

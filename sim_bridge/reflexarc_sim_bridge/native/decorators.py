@@ -38,6 +38,9 @@ from reflexarc_sim_bridge.native.numba_compiler import (
     InnerCompiler,
     WideCompiler,
 )
+from reflexarc_sim_bridge.native.numba_version import check_numba_version
+
+check_numba_version(numba.__version__)
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
