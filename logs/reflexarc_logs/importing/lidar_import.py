@@ -8,9 +8,7 @@ import json
 import platform
 import uuid
 from collections.abc import Iterable
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
-from functools import partial
 from pathlib import Path
 
 from reflexarc_logs.container.run_info import RUN, RunInfo, installed_versions
@@ -24,10 +22,12 @@ from reflexarc_logs.importing.lidar_reading import (
     read_lidar,
 )
 from reflexarc_logs.importing.scan_times import EvenTimes, NewTimes, RecordedTimes
-from reflexarc_logs.lean_writer import LeanWriter
 from reflexarc_runtime.errors import LogError, UsageError
 from reflexarc_runtime.messages.codec import SCHEMAS
 from reflexarc_runtime.messages.topics import DEFAULT_ROBOT, ODOMETRY, POSE, SCAN, TRANSFORM, Topic
+
+CHUNK_BYTES = 1 << 20
+"""Larger than a recording's: an import can be repeated, and large chunks compress better."""
 
 __all__ = ["DEFAULT_RATE_HZ", "FORMATS", "RECORDED", "Imported", "import_log"]
 
@@ -58,19 +58,18 @@ def import_log(
         raise UsageError(f"expected {' or '.join(FORMATS)}, got {kind!r}")
     times = _times(rate)
     said = Imported(str(path), kind, str(Path(out)), robot, times.rate_hz)
-    with ThreadPoolExecutor(max_workers=1) as beside:
-        file = LogFile(Path(out), make_writer=partial(LeanWriter, beside=beside))
-        try:
-            _begin(file, said)
-            with closing(read_lidar(Path(path), times, said)) as batches:
-                _write(file, robot, batches)
-            file.finish()
-        except OSError as error:
-            file.discard()
-            raise LogError(f"{out}: cannot be written: {error.strerror}; nothing is left") from None
-        except BaseException:
-            file.discard()
-            raise
+    file = LogFile(Path(out), chunk_bytes=CHUNK_BYTES)
+    try:
+        _begin(file, said)
+        with closing(read_lidar(Path(path), times, said)) as batches:
+            _write(file, robot, batches)
+        file.finish()
+    except OSError as error:
+        file.discard()
+        raise LogError(f"{out}: cannot be written: {error.strerror}; nothing is left") from None
+    except BaseException:
+        file.discard()
+        raise
     return said
 
 

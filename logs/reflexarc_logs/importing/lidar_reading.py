@@ -107,12 +107,11 @@ class _Reading:
 
     def _sweeps(self, lines: list[bytes]) -> Iterator[tuple[Sweep, int]]:
         """Every scan with the number of its line."""
-        log_format, first = self._format, self._said.lines + 1
+        first = self._said.lines + 1
         self._said.lines += len(lines)
-        ranges = log_format.distances.of([log_format.ranges(line) for line in lines])
-        for number, (line, its_ranges) in enumerate(zip(lines, ranges, strict=True), first):
+        for number, line in enumerate(lines, first):
             try:
-                sweep = log_format.sweep(line, its_ranges)
+                sweep = self._format.sweep(line)
             except BrokenLineError as error:
                 self._note_broken(number, line, str(error))
                 continue

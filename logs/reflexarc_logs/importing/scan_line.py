@@ -12,7 +12,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_logs.importing.distances import Distances, Ranges
+from reflexarc_logs.importing.number_words import has_grouped_digits
 
 MAX_BEAMS = 65_536
 """More would not fit into a message on the bus."""
@@ -64,18 +64,12 @@ class LineReader(Protocol):
     """What a number is called that is no distance and not the absence of a return."""
     blind_beams: int
     """Beams of every scan that say nothing, whatever they give."""
-    distances: Distances
 
-    def ranges(self, line: bytes) -> bytes:
-        """The words of a line that are ranges; empty where it is no scan."""
-        ...
-
-    def sweep(self, line: bytes, ranges: Ranges) -> Sweep | None:
+    def sweep(self, line: bytes) -> Sweep | None:
         """The scan of a line; None where it holds something else.
 
         Args:
             line: with its end, if it has one.
-            ranges: what `distances` makes of its `ranges`.
 
         Raises:
             BrokenLineError: it begins as a scan and is none, or is no line of this format.
@@ -101,7 +95,7 @@ def finite(words: Sequence[bytes]) -> list[float]:
         values = list(map(float, words))
     except ValueError:
         raise BrokenLineError(NO_NUMBER) from None
-    if not math.isfinite(sum(values)) or b"_" in b"".join(words):
+    if not math.isfinite(sum(values)) or has_grouped_digits(words):
         raise BrokenLineError(NO_NUMBER)
     return values
 
