@@ -8,6 +8,7 @@ import tyro
 from rich.markup import escape
 
 from reflexarc.terminal.output import console, facts, print_json, progress_bar
+from reflexarc_pictures.rendering import check_place
 from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:
@@ -51,6 +52,8 @@ class Worlds:
             raise UsageError(f"--out: only check draws, not {self.action}")
         if self.out is not None and self.out.suffix.lower() != ".png":
             raise UsageError(f"--out: expected a name that ends in .png, got {self.out}")
+        if self.out is not None:
+            check_place(self.out)
         if (self.action == "list") != (self.world == ""):
             wanted = "no world" if self.action == "list" else "the name or the file of a world"
             raise UsageError(f"{self.action}: expected {wanted}, got {self.world or 'none'}")
