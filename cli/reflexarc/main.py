@@ -10,65 +10,42 @@ import os
 import re
 import sys
 from collections.abc import Sequence
-from inspect import cleandoc
 from typing import Annotated, Any
 
 import tyro
 
-from reflexarc.commands.demo import Demo
-from reflexarc.commands.drive.camera import Camera
-from reflexarc.commands.drive.ros2 import Ros2
-from reflexarc.commands.drive.run import Run
-from reflexarc.commands.drive.sim import Sim
-from reflexarc.commands.learn.evaluate import Evaluate
-from reflexarc.commands.learn.export import Export
-from reflexarc.commands.learn.study import Study
-from reflexarc.commands.learn.train import Train
-from reflexarc.commands.remember.import_log import Import
-from reflexarc.commands.remember.info import Info
-from reflexarc.commands.remember.play import Play
-from reflexarc.commands.remember.record import Record
-from reflexarc.commands.remember.recover import Recover
-from reflexarc.commands.remember.render import Render
-from reflexarc.commands.remember.replay import Replay
-from reflexarc.commands.worlds.worlds import Worlds
+from reflexarc.command_groups import (
+    COMMANDS,
+    DESCRIPTION,
+    description_of,
+    name_of,
+    overview,
+    summary_of,
+)
+from reflexarc.terminal.output import console
 from reflexarc_runtime.errors import ReflexarcError
 
-COMMANDS = (
-    Demo,
-    Train,
-    Export,
-    Evaluate,
-    Study,
-    Worlds,
-    Sim,
-    Ros2,
-    Camera,
-    Run,
-    Record,
-    Play,
-    Replay,
-    Render,
-    Import,
-    Recover,
-    Info,
-)
 BAD_INPUT = 2
 
+_SIM = ("numba", "gymnasium")
 _EXTRAS = {
-    **dict.fromkeys(("torch", "matplotlib"), "train"),
-    "rosbags": "ros2",
-    "cv2": "camera",
-    "tensorboard": "tensorboard",
+    "sim": _SIM,
+    "pictures": (*_SIM, "matplotlib", "PIL"),
+    "train": (*_SIM, "matplotlib", "PIL", "torch"),
+    "ros2": ("rosbags",),
+    "camera": ("cv2",),
 }
-"""Which extra brings a module."""
+"""Extra → the modules that it brings, smaller extras first. `train --tensorboard` names its own."""
 
-_NEEDS = dict.fromkeys(("demo", "train", "study", "export", "render"), "train")
-"""Which extra a command needs, where the missing module does not tell; `sim` for the others."""
+_NEEDS = {
+    **dict.fromkeys(("demo", "train", "export", "study"), "train"),
+    "render": "pictures",
+    "ros2": "ros2",
+    "camera": "camera",
+}
+"""Command → the extra with all that it needs; it is named whichever of these is missing."""
 
 _STYLE = (tyro.conf.FlagCreatePairsOff, tyro.conf.OmitArgPrefixes, tyro.conf.DisallowNone)
-
-DESCRIPTION = "A learned reflex for robots: train, export, run, record, replay."
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -77,6 +54,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     _quieten_threads()
     words = list(sys.argv[1:] if arguments is None else arguments) or ["--help"]
     try:
+        if words[0] in ("-h", "--help"):
+            console.print(overview())
+            return 0
         status: int = _parse(words).run()
         return status
     except ReflexarcError as error:
@@ -118,11 +98,11 @@ def _parse(words: list[str]) -> Any:
 def _any_command(asked: str) -> Any:
     """The union of all commands; the one that is asked for tells all, the others their summary."""
     union: Any = None
-    for kind in COMMANDS:
-        name, text = kind.__name__.lower(), cleandoc(kind.__doc__ or "")
-        description = text if name == asked else text.partition("\n\n")[0].replace("\n", " ")
+    for command in COMMANDS:
+        name = name_of(command)
+        description = description_of(command) if name == asked else summary_of(command)
         choice: Any = Annotated[
-            kind,
+            command,
             tyro.conf.subcommand(name, description=description),
         ]
         union = choice if union is None else union | choice
@@ -137,9 +117,12 @@ def _one_line(complaint: str) -> str:
 
 def _explain_missing(error: ModuleNotFoundError, command: str) -> str:
     module = (error.name or "").partition(".")[0]
-    extra = _EXTRAS.get(module) or _NEEDS.get(command, "sim")
+    extras = [extra for extra, modules in _EXTRAS.items() if module in modules]
+    if not extras:  # what every installation has: this one is damaged
+        return f"{command}: expected the module {module}, found none; install reflexarc again"
+    extra = _NEEDS[command] if _NEEDS.get(command) in extras else extras[0]
     return (
-        f"this command needs {module}, which is not installed here; "
+        f"{command}: expected the module {module}, found none; "
         f"install the extra: pip install 'reflexarc[{extra}]'"
     )
 
