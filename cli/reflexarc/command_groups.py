@@ -7,26 +7,26 @@ from rich.console import Group
 from rich.padding import Padding
 from rich.table import Table
 
-from reflexarc.commands.demo import Demo
-from reflexarc.commands.drive.camera import Camera
-from reflexarc.commands.drive.ros2 import Ros2
-from reflexarc.commands.drive.run import Run
-from reflexarc.commands.drive.sim import Sim
-from reflexarc.commands.learn.evaluate import Evaluate
-from reflexarc.commands.learn.export import Export
-from reflexarc.commands.learn.study import Study
-from reflexarc.commands.learn.train import Train
-from reflexarc.commands.remember.import_log import Import
-from reflexarc.commands.remember.info import Info
-from reflexarc.commands.remember.play import Play
-from reflexarc.commands.remember.record import Record
-from reflexarc.commands.remember.recover import Recover
-from reflexarc.commands.remember.render import Render
-from reflexarc.commands.remember.replay import Replay
-from reflexarc.commands.worlds.worlds import Worlds
+from reflexarc.commands.demo import DemoCommand
+from reflexarc.commands.drive.camera import CameraCommand
+from reflexarc.commands.drive.ros2 import Ros2Command
+from reflexarc.commands.drive.run import RunCommand
+from reflexarc.commands.drive.sim import SimCommand
+from reflexarc.commands.learn.evaluate import EvaluateCommand
+from reflexarc.commands.learn.export import ExportCommand
+from reflexarc.commands.learn.study import StudyCommand
+from reflexarc.commands.learn.train import TrainCommand
+from reflexarc.commands.remember.import_log import ImportCommand
+from reflexarc.commands.remember.info import InfoCommand
+from reflexarc.commands.remember.play import PlayCommand
+from reflexarc.commands.remember.record import RecordCommand
+from reflexarc.commands.remember.recover import RecoverCommand
+from reflexarc.commands.remember.render import RenderCommand
+from reflexarc.commands.remember.replay import ReplayCommand
+from reflexarc.commands.worlds.worlds import WorldsCommand
 
 
-class Command(Protocol):
+class CliCommand(Protocol):
     """A command: a dataclass whose fields are its flags."""
 
     def run(self) -> int:
@@ -34,12 +34,20 @@ class Command(Protocol):
         ...
 
 
-GROUPS: dict[str, tuple[type[Command], ...]] = {
-    "Everything in one go": (Demo,),
-    "Learn and measure": (Train, Export, Evaluate, Study),
-    "Worlds": (Worlds,),
-    "Drive": (Sim, Ros2, Camera, Run),
-    "Logs": (Record, Play, Replay, Render, Import, Recover, Info),
+GROUPS: dict[str, tuple[type[CliCommand], ...]] = {
+    "Everything in one go": (DemoCommand,),
+    "Learn and measure": (TrainCommand, ExportCommand, EvaluateCommand, StudyCommand),
+    "Worlds": (WorldsCommand,),
+    "Drive": (SimCommand, Ros2Command, CameraCommand, RunCommand),
+    "Logs": (
+        RecordCommand,
+        PlayCommand,
+        ReplayCommand,
+        RenderCommand,
+        ImportCommand,
+        RecoverCommand,
+        InfoCommand,
+    ),
 }
 """The title of each group → its commands, in the order in which the help shows them."""
 
@@ -48,17 +56,17 @@ COMMANDS = tuple(command for commands in GROUPS.values() for command in commands
 DESCRIPTION = "A learned reflex for robots: train, export, run, record, replay."
 
 
-def name_of(command: type[Command]) -> str:
+def name_of(command: type[CliCommand]) -> str:
     """The word that calls a command."""
-    return command.__name__.lower()
+    return command.__name__.removesuffix("Command").lower()
 
 
-def summary_of(command: type[Command]) -> str:
+def summary_of(command: type[CliCommand]) -> str:
     """The first paragraph of what a command says of itself, on one line."""
     return description_of(command).partition("\n\n")[0].replace("\n", " ")
 
 
-def description_of(command: type[Command]) -> str:
+def description_of(command: type[CliCommand]) -> str:
     """All that a command says of itself."""
     return cleandoc(command.__doc__ or "")
 

@@ -25,7 +25,7 @@ DRIVE_SEED = 4
 
 
 @dataclass(frozen=True)
-class Demo:
+class DemoCommand:
     """Learn a reflex, ship it as one file, drive with it over the bus, record, replay, report.
 
     Examples:
@@ -62,7 +62,7 @@ class Demo:
         from reflexarc.demo import stages
         from reflexarc.demo.driving import drive
         from reflexarc.demo.lidar import drive_on_scans
-        from reflexarc.demo.results import Found
+        from reflexarc.demo.results import DemoResult
         from reflexarc.demo.screen import screen
         from reflexarc.terminal.signals import StopFlag
         from reflexarc_pictures.log_pictures.log_picture import draw_log
@@ -82,7 +82,7 @@ class Demo:
         replayed = stages.replay_log(log)
         draw_log(log, picture)
         files = {"policy": policy, "log": log, "curve": curve, "picture": picture}
-        found = Found(
+        found = DemoResult(
             learning,
             driven,
             stages.look_at_log(log),

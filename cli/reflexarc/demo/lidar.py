@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from reflexarc.demo.processes import Process, finish, free_port, started
-from reflexarc.demo.results import Lidar
+from reflexarc.demo.results import LidarResult
 from reflexarc_logs.importing.lidar_import import FORMATS, Imported, import_log
 from reflexarc_logs.replaying.replay import replay
 from reflexarc_runtime.contract import RetinaSpec
@@ -33,7 +33,7 @@ NO_RETURN_M = 81.9
 """What a SICK scanner writes where nothing came back."""
 
 
-def drive_on_scans(policy: Path, out: Path, file: Path | None) -> Lidar:
+def drive_on_scans(policy: Path, out: Path, file: Path | None) -> LidarResult:
     """Import a lidar's log, decide on every scan in lockstep, and replay.
 
     Raises:
@@ -46,7 +46,7 @@ def drive_on_scans(policy: Path, out: Path, file: Path | None) -> Lidar:
     verdicts = _decide(policy, scans, log)
     report = replay(log)
     decided = sum(verdicts.values()) - verdicts.get("STOPPED", 0)
-    return Lidar(
+    return LidarResult(
         source=str(file) if file else "simulated: ray-cast from our own field",
         scans=imported.scans,
         ticks=decided,

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Learning:
+class LearningResult:
     """What was learned, on the reference field's test worlds."""
 
     preset: str
@@ -21,7 +21,7 @@ class Learning:
 
 
 @dataclass(frozen=True)
-class Driving:
+class DriveResult:
     """How the loop fared."""
 
     ticks: int
@@ -36,7 +36,7 @@ class Driving:
 
 
 @dataclass(frozen=True)
-class Logged:
+class LogResult:
     """What was recorded."""
 
     path: str
@@ -46,7 +46,7 @@ class Logged:
 
 
 @dataclass(frozen=True)
-class Replayed:
+class ReplayResult:
     """What deciding it all again found, by level."""
 
     verdict: str
@@ -55,7 +55,7 @@ class Replayed:
 
 
 @dataclass(frozen=True)
-class Lidar:
+class LidarResult:
     """The same reflex on scans."""
 
     source: str
@@ -72,12 +72,12 @@ class Lidar:
 
 
 @dataclass(frozen=True)
-class Found:
+class DemoResult:
     """The whole demo."""
 
-    learning: Learning
-    drive: Driving
-    log: Logged
-    replay: Replayed
-    lidar: Lidar
+    learning: LearningResult
+    drive: DriveResult
+    log: LogResult
+    replay: ReplayResult
+    lidar: LidarResult
     files: dict[str, str]

@@ -29,7 +29,7 @@ KEPT_BYTES = 64 * 1024
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class LogEntry:
     """One message as a log shall hold it."""
 
     key: str
@@ -49,14 +49,14 @@ class Intake:
         self._rejected_key = REJECTED.key(robot)
         self._rejected = 0
 
-    def sort(self, message: Message) -> Entry:
+    def sort(self, message: Message) -> LogEntry:
         """The message on its own channel, or wrapped for the channel of rejected ones."""
         try:
             return self._accept(message)
         except UndecodableError as error:
             return self._reject(message, str(error))
 
-    def _accept(self, message: Message) -> Entry:
+    def _accept(self, message: Message) -> LogEntry:
         topic = self._topics.get(message.key)
         if topic is None:
             raise UndecodableError("key: not one of this robot's recorded topics")
@@ -68,9 +68,9 @@ class Intake:
         except DecodeError:
             raise UndecodableError(f"payload: no {topic.schema}") from None
         sequence, sent_ns = stamp.sequence, stamp.time_ns
-        return Entry(message.key, kind, message.payload, sequence, sent_ns, message.received_ns)
+        return LogEntry(message.key, kind, message.payload, sequence, sent_ns, message.received_ns)
 
-    def _reject(self, message: Message, reason: str) -> Entry:
+    def _reject(self, message: Message, reason: str) -> LogEntry:
         wrapped = Rejected(
             key=message.key,
             encoding=message.encoding,
@@ -81,7 +81,7 @@ class Intake:
         )
         sequence, self._rejected = self._rejected, self._rejected + 1
         payload = wrapped.SerializeToString()
-        return Entry(self._rejected_key, Rejected, payload, sequence, None, message.received_ns)
+        return LogEntry(self._rejected_key, Rejected, payload, sequence, None, message.received_ns)
 
 
 def accepted_message(

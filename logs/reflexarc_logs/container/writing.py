@@ -27,7 +27,7 @@ END = "reflexarc.end"
 """Metadata written last, where something is missing: how many records, how many chunks."""
 
 
-class LogFile:
+class LogWriter:
     """An MCAP file that one thread writes.
 
     Args:

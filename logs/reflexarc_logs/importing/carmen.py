@@ -28,8 +28,8 @@ from reflexarc_logs.importing.scan_line import (
     NO_RETURN,
     UNKNOWN,
     BrokenLineError,
-    Place,
     Sweep,
+    TimedPose,
     exact_ns,
     finite,
 )
@@ -88,15 +88,15 @@ class Carmen:
         *places, time = words[-_WORDS_BEHIND:-2]
         x_m, y_m, heading_rad, *own, seconds = finite([*places, time])
         time_ns = exact_ns(time, seconds)
-        pose = Place(x_m, y_m, heading_rad, time_ns)
+        pose = TimedPose(x_m, y_m, heading_rad, time_ns)
         repeated = places[:3] == places[3:]
-        odometry = self._odometry() if repeated else Place(own[0], own[1], own[2], time_ns)
+        odometry = self._odometry() if repeated else TimedPose(own[0], own[1], own[2], time_ns)
         self._newest_odometry = b""
         numbers, unreadable = read_numbers(ranges, float)
         ranges_m, count = _metres(numbers), int(np.count_nonzero(unreadable))
         return Sweep(time_ns, START_RAD, END_RAD, ranges_m, count, pose, odometry)
 
-    def _odometry(self) -> Place | None:
+    def _odometry(self) -> TimedPose | None:
         """What the newest ODOM line says, if there was one."""
         words = self._newest_odometry.split()
         if not words:
@@ -104,7 +104,7 @@ class Carmen:
         try:
             _, *place, _, _, _, time, _, _ = words
             x_m, y_m, heading_rad, seconds = finite([*place, time])
-            return Place(x_m, y_m, heading_rad, exact_ns(time, seconds))
+            return TimedPose(x_m, y_m, heading_rad, exact_ns(time, seconds))
         except ValueError:
             self._passed_over["ODOM, broken"] += 1
             return None

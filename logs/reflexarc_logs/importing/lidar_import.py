@@ -12,13 +12,13 @@ from contextlib import closing
 from pathlib import Path
 
 from reflexarc_logs.container.run_info import RUN, RunInfo, installed_versions
-from reflexarc_logs.container.writing import CONFIG_ATTACHMENT, LogFile
+from reflexarc_logs.container.writing import CONFIG_ATTACHMENT, LogWriter
 from reflexarc_logs.importing.lidar_reading import (
     DEFAULT_RATE_HZ,
     FORMATS,
     RECORDED,
+    EncodedMessage,
     Imported,
-    Record,
     read_lidar,
 )
 from reflexarc_logs.importing.scan_times import EvenTimes, NewTimes, RecordedTimes
@@ -58,7 +58,7 @@ def import_log(
         raise UsageError(f"expected {' or '.join(FORMATS)}, got {kind!r}")
     times = _times(rate)
     said = Imported(str(path), kind, str(Path(out)), robot, times.rate_hz)
-    file = LogFile(Path(out), chunk_bytes=CHUNK_BYTES)
+    file = LogWriter(Path(out), chunk_bytes=CHUNK_BYTES)
     try:
         _begin(file, said)
         with closing(read_lidar(Path(path), times, said)) as batches:
@@ -76,7 +76,7 @@ def import_log(
 class _Stream:
     """One topic of the new log; its channel is there from the first message on."""
 
-    def __init__(self, file: LogFile, topic: Topic, robot: str) -> None:
+    def __init__(self, file: LogWriter, topic: Topic, robot: str) -> None:
         self.messages = 0
         self._file = file
         self._channel: int | None = None
@@ -93,7 +93,7 @@ class _Stream:
         )
 
 
-def _begin(file: LogFile, said: Imported) -> None:
+def _begin(file: LogWriter, said: Imported) -> None:
     run = RunInfo(
         run_id=uuid.uuid4().hex,
         robot=said.robot,
@@ -110,7 +110,7 @@ def _begin(file: LogFile, said: Imported) -> None:
     file.attach(CONFIG_ATTACHMENT, "application/json", document)
 
 
-def _write(file: LogFile, robot: str, batches: Iterable[list[Record]]) -> None:
+def _write(file: LogWriter, robot: str, batches: Iterable[list[EncodedMessage]]) -> None:
     streams = {
         topic.name: _Stream(file, topic, robot) for topic in (SCAN, POSE, TRANSFORM, ODOMETRY)
     }

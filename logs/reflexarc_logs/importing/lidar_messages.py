@@ -18,7 +18,7 @@ from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform
 from foxglove_schemas_protobuf.LaserScan_pb2 import LaserScan
 from foxglove_schemas_protobuf.PoseInFrame_pb2 import PoseInFrame
 
-from reflexarc_logs.importing.scan_line import Place, Sweep
+from reflexarc_logs.importing.scan_line import Sweep, TimedPose
 
 WORLD_FRAME = "world"
 ODOMETRY_FRAME = "odom"
@@ -46,11 +46,11 @@ class LidarMessages:
         fixed = _fixed_of_scan(self._robot, sweep.start_rad, sweep.end_rad)
         return b"".join((_timestamp(sweep.time_ns), fixed, *_packed_ranges(sweep.ranges_m)))
 
-    def pose(self, place: Place, frame: str) -> bytes:
+    def pose(self, place: TimedPose, frame: str) -> bytes:
         """`foxglove.PoseInFrame`."""
         return _timestamp(place.time_ns) + self._poses[frame].cast(place)
 
-    def transform(self, place: Place) -> bytes:
+    def transform(self, place: TimedPose) -> bytes:
         """`foxglove.FrameTransform` from the world to the robot."""
         return _timestamp(place.time_ns) + self._transform.cast(place)
 
@@ -70,7 +70,7 @@ class _PlanarForm:
         self._fixed = re.split(numbers, encode(*self._SAMPLE))
         self._layout = struct.Struct("<" + "d".join(f"{len(part)}s" for part in self._fixed))
 
-    def cast(self, place: Place) -> bytes:
+    def cast(self, place: TimedPose) -> bytes:
         """The bytes of the message at a place."""
         x, y, half = place.x_m, place.y_m, place.heading_rad / 2
         z, w = math.sin(half), math.cos(half)

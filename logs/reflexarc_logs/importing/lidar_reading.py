@@ -24,7 +24,7 @@ DEFAULT_RATE_HZ = 10.0
 RECORDED = "recorded"
 """In place of a rate: the file's own times."""
 
-Record = tuple[str, int, bytes]
+EncodedMessage = tuple[str, int, bytes]
 """The name of a topic, the new time in nanoseconds, the payload."""
 
 
@@ -59,7 +59,9 @@ class Imported:
     notes: tuple[str, ...] = ()
 
 
-def read_lidar(path: Path, times: NewTimes, said: Imported) -> Generator[list[Record], None, None]:
+def read_lidar(
+    path: Path, times: NewTimes, said: Imported
+) -> Generator[list[EncodedMessage], None, None]:
     """Yield the messages of a file in order, those of some lines at once.
 
     Args:
@@ -89,7 +91,7 @@ class _Reading:
         self._unknown = 0
         self._unreadable = 0
 
-    def records(self, lines: list[bytes]) -> list[Record]:
+    def records(self, lines: list[bytes]) -> list[EncodedMessage]:
         """The messages of the next lines of the file."""
         sweeps = list(self._sweeps(lines))
         if sweeps:
@@ -129,7 +131,7 @@ class _Reading:
         said.poses += sum(sweep.pose is not None for sweep in sweeps)
         said.odometry += sum(sweep.odometry is not None for sweep in sweeps)
 
-    def _encoded(self, sweep: Sweep, line: int) -> list[Record]:
+    def _encoded(self, sweep: Sweep, line: int) -> list[EncodedMessage]:
         """The messages of one scan."""
         messages, time_ns = self._messages, self._times.of(sweep.time_ns, line)
         self._said.seconds = time_ns / 1e9

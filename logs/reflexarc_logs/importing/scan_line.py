@@ -29,7 +29,7 @@ class BrokenLineError(ValueError):
     """A line that begins as a scan and is none; its message says of which kind it is."""
 
 
-class Place(NamedTuple):
+class TimedPose(NamedTuple):
     """A planar pose at a time of the file."""
 
     x_m: float
@@ -50,9 +50,9 @@ class Sweep(NamedTuple):
     """Shape (beams,), little-endian."""
     unreadable: int = 0
     """Beams whose word is no number."""
-    pose: Place | None = None
+    pose: TimedPose | None = None
     """Corrected, in the world's frame."""
-    odometry: Place | None = None
+    odometry: TimedPose | None = None
 
 
 class LineReader(Protocol):

@@ -25,7 +25,7 @@ Publish = Callable[[Topic, bytes, int], None]
 
 
 @dataclass(frozen=True, slots=True)
-class Account:
+class PlaybackReport:
     """What was sent, and how late. Lateness is zero in lockstep, where nothing is due."""
 
     messages: dict[str, int]
@@ -73,7 +73,7 @@ class Player:
         self._lateness_ns: deque[int] = deque(maxlen=REMEMBERED_SENDS)
         self._worst_ns = 0
 
-    def play(self, schedule: Iterable[Due]) -> Account:
+    def play(self, schedule: Iterable[Due]) -> PlaybackReport:
         """Send every message when it is due, or as soon after as can be."""
         began_ns = start_ns = self._clock.now_ns()
         loops = 0
@@ -94,7 +94,7 @@ class Player:
         origin_ns: int,
         sensor: str,
         await_command: Callable[[int], None],
-    ) -> Account:
+    ) -> PlaybackReport:
         """Send every message on its own time; after one of the sensor, wait for its command.
 
         Args:
@@ -138,9 +138,9 @@ class Player:
         self._lateness_ns.append(lateness_ns)
         self._worst_ns = max(self._worst_ns, lateness_ns)
 
-    def _account(self, loops: int, began_ns: int) -> Account:
+    def _account(self, loops: int, began_ns: int) -> PlaybackReport:
         p50, p99 = np.percentile(self._lateness_ns or [0], [50, 99])
-        return Account(
+        return PlaybackReport(
             messages=dict(self._sent),
             loops=loops,
             seconds=(self._clock.now_ns() - began_ns) / 1e9,

@@ -51,7 +51,7 @@ class Due:
 
 
 @dataclass(frozen=True, slots=True)
-class Streams:
+class StreamSurvey:
     """What one pass over the log found."""
 
     first_ns: int
@@ -68,7 +68,7 @@ class Streams:
 
 
 @dataclass(slots=True)
-class _Span:
+class _TopicTimes:
     """When the messages of one topic came."""
 
     first_ns: int
@@ -87,24 +87,24 @@ class _Span:
         return length_ns // (self.count - 1) if length_ns else LONELY_PERIOD_NS
 
 
-def survey_streams(log: Log) -> Streams:
+def survey_streams(log: Log) -> StreamSurvey:
     """Look at all that a log has to play.
 
     Raises:
         LogError: it has no retina and no scan, or is damaged.
     """
-    spans: dict[Topic, _Span] = {}
+    spans: dict[Topic, _TopicTimes] = {}
     undecodable = 0
     for topic, record in _sensor_records(log):
         if _decodes(topic, record):
-            spans.setdefault(topic, _Span(record.log_ns, record.log_ns)).add(record.log_ns)
+            spans.setdefault(topic, _TopicTimes(record.log_ns, record.log_ns)).add(record.log_ns)
         else:
             undecodable += 1
     sensors = {topic.name: span for topic, span in spans.items() if topic.name in SENSORS}
     if not sensors:
         raise LogError(f"{log.path}: expected retinas or scans, found none; nothing to play")
     first_ns = min(span.first_ns for span in spans.values())
-    return Streams(
+    return StreamSurvey(
         first_ns=first_ns - log.run.wall_offset_ns,
         length_ns=max(span.last_ns for span in spans.values()) - first_ns,
         interval_ns=max(sensors.values(), key=lambda span: span.count).interval_ns,
@@ -115,7 +115,7 @@ def survey_streams(log: Log) -> Streams:
 
 
 def schedule(
-    log: Log, streams: Streams, *, speed: float = 1.0, loop: bool = False
+    log: Log, streams: StreamSurvey, *, speed: float = 1.0, loop: bool = False
 ) -> Iterator[Due]:
     """Every message with the time at which it is due; without end in a loop.
 

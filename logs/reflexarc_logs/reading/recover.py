@@ -17,7 +17,7 @@ from reflexarc_logs.container.record_stream import (
     stream_records,
     unpack,
 )
-from reflexarc_logs.container.writing import END, LogFile
+from reflexarc_logs.container.writing import END, LogWriter
 from reflexarc_logs.reading.reader import read_log
 from reflexarc_runtime.errors import LogError
 
@@ -52,7 +52,7 @@ def recover(path: Path | str, out: Path | str) -> Recovered:
         LogError: nothing of it says that it is a log of ours, or `out` cannot be written.
     """
     found = survey(Path(path), salvage=True)
-    rescue = _Rescue(Path(path), found, LogFile(Path(out), UNFINISHED))
+    rescue = _Rescue(Path(path), found, LogWriter(Path(out), UNFINISHED))
     try:
         rescue.run()
     except OSError as error:
@@ -74,7 +74,7 @@ def recover(path: Path | str, out: Path | str) -> Recovered:
 class _Rescue:
     """Copies what is intact from one file to another."""
 
-    def __init__(self, path: Path, found: Survey, file: LogFile) -> None:
+    def __init__(self, path: Path, found: Survey, file: LogWriter) -> None:
         self.file = file
         self.messages = 0
         self.damaged_chunks = 0

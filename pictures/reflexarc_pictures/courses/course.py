@@ -13,7 +13,7 @@ import numpy.typing as npt
 from reflexarc_runtime.contract import PolicyContract
 
 Floats: TypeAlias = npt.NDArray[np.float64]
-Colour: TypeAlias = tuple[float, float, float]
+Rgb: TypeAlias = tuple[float, float, float]
 """Red, green, blue, 0 to 1."""
 
 CIRCLE_CORNERS = 36
@@ -34,7 +34,7 @@ class Silhouette:
 
     corners_m: Floats
     """(corners, 2)."""
-    colour: Colour
+    colour: Rgb
     wake_m: tuple[float, float] = (0.0, 0.0)
     """How far it moved within the last second: ahead, left."""
 
@@ -47,7 +47,7 @@ class Scenery(Protocol):
 
 
 @dataclass(frozen=True)
-class Moment:
+class Snapshot:
     """What is to be known about one moment."""
 
     x_m: float
@@ -83,7 +83,7 @@ class Course:
     title: str
     period_s: float
     """From moment to moment."""
-    moments: Sequence[Moment]
+    snapshots: Sequence[Snapshot]
     eye: Eye
     bright: str
     """What a large value in a retina means."""
@@ -98,7 +98,7 @@ class Course:
     @property
     def contacts(self) -> Sequence[int]:
         """Numbers of the moments at which contacts had begun."""
-        return [k for k, moment in enumerate(self.moments) if moment.contact]
+        return [k for k, snapshot in enumerate(self.snapshots) if snapshot.contact]
 
 
 def eye_of(contract: PolicyContract, bearings_rad: Floats) -> Eye:

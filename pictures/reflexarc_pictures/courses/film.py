@@ -41,7 +41,7 @@ _SLOPE = _MAP[3] * HEIGHT_IN / (_MAP[2] * WIDTH_IN)
 _SAMPLES = 4
 """So many frames, evenly spread, say what colours there are."""
 
-Progress = Callable[[int, int], None]
+ReportProgress = Callable[[int, int], None]
 
 
 class Frames:
@@ -64,7 +64,7 @@ class Frames:
         self._canvas.draw()
 
     def __len__(self) -> int:
-        return (len(self._course.moments) - 1) // self.stride + 1
+        return (len(self._course.snapshots) - 1) // self.stride + 1
 
     @property
     def rate_hz(self) -> float:
@@ -84,15 +84,15 @@ class Frames:
 
     def _bring_to(self, k: int) -> None:
         course = self._course
-        moment, met = course.moments[k], sum(c <= k for c in course.contacts)
+        snapshot, met = course.snapshots[k], sum(c <= k for c in course.contacts)
         self._view.show(k, _area(course, k))
         self._strip.show(k)
-        ahead_m = moment.x_m - course.moments[0].x_m
+        ahead_m = snapshot.x_m - course.snapshots[0].x_m
         contacts = f"{met} contact{'' if met == 1 else 's'}"
         self._facts.set_text(f"{k * course.period_s:.1f} s   {ahead_m:.1f} m   {contacts}")
 
 
-def write_gif(course: Course, path: Path, progress: Progress = lambda done, of: None) -> int:
+def write_gif(course: Course, path: Path, progress: ReportProgress = lambda done, of: None) -> int:
     """Write an endless GIF; returns the number of frames."""
     frames = Frames(course)
     palette = _palette(frames)
@@ -115,7 +115,7 @@ def write_gif(course: Course, path: Path, progress: Progress = lambda done, of: 
     return len(frames)
 
 
-def write_mp4(course: Course, path: Path, progress: Progress = lambda done, of: None) -> int:
+def write_mp4(course: Course, path: Path, progress: ReportProgress = lambda done, of: None) -> int:
     """Write an MP4 with ffmpeg; returns the number of frames.
 
     Raises:
@@ -171,12 +171,12 @@ def _palette(frames: Frames) -> Image.Image:
 
 def _area(course: Course, k: int) -> Area:
     """Around the agent."""
-    moment = course.moments[k]
+    snapshot = course.snapshots[k]
     range_m = min(max(course.eye.range_m, LEAST_RANGE_M), MOST_RANGE_M)
     aside_m = (BEHIND + AHEAD) * range_m * _SLOPE / 2
     return Area(
-        moment.x_m - BEHIND * range_m,
-        moment.x_m + AHEAD * range_m,
-        moment.y_m - aside_m,
-        moment.y_m + aside_m,
+        snapshot.x_m - BEHIND * range_m,
+        snapshot.x_m + AHEAD * range_m,
+        snapshot.y_m - aside_m,
+        snapshot.y_m + aside_m,
     )

@@ -21,8 +21,8 @@ from reflexarc_pictures.courses.course import (
     Area,
     Course,
     Floats,
-    Moment,
     Silhouette,
+    Snapshot,
     circle,
     eye_of,
     reaches_into,
@@ -81,8 +81,8 @@ def course_of(log: Log, duration_s: float) -> Course:
     return Course(
         title=log.path.name,
         period_s=PERIOD_S,
-        moments=[
-            Moment(x_m, y_m, heading_rad, retina, _reach(retina, spec), met, put)
+        snapshots=[
+            Snapshot(x_m, y_m, heading_rad, retina, _reach(retina, spec), met, put)
             for (x_m, y_m, heading_rad), retina, met, put in zip(
                 held.tolist(), retinas, contacts, _jumps(held, contract), strict=True
             )

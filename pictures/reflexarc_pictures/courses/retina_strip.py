@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.image import AxesImage
 from matplotlib.ticker import MaxNLocator
 
-from reflexarc_pictures.courses.course import Course, Moment
+from reflexarc_pictures.courses.course import Course, Snapshot
 from reflexarc_pictures.log_pictures.decision_strips import INK, SAFE_COLOUR
 from reflexarc_pictures.log_pictures.drive import CONTACT_COLOUR
 
@@ -26,7 +26,9 @@ class RetinaStrip:
 
     def __init__(self, over_time: Axes, now: Axes, course: Course) -> None:
         self._course = course
-        self._pixels = np.stack([_column(moment, course) for moment in course.moments], axis=1)
+        self._pixels = np.stack(
+            [_column(snapshot, course) for snapshot in course.snapshots], axis=1
+        )
         rows, columns, _ = self._pixels.shape
         end_s = columns * course.period_s
         self._strip = _image(over_time, self._pixels, end_s)
@@ -62,11 +64,11 @@ def _image(axes: Axes, pixels: npt.NDArray[np.uint8], end: float) -> AxesImage:
     return axes.imshow(pixels, aspect="auto", interpolation="nearest", extent=extent)
 
 
-def _column(moment: Moment, course: Course) -> npt.NDArray[np.uint8]:
+def _column(snapshot: Snapshot, course: Course) -> npt.NDArray[np.uint8]:
     """One pixel a ray, red, green, blue and opacity: (eyes · rays, 4); grey where nothing came."""
-    retina = moment.retina
+    retina = snapshot.retina
     if retina is None:
-        known = next((m.retina for m in course.moments if m.retina is not None), None)
+        known = next((m.retina for m in course.snapshots if m.retina is not None), None)
         rows = 1 if known is None else known.shape[0] * known.shape[1]
         return np.tile(np.array([180, 188, 196, 255], np.uint8), (rows, 1))
     values = retina.reshape(-1, retina.shape[2])

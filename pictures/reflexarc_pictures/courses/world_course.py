@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from reflexarc_pictures.courses.course import Course, Floats, Moment, eye_of
+from reflexarc_pictures.courses.course import Course, Floats, Snapshot, eye_of
 from reflexarc_pictures.courses.world_scenery import WorldScenery
 from reflexarc_pictures.log_pictures.decision_strips import BRIGHT
 from reflexarc_runtime.contract import PolicyContract
@@ -49,35 +49,35 @@ def drive_in_world(
     world = source.drawn(seed)
     simulation = Simulation(world, contract, np.array([seed], np.uint64))
     steps = max(round(duration_s / world.dt_s), 1)
-    moments = [_moment(simulation, None, met=False)]
+    snapshots = [_snapshot(simulation, None, met=False)]
     for step in range(steps):
         _, actions = policy.decide(simulation.stacks)
         met = bool(simulation.step(actions)[0])
-        moments.append(_moment(simulation, moments[-1], met))
+        snapshots.append(_snapshot(simulation, snapshots[-1], met))
         progress(step + 1, steps)
     params = simulation.params
     bearings_rad = np.arctan2(params.eye.left, params.eye.ahead).astype(np.float64)
     return Course(
         title=f"{world.name}, seed {seed}",
         period_s=world.dt_s,
-        moments=moments,
+        snapshots=snapshots,
         eye=eye_of(contract, bearings_rad),
         bright=BRIGHT[contract.retina.shading],
         scenery=WorldScenery(simulation),
         radius_m=world.chassis.radius_m,
-        strip_m=_strip_m(world, seed, moments),
+        strip_m=_strip_m(world, seed, snapshots),
         lateral_period_m=_period_m(world),
     )
 
 
-def _moment(simulation: Simulation, last: Moment | None, met: bool) -> Moment:
+def _snapshot(simulation: Simulation, last: Snapshot | None, met: bool) -> Snapshot:
     """Look, and note everything."""
     world = simulation.world.drawn(0)
     retina = simulation.sense()[0]
     y_m, period_m = float(simulation.y_m[0]), _period_m(world)
     if last is not None and period_m is not None:
         y_m += period_m * round((last.y_m - y_m) / period_m)  # the same place, as near as it can be
-    return Moment(
+    return Snapshot(
         x_m=float(simulation.x_m[0]),
         y_m=y_m,
         heading_rad=float(simulation.heading_rad[0]),
@@ -96,10 +96,10 @@ def _period_m(world: World) -> float | None:
     return world.width_m if world.edges is Edges.PERIODIC else None
 
 
-def _strip_m(world: World, seed: int, moments: list[Moment]) -> tuple[float, float] | None:
+def _strip_m(world: World, seed: int, snapshots: list[Snapshot]) -> tuple[float, float] | None:
     """From side to side; of a corridor, as far as its walls go along the way."""
     if world.corridor is not None:
-        x_m = np.linspace(moments[0].x_m - AROUND_M, moments[-1].x_m + AROUND_M, _WALL_PLACES)
+        x_m = np.linspace(snapshots[0].x_m - AROUND_M, snapshots[-1].x_m + AROUND_M, _WALL_PLACES)
         right_m = right_side_m(world, seed, x_m)
         left_m = right_m + world.corridor.width_m
         return float(right_m.min()) - _WALLS_M, float(left_m.max()) + _WALLS_M

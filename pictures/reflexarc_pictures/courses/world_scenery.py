@@ -7,13 +7,13 @@ area at a time is in the chunks under it, each layer's shifted by as much as it 
 import math
 from collections.abc import Iterator
 
-from reflexarc_pictures.courses.course import Area, Colour, Silhouette, circle, reaches_into
+from reflexarc_pictures.courses.course import Area, Rgb, Silhouette, circle, reaches_into
 from reflexarc_sim_bridge.simulation.scene import Outline, outlines_of_chunk
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.layers import CHUNK_M, Drift, Motion
 from reflexarc_sim_bridge.worlds.world import Edges
 
-SLATE: Colour = (0.54, 0.64, 0.74)
+SLATE: Rgb = (0.54, 0.64, 0.74)
 """What white becomes, the colour of most obstacles: it would not show on a pale ground."""
 
 
@@ -86,7 +86,7 @@ def _silhouette(
     return Silhouette(corners_m + way_m, _on_pale_ground(outline.colour), wake_m)
 
 
-def _on_pale_ground(colour: Colour) -> Colour:
+def _on_pale_ground(colour: Rgb) -> Rgb:
     """Grey ones in shades of slate; colours as they are."""
     red, green, blue = colour
     if red == green == blue:

@@ -18,6 +18,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from reflexarc_logs.reading.reader import Log
+from reflexarc_runtime.arrays import Actions
 from reflexarc_runtime.contract import PolicyContract, Shading
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages_pb2 import Decision
@@ -34,7 +35,6 @@ COLUMNS = 1600
 """More than a picture has pixels across."""
 
 Floats: TypeAlias = npt.NDArray[np.float64]
-Actions: TypeAlias = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True)

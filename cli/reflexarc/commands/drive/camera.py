@@ -27,7 +27,7 @@ MAX_RATE_HZ = 1000.0
 
 
 @dataclass(frozen=True)
-class Camera:
+class CameraCommand:
     """A real camera, a video or images, as the body's eye: retinas on the bus. It moves nothing.
 
     The policy must have been trained on colours (reflexarc train --preset paper). Which rows count,

@@ -16,7 +16,7 @@ MAX_RATE_HZ = 1000.0
 
 
 @dataclass(frozen=True)
-class Ros2:
+class Ros2Command:
     """A robot that speaks ROS 2 over Zenoh, as the body: scans in, velocity commands out.
 
     It joins where the robot's own Zenoh router listens (--port, 7447 for rmw_zenohd and

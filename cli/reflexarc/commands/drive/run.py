@@ -27,7 +27,7 @@ LISTENER_POLL_S = 0.01
 
 
 @dataclass(frozen=True)
-class Run:
+class RunCommand:
     """Run a policy: sense, decide, act, at the contract's rate, until Ctrl-C.
 
     Whatever comes in, the body gets a command at every tick: the policy's while its input is good

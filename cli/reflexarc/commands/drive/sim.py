@@ -23,7 +23,7 @@ MAX_ROBOTS = 64
 
 
 @dataclass(frozen=True)
-class Sim:
+class SimCommand:
     """A simulated body: it moves, sees, and says so on the bus, in real time or in lockstep.
 
     It builds its eye from a policy's contract: from --policy, or from the runtime that it meets on

@@ -10,7 +10,7 @@ from reflexarc.terminal.output import console, facts, print_json
 
 
 @dataclass(frozen=True)
-class Export:
+class ExportCommand:
     """Export a checkpoint as one self-describing ONNX file.
 
     Nothing is written unless the ONNX checker passes and torch, onnxruntime and NumPy agree.

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Import:
+class ImportCommand:
     """Make a log of ours of a lidar log: CARMEN (Radish) or CoreSLAM, plain or gzip.
 
     Scans, corrected poses and odometry, as far as the file has them. What is broken is counted and

@@ -18,7 +18,7 @@ SHOWN_HASH = 12
 
 
 @dataclass(frozen=True)
-class Info:
+class InfoCommand:
     """Say what a file is: a policy's contract and origin, or a log's streams and run.
 
     Examples:

@@ -23,7 +23,7 @@ STOPPED = "stopped"
 
 
 @dataclass(frozen=True)
-class Record:
+class RecordCommand:
     """Record every stream of a robot on the bus, until Ctrl-C.
 
     The log holds what this process heard, in its own order; it replays at level `policy`. A log

@@ -21,7 +21,7 @@ MIN_SECONDS, MAX_SECONDS = 0.5, 120.0
 
 
 @dataclass(frozen=True)
-class Render:
+class RenderCommand:
     """Draw a world, or a log of `reflexarc run --record`, as a picture or as a film.
 
     In a world an agent drives: the policy, or one that never steers. A picture (PNG) shows the

@@ -10,7 +10,7 @@ from reflexarc.terminal.output import console, print_json
 
 
 @dataclass(frozen=True)
-class Replay:
+class ReplayCommand:
     """Decide a log again, without bus and clock, and compare.
 
     Level `policy` runs every recorded retina through the policy; level `node` runs every recorded

@@ -20,7 +20,7 @@ UNFAIR = 1
 
 
 @dataclass(frozen=True)
-class Worlds:
+class WorldsCommand:
     """List the worlds that have a name, show the file of one, or check whether one is fair.
 
     A world is a small TOML file; wherever another command takes the name of a world it takes a

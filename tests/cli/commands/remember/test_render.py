@@ -238,10 +238,10 @@ def test_where_the_world_begins_anew_the_way_goes_on():
     source = WORLDS["reference-1"]
     to_the_left = ConstantPolicy(1)
     course = drive_in_world(source, reference_contract(), to_the_left, 0, 30.0)
-    assert len(course.moments) == 301
-    way_m = np.array([(moment.x_m, moment.y_m) for moment in course.moments])
+    assert len(course.snapshots) == 301
+    way_m = np.array([(snapshot.x_m, snapshot.y_m) for snapshot in course.snapshots])
     steps_m = np.hypot(*np.diff(way_m, axis=0).T)
-    put = np.array([moment.put for moment in course.moments[1:]])
+    put = np.array([snapshot.put for snapshot in course.snapshots[1:]])
     np.testing.assert_allclose(steps_m[~put], math.hypot(0.1, 0.1), rtol=1e-6)
     assert way_m[:, 1].max() > 20.0
     assert put.sum() == len(course.contacts) > 0
@@ -257,11 +257,11 @@ def test_a_log_with_poses_becomes_a_film(turning: Path, capsys: pytest.CaptureFi
 
 def test_rays_out_of_a_log_are_as_long_as_its_retinas_say(turning: Path):
     course = course_of(read_log(turning), 10.0)
-    rays_m = [moment.rays_m for moment in course.moments if moment.rays_m is not None]
+    rays_m = [snapshot.rays_m for snapshot in course.snapshots if snapshot.rays_m is not None]
     assert len(rays_m) > 3
     np.testing.assert_allclose(rays_m[-1], ROOM_M, atol=5.0 / 255)
-    assert course.moments[0].retina is None
-    assert (course.moments[1].x_m, course.moments[1].y_m) == (3.0, -2.0)
+    assert course.snapshots[0].retina is None
+    assert (course.snapshots[1].x_m, course.snapshots[1].y_m) == (3.0, -2.0)
 
 
 def test_a_film_of_a_log_shows_the_obstacles_that_the_body_told_of_last(tmp_path: Path):
