@@ -7,6 +7,8 @@ from rich.table import Table
 from reflexarc.demo.results import DemoResult
 from reflexarc.terminal.output import kibibytes, microseconds
 
+ScreenRow = tuple[str, str, str]
+
 
 def screen(found: DemoResult) -> Panel:
     """Everything that the demo found, for a person."""
@@ -19,9 +21,6 @@ def screen(found: DemoResult) -> Panel:
             table.add_row(*row)
         table.add_section()
     return Panel(Group(table), title="reflexarc: a learned reflex, end to end", expand=False)
-
-
-ScreenRow = tuple[str, str, str]
 
 
 def _learning(found: DemoResult) -> list[ScreenRow]:

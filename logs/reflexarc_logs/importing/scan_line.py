@@ -100,18 +100,13 @@ def finite(words: Sequence[bytes]) -> list[float]:
     return values
 
 
-def nanoseconds(seconds: bytes) -> int | None:
+def exact_ns(seconds: bytes, value: float) -> int | None:
     """A time, exactly as its decimal digits say; None where no calendar reaches.
 
-    Raises:
-        BrokenLineError: it is no number.
+    Args:
+        seconds: the word.
+        value: the same as a number, in seconds; finite.
     """
-    (value,) = finite([seconds])
-    return exact_ns(seconds, value)
-
-
-def exact_ns(seconds: bytes, value: float) -> int | None:
-    """The same of a word whose value is known."""
     if not _FIRST_SECOND <= value < _LAST_SECOND:
         return None
     return round(Decimal(seconds.decode()).scaleb(9))

@@ -33,8 +33,8 @@ ACTION_COLOURS = (
 Source: Okabe and Ito, "Color Universal Design" (2008)."""
 COLUMNS = 1600
 """More than a picture has pixels across."""
-
 Floats: TypeAlias = npt.NDArray[np.float64]
+BRIGHT = {Shading.NEARNESS: "near", Shading.COLOUR: "brightly coloured"}
 
 
 @dataclass(frozen=True)
@@ -123,26 +123,6 @@ def action_patches(decisions: Decisions) -> list[Patch]:
     ]
 
 
-def _sampled(time_s: Floats) -> npt.NDArray[np.int64]:
-    """The tick that holds at the middle of each column; ticks need not be evenly spread."""
-    grid_s = (np.arange(COLUMNS) + 0.5) / COLUMNS * time_s[-1]
-    held: npt.NDArray[np.int64] = np.maximum(np.searchsorted(time_s, grid_s, side="right") - 1, 0)
-    return held
-
-
-def _end_s(decisions: Decisions) -> float:
-    return float(decisions.time_s[-1]) or 1.0
-
-
-def _entitle(axes: Axes, title: str, unit: str) -> None:
-    axes.set_title(title, loc="left", fontsize=10, color=INK)
-    axes.set_ylabel(unit, fontsize=9)
-    axes.tick_params(labelsize=8.5)
-
-
-BRIGHT = {Shading.NEARNESS: "near", Shading.COLOUR: "brightly coloured"}
-
-
 def decisions_of(log: Log) -> Decisions:
     """Every tick of a log, in order.
 
@@ -164,6 +144,23 @@ def decisions_of(log: Log) -> Decisions:
         action_names=tuple(action.name for action in contract.actions),
         bright=BRIGHT[contract.retina.shading],
     )
+
+
+def _sampled(time_s: Floats) -> npt.NDArray[np.int64]:
+    """The tick that holds at the middle of each column; ticks need not be evenly spread."""
+    grid_s = (np.arange(COLUMNS) + 0.5) / COLUMNS * time_s[-1]
+    held: npt.NDArray[np.int64] = np.maximum(np.searchsorted(time_s, grid_s, side="right") - 1, 0)
+    return held
+
+
+def _end_s(decisions: Decisions) -> float:
+    return float(decisions.time_s[-1]) or 1.0
+
+
+def _entitle(axes: Axes, title: str, unit: str) -> None:
+    axes.set_title(title, loc="left", fontsize=10, color=INK)
+    axes.set_ylabel(unit, fontsize=9)
+    axes.tick_params(labelsize=8.5)
 
 
 def _retinas(made: Sequence[Decision], contract: PolicyContract) -> Floats:

@@ -29,6 +29,8 @@ OBSTACLE_COLOUR, CONTACT_COLOUR = "#9fb3c8", "#f2a900"
 MARGIN_M = 4.0
 JUMP_M = 0.5
 """No body moves as far within a tick: it was put elsewhere."""
+Extent = tuple[float, float, float, float]
+"""Centre x and y, length along x, width along y."""
 
 
 @dataclass(frozen=True)
@@ -68,6 +70,26 @@ def draw_drive(drive: Drive, path: Path) -> None:
     panels.save(path, drive.title, contacts)
 
 
+def drive_of(log: Log, decisions: Decisions) -> Drive:
+    """Path, contacts and obstacles, each as far as the log has them.
+
+    Raises:
+        LogError: the log is damaged.
+    """
+    poses = _poses(log)
+    boxes, discs, polygons = _obstacles(log)
+    return Drive(
+        title=f"{log.path.name}: {len(decisions.time_s)} decisions",
+        x_m=poses[:, 0],
+        y_m=poses[:, 1],
+        contacts=_contacts(log),
+        boxes=boxes,
+        discs=discs,
+        polygons=polygons,
+        decisions=decisions,
+    )
+
+
 def _draw_from_above(axes: Axes, drive: Drive) -> list[Line2D]:
     """Obstacles, path and contacts; returns the entry of the contacts in a legend, if any."""
     shapes: list[Patch] = [
@@ -88,30 +110,6 @@ def _broken_at_jumps(x_m: Floats, y_m: Floats) -> tuple[Floats, Floats]:
     """The path with gaps where the body went on elsewhere: at a respawn or across the period."""
     jumps = np.flatnonzero(np.abs(np.diff(y_m)) > JUMP_M) + 1
     return np.insert(x_m, jumps, np.nan), np.insert(y_m, jumps, np.nan)
-
-
-Extent = tuple[float, float, float, float]
-"""Centre x and y, length along x, width along y."""
-
-
-def drive_of(log: Log, decisions: Decisions) -> Drive:
-    """Path, contacts and obstacles, each as far as the log has them.
-
-    Raises:
-        LogError: the log is damaged.
-    """
-    poses = _poses(log)
-    boxes, discs, polygons = _obstacles(log)
-    return Drive(
-        title=f"{log.path.name}: {len(decisions.time_s)} decisions",
-        x_m=poses[:, 0],
-        y_m=poses[:, 1],
-        contacts=_contacts(log),
-        boxes=boxes,
-        discs=discs,
-        polygons=polygons,
-        decisions=decisions,
-    )
 
 
 def _poses(log: Log) -> Floats:

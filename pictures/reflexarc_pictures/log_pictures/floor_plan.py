@@ -54,6 +54,35 @@ def draw_floor_plan(plan: FloorPlan, path: Path) -> None:
     panels.save(path, plan.title, [_start(label="start")])
 
 
+def floor_plan_of(log: Log, decisions: Decisions) -> FloorPlan:
+    """The walls that the scans show, and the path.
+
+    Raises:
+        LogError: the log is damaged.
+    """
+    sent_ns, logged_ns, poses = _poses(log)
+    ticked_ns = np.array([tick.log_ns for tick in log.records(log.topic(TICK.name))])
+    scans = list(log.messages(log.topic(SCAN.name), LaserScan))
+    places = _at(np.array([record.publish_ns for record, _ in scans]), sent_ns, poses)
+    ends = [beam_ends(scan, *place) for (_, scan), place in zip(scans, places, strict=True)]
+    return FloorPlan(
+        title=f"{log.path.name}: {len(scans)} scans, {len(ticked_ns)} decisions",
+        ends_m=np.concatenate(ends),
+        path_m=_at(ticked_ns, logged_ns, poses)[:, :2],
+        decisions=decisions,
+    )
+
+
+def beam_ends(scan: LaserScan, x_m: float, y_m: float, heading_rad: float) -> Floats:
+    """Where the beams ended that met something, x and y in metres: (hits, 2)."""
+    ranges_m = np.array(scan.ranges, np.float64)
+    bearings_rad = heading_rad + np.linspace(scan.start_angle, scan.end_angle, len(ranges_m))
+    hits = np.isfinite(ranges_m) & (ranges_m > 0.0)
+    ranges_m, bearings_rad = ranges_m[hits], bearings_rad[hits]
+    x, y = x_m + ranges_m * np.cos(bearings_rad), y_m + ranges_m * np.sin(bearings_rad)
+    return np.stack([x, y], axis=1)
+
+
 def _draw_walls(axes: Axes, plan: FloorPlan) -> None:
     ends_m = plan.ends_m[:: max(1, -(-len(plan.ends_m) // MAX_POINTS))]
     axes.plot(*ends_m.T, ".", color=INK, markersize=1.0, markeredgewidth=0.0, alpha=0.55)
@@ -87,35 +116,6 @@ def _frame(plan: FloorPlan) -> tuple[Floats, Floats]:
     if len(plan.ends_m):
         corners += list(np.quantile(plan.ends_m, (FARTHEST_SHARE, 1.0 - FARTHEST_SHARE), axis=0))
     return np.min(corners, axis=0) - MARGIN_M, np.max(corners, axis=0) + MARGIN_M
-
-
-def floor_plan_of(log: Log, decisions: Decisions) -> FloorPlan:
-    """The walls that the scans show, and the path.
-
-    Raises:
-        LogError: the log is damaged.
-    """
-    sent_ns, logged_ns, poses = _poses(log)
-    ticked_ns = np.array([tick.log_ns for tick in log.records(log.topic(TICK.name))])
-    scans = list(log.messages(log.topic(SCAN.name), LaserScan))
-    places = _at(np.array([record.publish_ns for record, _ in scans]), sent_ns, poses)
-    ends = [beam_ends(scan, *place) for (_, scan), place in zip(scans, places, strict=True)]
-    return FloorPlan(
-        title=f"{log.path.name}: {len(scans)} scans, {len(ticked_ns)} decisions",
-        ends_m=np.concatenate(ends),
-        path_m=_at(ticked_ns, logged_ns, poses)[:, :2],
-        decisions=decisions,
-    )
-
-
-def beam_ends(scan: LaserScan, x_m: float, y_m: float, heading_rad: float) -> Floats:
-    """Where the beams ended that met something, x and y in metres: (hits, 2)."""
-    ranges_m = np.array(scan.ranges, np.float64)
-    bearings_rad = heading_rad + np.linspace(scan.start_angle, scan.end_angle, len(ranges_m))
-    hits = np.isfinite(ranges_m) & (ranges_m > 0.0)
-    ranges_m, bearings_rad = ranges_m[hits], bearings_rad[hits]
-    x, y = x_m + ranges_m * np.cos(bearings_rad), y_m + ranges_m * np.sin(bearings_rad)
-    return np.stack([x, y], axis=1)
 
 
 def _poses(log: Log) -> tuple[Floats, Floats, Floats]:

@@ -12,7 +12,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from reflexarc_logs.importing.lidar_import import Imported, import_log
-from reflexarc_logs.importing.scan_line import nanoseconds
 from reflexarc_logs.importing.scan_times import EvenTimes, RecordedTimes
 from reflexarc_logs.importing.text_blocks import MAX_LINE_BYTES
 from reflexarc_logs.reading.reader import Log, read_log
@@ -145,11 +144,6 @@ def test_odometry_that_repeats_the_pose_is_taken_from_the_line_before(tmp_path: 
     assert found[0].timestamp.ToNanoseconds() == 100_250_000_000
     assert (said.scans, said.odometry) == (4, 2)
     assert said.passed_over == {"ODOM": 5, "ODOM, broken": 1}
-
-
-@given(st.decimals(-(10**10), 10**11, places=6))
-def test_a_time_is_exact_to_its_last_digit(seconds: Decimal):
-    assert nanoseconds(str(seconds).encode()) == int(seconds * 10**9)
 
 
 @pytest.mark.parametrize("time", ["1e300", "-1e300", "253402300800"])
