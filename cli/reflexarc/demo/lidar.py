@@ -14,7 +14,7 @@ import numpy as np
 
 from reflexarc.demo.processes import Process, finish, free_port, started
 from reflexarc.demo.results import LidarResult
-from reflexarc_logs.importing.lidar_import import FORMATS, Imported, import_log
+from reflexarc_logs.importing.lidar_import import FORMATS, ImportReport, import_log
 from reflexarc_logs.replaying.replay import replay
 from reflexarc_runtime.contract import RetinaSpec
 from reflexarc_runtime.errors import LogError
@@ -80,7 +80,7 @@ def _words(ranges: object) -> str:
     return " ".join(f"{distance:.3f}" for distance in np.asarray(ranges))
 
 
-def _import(text: Path, log: Path) -> Imported:
+def _import(text: Path, log: Path) -> ImportReport:
     """Import it as whichever of the known formats it is; the last refusal is the one said."""
     *first, last = FORMATS
     for kind in first:

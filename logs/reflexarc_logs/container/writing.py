@@ -1,7 +1,7 @@
-"""One MCAP file in the making: `PATH.partial` until it is finished, then `PATH`.
+"""Writes one MCAP file, which is named `PATH.partial` until it is finished, then `PATH`.
 
-Whoever finds a `.partial` knows that its recording was killed, and that `reflexarc recover` will
-make a log of what is there. Chunks are small (64 KiB): closing one stalls the writer for 0.7 ms
+A `.partial` without a process that writes it is what a killed recording left; `reflexarc recover`
+makes a log of it. Chunks are small (64 KiB): closing one stalls the writer for 0.7 ms
 where 1 MiB takes 4 to 14 ms, and a chunk is what a killed recording loses.
 """
 

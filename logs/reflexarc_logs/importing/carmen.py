@@ -7,9 +7,9 @@ n ranges, evenly spread from −90° (right) to +90° (left); then the pose that
 Every other line is counted and passed over. Source: the CARMEN toolkit's logger, as the Robotics
 Data Set Repository (Radish) keeps its logs.
 
-Distances of 50 m and more are no return: SICK scanners report 50, 51.05 to 51.16 or 81.8 to 81.9 m
-for it, indoors nothing else is as far, and a file that is read once cannot be asked for its largest
-value first. Distances that are not positive are unknown.
+Distances of 50 m and more mean "no return": SICK scanners report 50, 51.05 to 51.16 or 81.8 to
+81.9 m for it, and indoors nothing is as far away. (The largest distance of the file would be a
+better bound, but the file is read only once.) Distances that are not positive are unknown.
 
 Mappers write the corrected pose into the odometry's fields too, and an ODOM line at time 0 behind
 it. So the odometry of a scan is its own only where it differs from its pose; elsewhere it is the
@@ -125,10 +125,10 @@ class Carmen:
 
 
 def _check_count(words: list[bytes], beams: int) -> None:
-    """Whether a FLASER line has as many ranges as it says.
+    """Check that a FLASER line has as many ranges as its second word says.
 
     Raises:
-        BrokenLineError: it has not.
+        BrokenLineError: it has more or fewer.
     """
     if not 2 <= beams <= MAX_BEAMS or words[1] != b"%d" % beams:
         raise BrokenLineError("wrong count of ranges")

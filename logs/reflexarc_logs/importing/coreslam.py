@@ -4,10 +4,10 @@ Word 0 is the time in microseconds, words 2 and 3 the counts of the two wheel en
 705 are 682 ranges in millimetres from the right (−120°) to the left (+120°); one more number may
 stand at the end. Source: Steux and El Hamzaoui, "tinySLAM", and BreezySLAM's copy of its data.
 
-0 is no return; 1 to 19 are the sensor's error codes, and negative numbers none that it knows:
-unknown. The first and the last 70 beams see the robot itself or nothing, whatever number they give
-(the detection margin of tinySLAM's own example), so they are unknown too: ±95° remain. The wheels'
-geometry does not stand in the file, so no odometry is made of their counts.
+0 means "no return". 1 to 19 are error codes of the sensor, and negative numbers are not defined:
+both are unknown. The first and the last 70 beams see the robot itself or nothing, whatever their
+number (the detection margin of tinySLAM's own example), so they are unknown too: ±95° remain. The
+file does not say how large the wheels are, so their counts do not become odometry.
 """
 
 import math

@@ -1,7 +1,8 @@
-"""A lidar log of another system becomes a log of ours, in one pass and in little memory.
+"""Imports a lidar log of another system as an MCAP log, in one pass and in little memory.
 
-`scan`, `pose`, `tf` and `odometry`, as far as the file has them. `log_time` and `publish_time` are
-the new times; the file's own time stays in the messages. What is broken is counted, never mended.
+The log has `scan`, `pose`, `tf` and `odometry`, as far as the file has them. `log_time` and
+`publish_time` are the new times; the file's own times stay in the messages. Malformed lines are
+counted and left out, never corrected.
 """
 
 import json
@@ -18,7 +19,7 @@ from reflexarc_logs.importing.lidar_reading import (
     FORMATS,
     RECORDED,
     EncodedMessage,
-    Imported,
+    ImportReport,
     read_lidar,
 )
 from reflexarc_logs.importing.scan_times import EvenTimes, NewTimes, RecordedTimes
@@ -29,7 +30,7 @@ from reflexarc_runtime.messages.topics import DEFAULT_ROBOT, ODOMETRY, POSE, SCA
 CHUNK_BYTES = 1 << 20
 """Larger than a recording's: an import can be repeated, and large chunks compress better."""
 
-__all__ = ["DEFAULT_RATE_HZ", "FORMATS", "RECORDED", "Imported", "import_log"]
+__all__ = ["DEFAULT_RATE_HZ", "FORMATS", "RECORDED", "ImportReport", "import_log"]
 
 
 def import_log(
@@ -39,7 +40,7 @@ def import_log(
     *,
     rate: float | str = DEFAULT_RATE_HZ,
     robot: str = DEFAULT_ROBOT,
-) -> Imported:
+) -> ImportReport:
     """Import one file.
 
     Args:
@@ -47,7 +48,7 @@ def import_log(
         out: the log to be; it must not exist. After an error it does not.
         kind: carmen or coreslam.
         rate: Hz at which the scans are spread, or "recorded" for the file's own times.
-        robot: whose topics they become.
+        robot: name of the robot, the first part of every topic.
 
     Raises:
         LogError: the file cannot be read, is of another format or has no scan; its times were
@@ -57,11 +58,11 @@ def import_log(
     if kind not in FORMATS:
         raise UsageError(f"expected {' or '.join(FORMATS)}, got {kind!r}")
     times = _times(rate)
-    said = Imported(str(path), kind, str(Path(out)), robot, times.rate_hz)
+    report = ImportReport(str(path), kind, str(Path(out)), robot, times.rate_hz)
     file = LogWriter(Path(out), chunk_bytes=CHUNK_BYTES)
     try:
-        _begin(file, said)
-        with closing(read_lidar(Path(path), times, said)) as batches:
+        _begin(file, report)
+        with closing(read_lidar(Path(path), times, report)) as batches:
             _write(file, robot, batches)
         file.finish()
     except OSError as error:
@@ -70,7 +71,7 @@ def import_log(
     except BaseException:
         file.discard()
         raise
-    return said
+    return report
 
 
 class _Stream:
@@ -93,19 +94,19 @@ class _Stream:
         )
 
 
-def _begin(file: LogWriter, said: Imported) -> None:
+def _begin(file: LogWriter, report: ImportReport) -> None:
     run = RunInfo(
         run_id=uuid.uuid4().hex,
-        robot=said.robot,
+        robot=report.robot,
         input=SCAN.name,
-        rate_hz=said.rate_hz,
+        rate_hz=report.rate_hz,
         recorded_by="import",
         host=platform.node(),
         versions=installed_versions(),
     )
     file.describe(RUN, run.to_metadata())
-    rate = said.rate_hz or RECORDED
-    config = {"import": {"format": said.format, "file": Path(said.source).name, "rate": rate}}
+    rate = report.rate_hz or RECORDED
+    config = {"import": {"format": report.format, "file": Path(report.source).name, "rate": rate}}
     document = json.dumps(config, indent=2, sort_keys=True).encode()
     file.attach(CONFIG_ATTACHMENT, "application/json", document)
 

@@ -1,9 +1,9 @@
-"""Sweeps and places as Foxglove's messages, byte for byte as protobuf encodes them.
+"""Encodes scans and poses as Foxglove messages, byte for byte as protobuf does.
 
-To set the fields of a message one by one takes protobuf longer than to encode them. The messages of
-a stream differ in their time and a few numbers only, so protobuf encodes one of each kind, and the
-others are cast in its form. The timestamp is the first field of all three kinds and the ranges are
-the last one of a scan: encoded fields that are joined are one message.
+Setting the fields of a protobuf message one by one takes longer than encoding it. The messages of a
+stream differ only in their time and a few numbers, so protobuf encodes one message of each kind as
+a template, and these numbers are replaced in its bytes. The timestamp is the first field of all
+three kinds, and the ranges are the last field of a scan: encoded fields, joined, are one message.
 """
 
 import math
@@ -29,9 +29,9 @@ _FLOAT64 = struct.Struct("<d")
 
 
 class LidarMessages:
-    """Encodes for one robot, whose name is the frame of its lidar.
+    """Encodes the messages of one robot, whose name is the frame of its lidar.
 
-    The messages keep the file's own times; a time that is none is left out.
+    The messages keep the file's own times; a time of None is left out.
     """
 
     def __init__(self, robot: str) -> None:
@@ -56,10 +56,10 @@ class LidarMessages:
 
 
 class _PlanarForm:
-    """A message, without its time, in which a planar place is all that changes.
+    """A template of a message, without its time, in which only a planar pose changes.
 
     Args:
-        encode: with protobuf, for x, y, z and w of a rotation about z.
+        encode: encodes the message with protobuf, from x, y, and z and w of a rotation about z.
     """
 
     _SAMPLE = (0.1, 0.2, 0.3, 0.4)
@@ -71,7 +71,7 @@ class _PlanarForm:
         self._layout = struct.Struct("<" + "d".join(f"{len(part)}s" for part in self._fixed))
 
     def cast(self, place: TimedPose) -> bytes:
-        """The bytes of the message at a place."""
+        """The bytes of the message for a pose."""
         x, y, half = place.x_m, place.y_m, place.heading_rad / 2
         z, w = math.sin(half), math.cos(half)
         if not (x and y and z and w):  # protobuf leaves out what is zero

@@ -63,7 +63,7 @@ def summarise(log: Log | Path | str) -> LogSummary:
     """Count a log, finished or truncated; reads all of it and checks every CRC.
 
     Raises:
-        LogError: missing, no MCAP, damaged, or of another system.
+        LogError: it is missing, not MCAP, damaged, or of another system.
     """
     source = log if isinstance(log, Log) else read_log(log, allow_truncated=True)
     counts: dict[str, _Count] = {}

@@ -109,7 +109,7 @@ class Recorder:
         self._owner.join()
 
     def _begin(self, policy: bytes, config: Mapping[str, Any]) -> None:
-        """What a log must hold however early it ends."""
+        """Write what a log must hold even if it ends at once."""
         try:
             self._file.describe(RUN, self._run.to_metadata())
             if policy:
@@ -125,7 +125,7 @@ class Recorder:
             raise
 
     def _own(self) -> None:
-        """The owner thread."""
+        """Run the thread that owns the file."""
         try:
             self._write_until_closed()
             if self._backlog.dropped:

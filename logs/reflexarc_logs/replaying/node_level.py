@@ -24,7 +24,7 @@ from reflexarc_runtime.policy.policy import LoadedPolicy
 from reflexarc_runtime.sensing.senses import sense_for
 
 MAX_WAITING = 16 * DEFAULT_CAPACITY
-"""Inputs without a tick beyond which this is no log of a loop: an inbox holds far fewer."""
+"""So many inputs without a tick are no log of a loop: an inbox holds far fewer."""
 
 
 def replay_node(log: Log, policy: LoadedPolicy, rules: EqualityRules) -> tuple[LevelResult, int]:
@@ -34,7 +34,7 @@ def replay_node(log: Log, policy: LoadedPolicy, rules: EqualityRules) -> tuple[L
         The result, and how many inputs came after the last tick.
 
     Raises:
-        LogError: the log cannot be read, or is not one of a loop.
+        LogError: the log cannot be read, or was not recorded by a loop.
     """
     sense = sense_for(log.run.input, policy.contract.retina)
     controller = Controller(policy, policy.contract, sense, policy.policy_hash)

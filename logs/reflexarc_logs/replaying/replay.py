@@ -1,7 +1,7 @@
-"""Replay: a log through the policy and the controller again, without bus and clock.
+"""Replays a log through the policy and the controller, without bus and clock.
 
-Two levels that check each other. `policy`: what each tick saw, through the policy. `node`: what
-arrived, through the whole controller; it needs the log of a loop (`run --record`).
+Two levels check each other. `policy`: the retina of each tick goes through the policy. `node`: the
+messages that arrived go through the whole controller; it needs the log of a loop (`run --record`).
 """
 
 from pathlib import Path

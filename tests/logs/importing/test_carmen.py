@@ -11,7 +11,7 @@ from foxglove_schemas_protobuf.PoseInFrame_pb2 import PoseInFrame
 from hypothesis import given
 from hypothesis import strategies as st
 
-from reflexarc_logs.importing.lidar_import import Imported, import_log
+from reflexarc_logs.importing.lidar_import import ImportReport, import_log
 from reflexarc_logs.importing.scan_times import EvenTimes, RecordedTimes
 from reflexarc_logs.importing.text_blocks import MAX_LINE_BYTES
 from reflexarc_logs.reading.reader import Log, read_log
@@ -22,7 +22,7 @@ from support.lidar import CARMEN, carmen_file, flaser, odom, slow_carmen
 S = 1_000_000_000
 
 
-def imported(folder: Path, text: str | bytes, **wishes: object) -> tuple[Imported, Log]:
+def imported(folder: Path, text: str | bytes, **wishes: object) -> tuple[ImportReport, Log]:
     source, out = folder / "in.log", folder / "out.mcap"
     source.write_bytes(text if isinstance(text, bytes) else text.encode())
     said = import_log(source, out, "carmen", **wishes)  # type: ignore[arg-type]  # as given

@@ -9,7 +9,7 @@ import tyro
 from reflexarc.terminal.output import aside, console, facts, print_json
 
 if TYPE_CHECKING:
-    from reflexarc_logs.importing.lidar_import import Imported
+    from reflexarc_logs.importing.lidar_import import ImportReport
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class ImportCommand:
         return 0
 
 
-def _rows(imported: "Imported") -> dict[str, object]:
+def _rows(imported: "ImportReport") -> dict[str, object]:
     rate = f"{imported.rate_hz:g} Hz" if imported.rate_hz else "the file's own times"
     broken = _counts(imported.broken_lines)
     if imported.first_broken_line is not None:
