@@ -30,7 +30,7 @@ class CliCommand(Protocol):
     """A command: a dataclass whose fields are its flags."""
 
     def run(self) -> int:
-        """Do it; returns the exit status."""
+        """Run the command; return the exit status."""
         ...
 
 
@@ -57,17 +57,17 @@ DESCRIPTION = "A learned reflex for robots: train, export, run, record, replay."
 
 
 def name_of(command: type[CliCommand]) -> str:
-    """The word that calls a command."""
+    """The word that starts a command."""
     return command.__name__.removesuffix("Command").lower()
 
 
 def summary_of(command: type[CliCommand]) -> str:
-    """The first paragraph of what a command says of itself, on one line."""
+    """The first paragraph of a command's description, on one line."""
     return description_of(command).partition("\n\n")[0].replace("\n", " ")
 
 
 def description_of(command: type[CliCommand]) -> str:
-    """All that a command says of itself."""
+    """The description of a command, with its examples."""
     return cleandoc(command.__doc__ or "")
 
 

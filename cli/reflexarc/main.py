@@ -1,6 +1,7 @@
-"""The front door: one command, each of its subcommands loaded from its room only when used.
+"""The command line: parses it, runs one command, and turns every error into one line.
 
-Exit status: 0 success, 1 the answer is no, 2 wrong use or bad input, said in one line.
+A command imports what it needs only when it runs. Exit status: 0 success, 1 the answer is no, 2
+wrong use or bad input.
 """
 
 import contextlib
@@ -65,14 +66,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _refuse(_explain_missing(error, words[0]))
     except OSError as error:
         if isinstance(error, BrokenPipeError):
-            return _nobody_listens()
+            return _end_without_reader()
         return _refuse(f"{error.filename or 'system'}: {error.strerror or error}")
     except KeyboardInterrupt:
         return 130
 
 
 def _quieten_threads() -> None:
-    """Before NumPy and numba load: their threads must neither fight nor spin while they wait."""
+    """Configure the threads of NumPy and numba before they load: one each, idle while they wait."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
@@ -96,7 +97,7 @@ def _parse(words: list[str]) -> Any:
 
 
 def _any_command(asked: str) -> Any:
-    """The union of all commands; the one that is asked for tells all, the others their summary."""
+    """The union of all commands, with the full description of the one that is asked for."""
     union: Any = None
     for command in COMMANDS:
         name = name_of(command)
@@ -127,8 +128,8 @@ def _explain_missing(error: ModuleNotFoundError, command: str) -> str:
     )
 
 
-def _nobody_listens() -> int:
-    """The reader went away (`| head`): nothing is left to say, and Python must not try at exit."""
+def _end_without_reader() -> int:
+    """End quietly when the reader of the output is gone (`| head`), also at Python's last flush."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     return 0
 

@@ -1,4 +1,4 @@
-"""From a world or a log to a file: a picture (PNG) or a film (GIF, MP4)."""
+"""Renders a world or a log as a file: a picture (PNG) or a film (GIF, MP4)."""
 
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 PICTURE, GIF, MP4 = ".png", ".gif", ".mp4"
 FILM_S, STRETCH_S = 10.0, 20.0
-"""How long a film lasts, and a drive that becomes a picture, unless told otherwise."""
+"""Default duration of a film, and of a drive that becomes a picture."""
 
 What: TypeAlias = Literal["stretch", "drive", "floor", "film"]
 
@@ -32,17 +32,17 @@ def no_progress_bar(title: str, total: int) -> Iterator[Callable[[int, int], Non
 
 @dataclass(frozen=True)
 class Rendered:
-    """What became of it."""
+    """The file that was written."""
 
     picture: Path
     kind: What
     bytes: int
     frames: int
-    """Of a film; 1 of a picture."""
+    """Number of frames of a film; 1 for a picture."""
 
 
 def check_format(out: Path) -> None:
-    """Refuse what nobody here can write.
+    """Check that a file of this format can be written.
 
     Raises:
         UsageError: another suffix, or an MP4 without ffmpeg.
@@ -56,7 +56,7 @@ def check_format(out: Path) -> None:
 
 
 def check_place(out: Path) -> None:
-    """Refuse a place where no file can be, before any work is done for it.
+    """Check that a file can be written at a path, before any work is done for it.
 
     Raises:
         UsageError: its folder is missing, or it is a folder itself.
@@ -75,20 +75,20 @@ def render_world(
     duration_s: float | None = None,
     progress_bar: ProgressBar = no_progress_bar,
 ) -> Rendered:
-    """Let an agent drive in a world and draw that.
+    """Let an agent drive in a world, and draw the drive.
 
     Args:
         source: the world.
         out: PNG: the whole stretch; GIF or MP4: a film.
-        policy: who drives; None: an agent that never steers, with the reference eye.
+        policy: drives the agent; None: it never steers, and has the reference eye.
         seed: which of the world's variants, 0 to 2⁶⁴ − 1.
-        duration_s: in the world's time; None: `FILM_S` or `STRETCH_S`.
+        duration_s: duration of the drive, in the world's time; None: `FILM_S` or `STRETCH_S`.
         progress_bar: shows how far the drive and the film are.
 
     Raises:
         PolicyError: the policy cannot be loaded.
         WorldError: the world does not support the policy's contract.
-        UsageError: nothing here can write such a film.
+        UsageError: ffmpeg is needed and failed.
     """
     from reflexarc_pictures.courses.world_course import drive_in_world
     from reflexarc_runtime.policy.policy import Policy, load_policy
@@ -120,7 +120,7 @@ def render_log(
     duration_s: float | None = None,
     progress_bar: ProgressBar = no_progress_bar,
 ) -> Rendered:
-    """Draw a log of `reflexarc run --record`: PNG all of it, GIF or MP4 its first seconds.
+    """Draw a log of `reflexarc run --record`: a PNG shows all of it, a film its first seconds.
 
     Args:
         path: the log.
@@ -131,7 +131,7 @@ def render_log(
 
     Raises:
         LogError: the log cannot be read, or there is nothing in it to draw.
-        UsageError: it has not got what the kind of picture needs; or nothing writes such a film.
+        UsageError: the log lacks streams that the kind of picture needs; or ffmpeg failed.
     """
     if out.suffix.lower() == PICTURE:
         from reflexarc_pictures.log_pictures.log_picture import draw_log

@@ -1,4 +1,4 @@
-"""`reflexarc demo`: the whole arc in about a minute."""
+"""`reflexarc demo`: everything from learning to replay, in about a minute."""
 
 import shutil
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ DRIVE_SEED = 4
 
 @dataclass(frozen=True)
 class DemoCommand:
-    """Learn a reflex, ship it as one file, drive with it over the bus, record, replay, report.
+    """Learn a policy, export it, drive with it over the bus, record, replay, report.
 
     Examples:
       reflexarc demo
@@ -98,7 +98,7 @@ class DemoCommand:
 
 
 def _clear(out: Path) -> None:
-    """Remove what an earlier demo made, and nothing else: its folder bears a mark."""
+    """Remove the files of an earlier demo, and no others: a file in its folder marks it."""
     taken = [name for name in MADE if (out / name).exists()]
     if taken and not (out / MARK).exists():
         raise UsageError(f"--out: {out}: {taken[0]} is there and no demo made it; choose another")

@@ -1,4 +1,4 @@
-"""A drive with two real processes: a body and a runtime, on a port of their own."""
+"""A drive with two real processes, a body and a runtime, on a port that no other process uses."""
 
 import signal
 import time

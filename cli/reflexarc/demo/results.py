@@ -1,4 +1,4 @@
-"""What the demo found, section by section; `--json` prints exactly this."""
+"""The results of the demo, section by section; `--json` prints exactly this."""
 
 from dataclasses import dataclass
 
@@ -22,7 +22,7 @@ class LearningResult:
 
 @dataclass(frozen=True)
 class DriveResult:
-    """How the loop fared."""
+    """How punctual the loop was, and where the body went."""
 
     ticks: int
     rate_hz: float
@@ -47,7 +47,7 @@ class LogResult:
 
 @dataclass(frozen=True)
 class ReplayResult:
-    """What deciding it all again found, by level."""
+    """What the replay of the drive found."""
 
     verdict: str
     levels: dict[str, dict[str, int]]
@@ -56,7 +56,7 @@ class ReplayResult:
 
 @dataclass(frozen=True)
 class LidarResult:
-    """The same reflex on scans."""
+    """How the policy did on lidar scans."""
 
     source: str
     """The file, or that it was simulated."""
@@ -73,7 +73,7 @@ class LidarResult:
 
 @dataclass(frozen=True)
 class DemoResult:
-    """The whole demo."""
+    """All results of the demo."""
 
     learning: LearningResult
     drive: DriveResult

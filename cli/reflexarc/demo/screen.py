@@ -1,4 +1,4 @@
-"""The demo's one screen."""
+"""Shows the results of the demo on one screen."""
 
 from rich.console import Group
 from rich.panel import Panel
@@ -11,7 +11,7 @@ ScreenRow = tuple[str, str, str]
 
 
 def screen(found: DemoResult) -> Panel:
-    """Everything that the demo found, for a person."""
+    """All results of the demo, for people."""
     table = Table(show_header=False, box=None, padding=(0, 1))
     table.add_column(style="bold cyan", no_wrap=True)
     table.add_column(no_wrap=True)

@@ -1,4 +1,4 @@
-"""The stages of the demo, each from files to figures."""
+"""The stages of the demo: each takes files and returns figures."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -52,7 +52,7 @@ def look_at_log(path: Path) -> LogResult:
 
 
 def replay_log(path: Path) -> ReplayResult:
-    """Decide the whole drive again, at both levels."""
+    """Replay the whole drive at both levels."""
     report = replay(path)
     levels = {
         level.level: {"compared": level.compared, "identical": level.identical}

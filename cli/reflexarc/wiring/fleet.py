@@ -10,13 +10,13 @@ from reflexarc.wiring.bus_flags import Joining
 _Result = TypeVar("_Result")
 
 Ride = Callable[[Joining, int, Callable[[], bool]], _Result | None]
-"""(who, its number, asks whether to stop) → what became of it, None if nothing did."""
+"""(flags, number of the robot, asks whether to stop) → the result; None if it never drove."""
 
 
 def drive_together(
     robots: Sequence[Joining], ride: Ride[_Result], stop: Callable[[], bool]
 ) -> dict[str, _Result]:
-    """Let every robot ride; returns what became of each that came to drive, by name.
+    """Drive all robots at once; return the result of each that drove, by name.
 
     Raises:
         Exception: what one of them raised; the others have been stopped.

@@ -1,8 +1,8 @@
-"""A course as a film: the view from above goes with the agent, its retina runs below.
+"""Makes a film of a course: the view from above follows the agent, with its retinas below.
 
-What stays is drawn once; a frame draws what moves on top of it. A GIF has one palette for all
-frames, without dithering: equal colours stay equal, and it stays small. An MP4 is made by ffmpeg,
-where that is installed.
+What never changes is drawn once; each frame draws what moves on top of it. A GIF has one palette
+for all frames, without dithering: equal colours stay equal, and the file stays small. An MP4 is
+made by ffmpeg, if that is installed.
 """
 
 import contextlib
@@ -27,7 +27,7 @@ WIDTH_IN, HEIGHT_IN, DPI = 6.0, 5.4, 100
 NOSE_M = 0.28
 MOST_COLOURS = 96
 LEAST_RANGE_M, MOST_RANGE_M = 2.0, 20.0
-"""An eye that reaches less far or farther does not change the scale."""
+"""Bounds of the range that sets the scale, whatever the eye's own range is."""
 BEHIND, AHEAD = 0.7, 1.42
 """What is shown behind and ahead, as a multiple of the eye's range."""
 
@@ -39,7 +39,7 @@ _MAP, _STRIP, _NOW = (
 """Left, bottom, width, height of each, as shares of the figure."""
 _SLOPE = _MAP[3] * HEIGHT_IN / (_MAP[2] * WIDTH_IN)
 _SAMPLES = 4
-"""So many frames, evenly spread, say what colours there are."""
+"""The palette is made of so many frames at equal intervals."""
 
 ReportProgress = Callable[[int, int], None]
 
@@ -60,7 +60,7 @@ class Frames:
         self._moving: list[Artist] = [*self._view.artists, *self._strip.artists, self._facts]
         for artist in self._moving:
             artist.set_animated(True)
-        self._bring_to(0)  # axes take their shape from what they show
+        self._bring_to(0)  # axes take their size from what they show
         self._canvas.draw()
 
     def __len__(self) -> int:
@@ -127,7 +127,7 @@ def write_mp4(course: Course, path: Path, progress: ReportProgress = lambda done
         _ffmpeg_words(frames, path), stdin=subprocess.PIPE, stderr=subprocess.PIPE
     ) as ffmpeg:
         assert ffmpeg.stdin is not None
-        with contextlib.suppress(BrokenPipeError):  # it ended early, and will say why
+        with contextlib.suppress(BrokenPipeError):  # ffmpeg ended early; its message follows
             for number in range(len(frames)):
                 ffmpeg.stdin.write(frames.image(number).tobytes())
                 progress(number + 1, len(frames))
@@ -139,7 +139,7 @@ def write_mp4(course: Course, path: Path, progress: ReportProgress = lambda done
 
 
 def check_ffmpeg() -> None:
-    """Refuse to make an MP4 where nothing can.
+    """Check that ffmpeg is there to write an MP4.
 
     Raises:
         UsageError: no ffmpeg on the PATH.
@@ -149,7 +149,7 @@ def check_ffmpeg() -> None:
 
 
 def _ffmpeg_words(frames: Frames, path: Path) -> list[str]:
-    """Raw frames on standard input; colours as every player knows them."""
+    """Command line of ffmpeg: raw frames on standard input, colours as all players know them."""
     width, height = frames.size
     taken = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}"]
     rate = ["-r", f"{frames.rate_hz:g}"]
@@ -158,7 +158,7 @@ def _ffmpeg_words(frames: Frames, path: Path) -> list[str]:
 
 
 def _palette(frames: Frames) -> Image.Image:
-    """Of some frames together."""
+    """A palette of colours for all frames."""
     last = len(frames) - 1
     numbers = sorted({round(last * k / (_SAMPLES - 1)) for k in range(_SAMPLES)})
     images = [frames.image(number) for number in numbers]
@@ -170,7 +170,7 @@ def _palette(frames: Frames) -> Image.Image:
 
 
 def _area(course: Course, k: int) -> Area:
-    """Around the agent."""
+    """What a frame shows around the agent."""
     snapshot = course.snapshots[k]
     range_m = min(max(course.eye.range_m, LEAST_RANGE_M), MOST_RANGE_M)
     aside_m = (BEHIND + AHEAD) * range_m * _SLOPE / 2

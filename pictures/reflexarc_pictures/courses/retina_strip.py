@@ -16,12 +16,12 @@ _GREY = colormaps["magma"]
 
 
 class RetinaStrip:
-    """What was seen, up to a moment.
+    """Draws the retinas of a course up to one snapshot.
 
     Args:
-        over_time: axes for all moments.
-        now: axes for one.
-        course: whose retinas.
+        over_time: axes for all retinas, one column each.
+        now: axes for the newest retina.
+        course: has the retinas.
     """
 
     def __init__(self, over_time: Axes, now: Axes, course: Course) -> None:
@@ -45,11 +45,11 @@ class RetinaStrip:
 
     @property
     def artists(self) -> list[Artist]:
-        """What changes from moment to moment."""
+        """What changes from snapshot to snapshot."""
         return [self._strip, self._now, self._met]
 
     def show(self, k: int) -> None:
-        """Show everything up to moment k."""
+        """Show everything up to snapshot k."""
         shown = self._pixels.copy()
         shown[:, k + 1 :] = 0
         self._strip.set_data(shown)
@@ -65,7 +65,7 @@ def _image(axes: Axes, pixels: npt.NDArray[np.uint8], end: float) -> AxesImage:
 
 
 def _column(snapshot: Snapshot, course: Course) -> npt.NDArray[np.uint8]:
-    """One pixel a ray, red, green, blue and opacity: (eyes · rays, 4); grey where nothing came."""
+    """One pixel a ray, red, green, blue and opacity: (eyes · rays, 4); grey if there is none."""
     retina = snapshot.retina
     if retina is None:
         known = next((m.retina for m in course.snapshots if m.retina is not None), None)

@@ -14,7 +14,7 @@ from reflexarc_pictures.log_pictures.decision_strips import INK
 
 WIDTH_IN, DPI = 8.0, 100
 BEHIND_M, AHEAD_M, ASIDE_M = 1.5, 6.0, 4.0
-"""What is shown of the world around the path."""
+"""How much of the world is shown around the path."""
 MOST_ACROSS_M = 24.0
 NOSE_M = 0.4
 MOST_COLOURS = 96
@@ -48,7 +48,7 @@ def _title(course: Course) -> str:
 
 
 def _into_the_period(course: Course) -> Floats:
-    """What to add to every y so that it lies between 0 and the world's period: (moments,)."""
+    """What to add to every y so that it lies between 0 and the world's period: (snapshots,)."""
     y_m = np.array([snapshot.y_m for snapshot in course.snapshots])
     if course.lateral_period_m is None or course.strip_m is None:
         return np.zeros(len(y_m))

@@ -1,4 +1,4 @@
-"""The view from above as artists that are made once and moved from frame to frame."""
+"""Draws a course from above, with artists that are made once and moved from frame to frame."""
 
 from collections.abc import Sequence
 
@@ -14,10 +14,10 @@ from reflexarc_pictures.log_pictures.drive import CONTACT_COLOUR
 GROUND_COLOUR = "#f5f3ee"
 AGENT_COLOUR, BODY_COLOUR, RAY_COLOUR = "#c8402f", "#7a2318", "#c8402f"
 SHOWN_CONTACT_S = 0.5
-"""For so long an agent shows that it met something."""
+"""How long the agent changes its colour after a contact."""
 
 _ARROW = np.array([(1.0, 0.0), (-0.55, 0.6), (-0.25, 0.0), (-0.55, -0.6)])
-"""Its heading: an arrow head, ahead."""
+"""An arrow head that points ahead, for the agent's heading."""
 
 
 class TopView:
@@ -25,7 +25,7 @@ class TopView:
 
     Args:
         axes: where to draw.
-        course: what.
+        course: what to draw.
         nose_m: half the length of the agent's arrow.
     """
 
@@ -47,17 +47,17 @@ class TopView:
 
     @property
     def artists(self) -> list[Artist]:
-        """What changes from moment to moment, the lowest first."""
+        """What changes from snapshot to snapshot, the lowest first."""
         above = [self._path, self._met, self._contacts, self._agent]
         return [self._wakes, self._obstacles, self._far, self._near, *above]
 
     def show(self, k: int, area: Area, y_shift_m: Floats | None = None) -> None:
-        """Show an area at a moment.
+        """Show an area at the time of a snapshot.
 
         Args:
-            k: number of the moment.
-            area: what is in the picture.
-            y_shift_m: added to every y of the path so far: (moments,).
+            k: index of the snapshot.
+            area: the part of the plane that the axes show.
+            y_shift_m: added to every y of the path so far: (snapshots,).
         """
         course, snapshot = self._course, self._course.snapshots[k]
         shift_m = np.zeros(len(course.snapshots)) if y_shift_m is None else y_shift_m
@@ -86,7 +86,7 @@ class TopView:
         put[1:] |= np.diff(shift_m) != 0.0
         jumps = np.flatnonzero(put)
         self._path.set_data(np.insert(x_m, jumps, np.nan), np.insert(y_m, jumps, np.nan))
-        # What it met is where it stood before it was put elsewhere.
+        # A contact is marked where the agent stood before it was placed elsewhere.
         met = [max(k - 1, 0) for k in self._course.contacts if k < len(x_m)]
         self._contacts.set_data(x_m[met], y_m[met])
 

@@ -1,4 +1,4 @@
-"""From a world to a course: an agent drives through it."""
+"""Makes a course of a world: an agent drives through it."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING
@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from reflexarc_runtime.policy.policy import Policy
 
 MOST_ACROSS_M = 40.0
-"""A world wider than that is shown around the agent only."""
+"""Of a world that is wider, only a part around the agent is shown."""
 AROUND_M = 5.0
-"""So far behind and ahead of the path walls count."""
+"""How far behind and ahead of the path the walls of a corridor are looked at."""
 
 _WALLS_M = 0.6
 _WALL_PLACES = 100
@@ -33,18 +33,18 @@ def drive_in_world(
     duration_s: float,
     progress: Callable[[int, int], None] = lambda done, of: None,
 ) -> Course:
-    """Drive, one decision a step of the world.
+    """Let an agent drive, with one decision in each step of the world.
 
     Args:
-        source: the world; of a family that of the seed.
+        source: the world; a family of worlds gives that of the seed.
         contract: what the agent sees and does.
-        policy: what decides.
+        policy: decides how the agent drives.
         seed: which of the world's variants, 0 to 2⁶⁴ − 1.
         duration_s: how long, in the world's time.
-        progress: told the steps done and all steps.
+        progress: called with the steps done and all steps.
 
     Raises:
-        WorldError: a contract that the world does not support.
+        WorldError: the world does not support the contract.
     """
     world = source.drawn(seed)
     simulation = Simulation(world, contract, np.array([seed], np.uint64))
@@ -71,12 +71,12 @@ def drive_in_world(
 
 
 def _snapshot(simulation: Simulation, last: Snapshot | None, met: bool) -> Snapshot:
-    """Look, and note everything."""
+    """The state of the agent now, with a new retina."""
     world = simulation.world.drawn(0)
     retina = simulation.sense()[0]
     y_m, period_m = float(simulation.y_m[0]), _period_m(world)
     if last is not None and period_m is not None:
-        y_m += period_m * round((last.y_m - y_m) / period_m)  # the same place, as near as it can be
+        y_m += period_m * round((last.y_m - y_m) / period_m)  # the nearest of its repetitions
     return Snapshot(
         x_m=float(simulation.x_m[0]),
         y_m=y_m,
@@ -97,7 +97,7 @@ def _period_m(world: World) -> float | None:
 
 
 def _strip_m(world: World, seed: int, snapshots: list[Snapshot]) -> tuple[float, float] | None:
-    """From side to side; of a corridor, as far as its walls go along the way."""
+    """Lowest and highest y of the world; of a corridor, of its walls along the path."""
     if world.corridor is not None:
         x_m = np.linspace(snapshots[0].x_m - AROUND_M, snapshots[-1].x_m + AROUND_M, _WALL_PLACES)
         right_m = right_side_m(world, seed, x_m)

@@ -1,4 +1,4 @@
-"""A drive as a picture: from above, and what the policy saw and did as strips over time.
+"""Draws a drive: from above, and what the policy saw and did as strips over time.
 
 Above: obstacles, path and contacts, x ahead to the right, y to the left upwards. Without poses
 there is no view from above.
@@ -28,7 +28,7 @@ from reflexarc_runtime.messages.topics import CONTACT, POSE, SCENE
 OBSTACLE_COLOUR, CONTACT_COLOUR = "#9fb3c8", "#f2a900"
 MARGIN_M = 4.0
 JUMP_M = 0.5
-"""No body moves as far within a tick: it was put elsewhere."""
+"""A body does not drive as far within a tick: it was placed elsewhere."""
 Extent = tuple[float, float, float, float]
 """Centre x and y, length along x, width along y."""
 
@@ -91,7 +91,7 @@ def drive_of(log: Log, decisions: Decisions) -> Drive:
 
 
 def _draw_from_above(axes: Axes, drive: Drive) -> list[Line2D]:
-    """Obstacles, path and contacts; returns the entry of the contacts in a legend, if any."""
+    """Draw obstacles, path and contacts; return the legend's entry for contacts, if any."""
     shapes: list[Patch] = [
         Rectangle((x - length / 2, y - width / 2), length, width)
         for x, y, length, width in drive.boxes
@@ -107,7 +107,7 @@ def _draw_from_above(axes: Axes, drive: Drive) -> list[Line2D]:
 
 
 def _broken_at_jumps(x_m: Floats, y_m: Floats) -> tuple[Floats, Floats]:
-    """The path with gaps where the body went on elsewhere: at a respawn or across the period."""
+    """The path with gaps where the body was placed elsewhere or the world repeats."""
     jumps = np.flatnonzero(np.abs(np.diff(y_m)) > JUMP_M) + 1
     return np.insert(x_m, jumps, np.nan), np.insert(y_m, jumps, np.nan)
 
@@ -142,7 +142,7 @@ def _extent(shape: CubePrimitive | CylinderPrimitive) -> Extent:
 
 
 def _corners(shape: TriangleListPrimitive) -> tuple[tuple[float, float], ...]:
-    """All points but the first, which is the middle of a fan."""
+    """All points but the first, which is the centre of a fan."""
     return tuple((point.x, point.y) for point in shape.points[1:])
 
 

@@ -1,7 +1,7 @@
-"""A drive through a real building as a picture: a floor plan out of its scans, strips over time.
+"""Draws a drive through a real building: a floor plan made of its scans, and strips over time.
 
-The plan shows where beams ended, put together by the poses, and the path, each step in the colour
-of the decision that was made there. World frame: x to the right, y upwards, metres.
+The plan shows where beams ended, computed with the poses, and the path, each step in the colour of
+the decision that was made there. World frame: x to the right, y upwards, metres.
 """
 
 import math
@@ -22,10 +22,10 @@ from reflexarc_pictures.log_pictures.panels import Panels
 from reflexarc_runtime.messages.topics import POSE, SCAN, TICK
 
 MAX_POINTS = 120_000
-"""Enough for walls to become lines; more only makes the picture large."""
+"""Enough that walls look like lines; more points only make the file larger."""
 MARGIN_M = 1.0
 FARTHEST_SHARE = 0.002
-"""What lies beyond this share of the points on a side (glass, open doors) is outside the frame."""
+"""This share of the points on each side (seen through glass, open doors) may be cut off."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ def draw_floor_plan(plan: FloorPlan, path: Path) -> None:
 
 
 def floor_plan_of(log: Log, decisions: Decisions) -> FloorPlan:
-    """The walls that the scans show, and the path.
+    """Compute the walls that the scans show, and the path.
 
     Raises:
         LogError: the log is damaged.
@@ -74,7 +74,7 @@ def floor_plan_of(log: Log, decisions: Decisions) -> FloorPlan:
 
 
 def beam_ends(scan: LaserScan, x_m: float, y_m: float, heading_rad: float) -> Floats:
-    """Where the beams ended that met something, x and y in metres: (hits, 2)."""
+    """Where beams hit an obstacle, x and y in metres: (hits, 2)."""
     ranges_m = np.array(scan.ranges, np.float64)
     bearings_rad = heading_rad + np.linspace(scan.start_angle, scan.end_angle, len(ranges_m))
     hits = np.isfinite(ranges_m) & (ranges_m > 0.0)

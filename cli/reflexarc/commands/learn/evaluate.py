@@ -1,4 +1,4 @@
-"""`reflexarc evaluate`: how often a policy collides on the reference field."""
+"""`reflexarc evaluate`: measures how often a policy collides on the reference field."""
 
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""`reflexarc export`: a checkpoint, as a policy."""
+"""`reflexarc export`: a checkpoint becomes a policy file."""
 
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""`reflexarc study`: a grid of configurations × seeds."""
+"""`reflexarc study`: learns with a grid of configurations × seeds, and compares the results."""
 
 import os
 from dataclasses import dataclass
@@ -58,7 +58,7 @@ class StudyCommand:
     """Print one JSON object at the end."""
 
     def run(self) -> int:
-        """Do it; the exit status is the answer."""
+        """List, show, plan or run a study; return the exit status."""
         if self.list != (self.study == ""):
             wanted = "no study with --list" if self.list else "the name or the file of a study"
             raise UsageError(f"study: expected {wanted}, got {self.study or 'none'}; see --list")
@@ -128,7 +128,7 @@ class StudyCommand:
         return self._answer(result)
 
     def _answer(self, result: "StudyResult") -> int:
-        """Say what is not as it should be."""
+        """Print what failed or is missing; return the exit status."""
         if result.unused:
             said = "results of other code are not used; --any-code uses them"
             aside.print(f"{result.unused} {said}")

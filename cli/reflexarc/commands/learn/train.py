@@ -1,4 +1,4 @@
-"""`reflexarc train`: learn a reflex."""
+"""`reflexarc train`: learns a policy."""
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext

@@ -1,4 +1,4 @@
-"""`reflexarc import`: real lidar logs as logs of ours."""
+"""`reflexarc import`: lidar logs of other systems become MCAP logs."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,11 +14,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ImportCommand:
-    """Make a log of ours of a lidar log: CARMEN (Radish) or CoreSLAM, plain or gzip.
+    """Import a lidar log of another system: CARMEN (Radish) or CoreSLAM, plain or gzip.
 
-    Scans, corrected poses and odometry, as far as the file has them. What is broken is counted and
-    left out; distances that the sensor could not tell stay unknown; nothing is guessed. Recorded
-    times are kept only where they grow, because in many logs they do not.
+    The log holds scans, corrected poses and odometry, as far as the file has them. Malformed lines
+    are counted and left out; distances that the sensor could not measure stay unknown. Recorded
+    times are kept only on request and only if they grow, because in many logs they do not.
 
     Examples:
       reflexarc import carmen intel.log.gz -o runs/intel.mcap
@@ -26,7 +26,7 @@ class ImportCommand:
     """
 
     format: tyro.conf.Positional[Literal["carmen", "coreslam"]]
-    """Whose format it is."""
+    """The format of the file."""
     file: tyro.conf.Positional[Path]
     """The log (text, or text in gzip)."""
     out: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
@@ -34,7 +34,7 @@ class ImportCommand:
     rate: float | Literal["recorded"] = 10.0
     """Scans a second, spread evenly from 0; or recorded: the file's own times."""
     robot: str = "robot0"
-    """Whose topics they become."""
+    """Name of the robot, the first part of every topic."""
     json: bool = False
     """Print one JSON object."""
 

@@ -1,4 +1,4 @@
-"""`reflexarc play`: a log's sensor streams, on the bus again."""
+"""`reflexarc play`: sends the sensor streams of a log on the bus again."""
 
 import math
 from collections.abc import Callable, Iterator
@@ -27,11 +27,12 @@ MS = 1_000_000
 
 @dataclass(frozen=True)
 class PlayCommand:
-    """Play a log's sensor streams onto the bus, as its body did.
+    """Send the sensor streams of a log on the bus again, as its body did.
 
-    Retina, scan, pose, tf, odometry, contact and scene; nothing that the runtime said. In real time
-    the messages bear the player's own clock, and nobody waits for anybody. In lockstep they bear
-    the log's time, and each retina or scan waits for its command. At a terminal the space bar
+    These are retina, scan, pose, tf, odometry, contact and scene, and nothing of the runtime. In
+    real time the messages carry the time of the player's own clock, and no process waits for
+    another. In lockstep they carry the log's time, and after each retina or scan the player waits
+    for its command. At a terminal the space bar
     pauses and q quits. Records that cannot be decoded are counted and not sent.
 
     Examples:

@@ -56,7 +56,7 @@ class RenderCommand:
     """Print one JSON object."""
 
     def run(self) -> int:
-        """Draw, and say what became of it."""
+        """Draw, and print what was written."""
         check_format(self.out)
         check_place(self.out)
         if self.seconds is not None and not MIN_SECONDS <= self.seconds <= MAX_SECONDS:
@@ -98,6 +98,6 @@ class RenderCommand:
 
 
 def _is_log(target: str) -> bool:
-    """A log ends in .mcap; any other file that is there, and is no TOML, is taken for one, too."""
+    """Whether it is a log: it ends in .mcap, or is a file that exists and is not TOML."""
     path = Path(target)
     return path.suffix == ".mcap" or (path.suffix != ".toml" and path.is_file())

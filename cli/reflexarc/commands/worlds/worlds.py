@@ -1,4 +1,4 @@
-"""`reflexarc worlds`: the worlds there are, and whether one is fair."""
+"""`reflexarc worlds`: lists the worlds, shows one, or checks whether one is fair."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -47,7 +47,7 @@ class WorldsCommand:
     """Print one JSON object."""
 
     def run(self) -> int:
-        """Do it; the exit status is the answer."""
+        """List, show or check worlds; return the exit status."""
         if self.action != "check" and self.out is not None:
             raise UsageError(f"--out: only check draws, not {self.action}")
         if self.out is not None and self.out.suffix.lower() != ".png":
@@ -103,7 +103,7 @@ class WorldsCommand:
 
 
 def _table(rows: list[dict[str, Any]]) -> "Table":
-    """One row a world; of its families the numbers, which the caption spells out."""
+    """A table with one row for each world; the caption says what the numbers of families mean."""
     from rich.table import Table
 
     from reflexarc_sim_bridge.worlds.scenarios import Scenario
