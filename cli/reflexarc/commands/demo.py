@@ -3,10 +3,14 @@
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from reflexarc.terminal.output import console, print_json
 from reflexarc.terminal.signals import terminated_as_interrupted
 from reflexarc_runtime.errors import UsageError
+
+if TYPE_CHECKING:
+    from reflexarc.demo.results import DemoResult, LearningResult
 
 MADE = (
     "policy.onnx",
@@ -63,20 +67,12 @@ class DemoCommand:
         from reflexarc.demo.driving import drive
         from reflexarc.demo.lidar import drive_on_scans
         from reflexarc.demo.results import DemoResult
-        from reflexarc.demo.screen import screen
-        from reflexarc.terminal.signals import StopFlag
         from reflexarc_pictures.log_pictures.log_picture import draw_log
         from reflexarc_runtime.policy.policy import load_policy
 
         policy, log = self.out / "policy.onnx", self.out / "drive.mcap"
         curve, picture = self.out / "curve.png", self.out / "drive.png"
-        with StopFlag() as stop:
-            result = stages.learn(self.out / "training", stop)
-        if result.interrupted:
-            raise KeyboardInterrupt
-        shutil.copyfile(result.policy_path, policy)
-        shutil.copyfile(self.out / "training" / "curve.png", curve)
-        learning = stages.measure_learning(result, self.agents)
+        learning = self._learn(policy, curve)
         rate_hz = load_policy(policy).contract.rate_hz
         driven = drive(policy, log, seconds=self.seconds, rate_hz=rate_hz, seed=DRIVE_SEED)
         replayed = stages.replay_log(log)
@@ -90,11 +86,29 @@ class DemoCommand:
             drive_on_scans(policy, self.out, self.lidar),
             {name: str(path) for name, path in files.items()},
         )
+        self._tell(found)
+        return 0 if replayed.verdict == found.lidar.verdict == "identical" else 1
+
+    def _learn(self, policy: Path, curve: Path) -> "LearningResult":
+        """Learn, copy the policy and its learning curve, and measure what was learned."""
+        from reflexarc.demo import stages
+        from reflexarc.terminal.signals import StopFlag
+
+        with StopFlag() as stop:
+            result = stages.learn(self.out / "training", stop)
+        if result.interrupted:
+            raise KeyboardInterrupt
+        shutil.copyfile(result.policy_path, policy)
+        shutil.copyfile(self.out / "training" / "curve.png", curve)
+        return stages.measure_learning(result, self.agents)
+
+    def _tell(self, found: "DemoResult") -> None:
+        from reflexarc.demo.screen import screen
+
         if self.json:
             print_json(found)
         else:
             console.print(screen(found))
-        return 0 if replayed.verdict == found.lidar.verdict == "identical" else 1
 
 
 def _clear(out: Path) -> None:
