@@ -26,7 +26,7 @@ ProgressBar: TypeAlias = Callable[[str, int], AbstractContextManager[Callable[[i
 
 @contextmanager
 def no_progress_bar(title: str, total: int) -> Iterator[Callable[[int, int], None]]:
-    """A progress bar that nobody sees."""
+    """A progress bar that shows nothing."""
     yield lambda done, of: None
 
 

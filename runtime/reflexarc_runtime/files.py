@@ -48,6 +48,6 @@ def write_atomically(path: Path, data: bytes) -> None:
 
 
 def _make_durable(path: Path) -> None:
-    """Wait until the disk has the file, lest a power cut leave a name without its data."""
+    """Wait until the disk has the data: a power cut must not leave a name without it."""
     with path.open("rb") as file:
         os.fsync(file.fileno())

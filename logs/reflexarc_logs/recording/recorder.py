@@ -120,7 +120,7 @@ class Recorder:
         except OSError as error:
             self._file.discard()
             raise LogError(f"{self.path}: cannot be written: {error.strerror}") from None
-        except BaseException:  # a configuration that is no JSON is the caller's mistake
+        except BaseException:  # a configuration that is not JSON is the caller's mistake
             self._file.discard()
             raise
 
