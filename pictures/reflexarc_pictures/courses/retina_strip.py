@@ -65,7 +65,7 @@ def _image(axes: Axes, pixels: npt.NDArray[np.uint8], end: float) -> AxesImage:
 
 
 def _column(snapshot: Snapshot, course: Course) -> npt.NDArray[np.uint8]:
-    """One pixel for each ray, red, green, blue and opacity: (eyes · rays, 4); grey if there is none."""
+    """One pixel for each ray, RGB and opacity: (eyes · rays, 4); grey without a retina."""
     retina = snapshot.retina
     if retina is None:
         known = next((m.retina for m in course.snapshots if m.retina is not None), None)
