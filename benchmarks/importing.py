@@ -4,8 +4,7 @@
 
 Three synthetic files a run: CARMEN scans alone; CARMEN as mappers leave it, 16 ODOM lines a scan as
 in the Radish logs; CoreSLAM. Each is imported by a process of its own, whose peak of resident
-memory is its own too. Megabytes of text a second of importing, start of the process left out; a
-second thread compresses, so that the processor's time is more than that of the clock.
+memory is its own too. Megabytes of text a second of importing, start of the process left out.
 Nothing is asserted.
 """
 

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from reflexarc.demo.lidar import drive_on_scans
-from reflexarc.demo.results import Lidar
+from reflexarc.demo.results import LidarResult
 from reflexarc.terminal.output import aside
 from reflexarc.terminal.progress import show_progress
 from reflexarc_pictures.log_pictures.log_picture import draw_log
@@ -41,7 +41,7 @@ def main(files: Sequence[Path]) -> int:
     return 0 if all(found.verdict == "identical" for found in decided.values()) else 1
 
 
-def table(decided: dict[str, Lidar]) -> list[str]:
+def table(decided: dict[str, LidarResult]) -> list[str]:
     """One row a log, Markdown."""
     lines = [
         "| log | scans | ticks | verdict OK | replay, level policy | replay, level node |",
@@ -69,7 +69,7 @@ def _learn() -> Path:
         return train(preset_named("lidar"), OUT / "lidar", progress=progress).policy_path
 
 
-def _decide(file: Path, policy: Path) -> Lidar:
+def _decide(file: Path, policy: Path) -> LidarResult:
     folder = _log_of(file).parent
     folder.mkdir(parents=True, exist_ok=True)
     for made in (*(folder / name for name in MADE), _log_of(file)):

@@ -78,7 +78,7 @@ def _families() -> str:
 def _section(name: str, world: WorldSource) -> str:
     with progress_bar(f"checking {name}", 1) as progress:
         report = check_world(world, SEEDS, progress)
-    render_world(world, FIGURES / f"{name}.png")
+    render_world(world, FIGURES / f"{name}.png", progress_bar=progress_bar)
     families = ", ".join(scenarios(world.drawn(0)))
     picture = f"![{name} from above](figures/worlds/{name}.png)"
     return f"## {name}\n\n{world.description} {families}.\n\n{picture}\n\n{HEAD}{_row(report)}\n"

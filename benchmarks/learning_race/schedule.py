@@ -1,7 +1,7 @@
 """Which runs there are, in which order; each in a process of its own, none twice.
 
 A run is one file with one line of JSON, `NAME-SEED.json` or `NAME-SEED-cold.json`. It is written
-when the run is over, under another name first: a file that is there is whole.
+when the run is over, and at once: a file that is there is whole.
 """
 
 import os
@@ -15,6 +15,7 @@ from pathlib import Path
 
 from learning_race.contenders import COLD, Contender
 from learning_race.record import read_record
+from reflexarc_runtime.files import write_atomically
 
 PROGRAM = Path(__file__).parents[1] / "learning.py"
 OVERHEAD_S = 15.0
@@ -85,9 +86,7 @@ def run_all(entries: Sequence[Entry], out: Path, scale: Scale) -> None:
         if _is_done(path, entry, scale):
             continue
         print(f"{number}/{len(entries)} {entry.name}", file=sys.stderr, flush=True)
-        partial = path.with_suffix(".partial")
-        partial.write_text(_line_of(entry, scale))
-        partial.replace(path)
+        write_atomically(path, _line_of(entry, scale).encode())
 
 
 def _is_done(path: Path, entry: Entry, scale: Scale) -> bool:

@@ -20,6 +20,7 @@ from learning_race.record import read_record
 from learning_race.results import read_runs
 from learning_race.schedule import PROGRAM, on_cores
 from learning_race.threads import set_threads
+from reflexarc_runtime.files import write_atomically
 from reflexarc_trainer.sarsa.forms import new_learner
 
 
@@ -68,6 +69,4 @@ def _in_a_process(contender: Contender, seed: int, world_steps: int) -> float:
 
 def _add(path: Path, seconds: float) -> None:
     record = read_record(path) | {"undisturbed_s": seconds}
-    partial = path.with_suffix(".partial")
-    partial.write_text(json.dumps(record))
-    partial.replace(path)
+    write_atomically(path, json.dumps(record).encode())

@@ -1,6 +1,7 @@
-"""The front door: one command, each of its subcommands loaded from its room only when used.
+"""The command line: parses it, runs one command, and turns every error into one line.
 
-Exit status: 0 success, 1 the answer is no, 2 wrong use or bad input, said in one line.
+A command imports what it needs only when it runs. Exit status: 0 success, 1 the answer is no, 2
+wrong use or bad input.
 """
 
 import contextlib
@@ -10,65 +11,42 @@ import os
 import re
 import sys
 from collections.abc import Sequence
-from inspect import cleandoc
 from typing import Annotated, Any
 
 import tyro
 
-from reflexarc.commands.demo import Demo
-from reflexarc.commands.drive.camera import Camera
-from reflexarc.commands.drive.ros2 import Ros2
-from reflexarc.commands.drive.run import Run
-from reflexarc.commands.drive.sim import Sim
-from reflexarc.commands.learn.evaluate import Evaluate
-from reflexarc.commands.learn.export import Export
-from reflexarc.commands.learn.study import Study
-from reflexarc.commands.learn.train import Train
-from reflexarc.commands.remember.import_log import Import
-from reflexarc.commands.remember.info import Info
-from reflexarc.commands.remember.play import Play
-from reflexarc.commands.remember.record import Record
-from reflexarc.commands.remember.recover import Recover
-from reflexarc.commands.remember.render import Render
-from reflexarc.commands.remember.replay import Replay
-from reflexarc.commands.worlds.worlds import Worlds
+from reflexarc.command_groups import (
+    COMMANDS,
+    DESCRIPTION,
+    description_of,
+    name_of,
+    overview,
+    summary_of,
+)
+from reflexarc.terminal.output import console
 from reflexarc_runtime.errors import ReflexarcError
 
-COMMANDS = (
-    Demo,
-    Train,
-    Export,
-    Evaluate,
-    Study,
-    Worlds,
-    Sim,
-    Ros2,
-    Camera,
-    Run,
-    Record,
-    Play,
-    Replay,
-    Render,
-    Import,
-    Recover,
-    Info,
-)
 BAD_INPUT = 2
 
+_SIM = ("numba", "llvmlite", "gymnasium")
 _EXTRAS = {
-    "torch": "train",
-    "rosbags": "ros2",
-    "cv2": "camera",
-    "tensorboard": "tensorboard",
+    "sim": _SIM,
+    "pictures": (*_SIM, "matplotlib", "PIL"),
+    "train": (*_SIM, "matplotlib", "PIL", "torch"),
+    "ros2": ("rosbags",),
+    "camera": ("cv2",),
 }
-"""Which extra brings a module that no other extra brings."""
+"""Extra → the modules that it brings, smaller extras first. `train --tensorboard` names its own."""
 
-_NEEDS = {**dict.fromkeys(("demo", "train", "study", "export"), "train"), "render": "pictures"}
-"""Which extra a command needs, where the missing module does not tell."""
+_NEEDS = {
+    **dict.fromkeys(("demo", "train", "export", "study"), "train"),
+    "render": "pictures",
+    "ros2": "ros2",
+    "camera": "camera",
+}
+"""Command → the extra with all that it needs; it is named whichever of these is missing."""
 
 _STYLE = (tyro.conf.FlagCreatePairsOff, tyro.conf.OmitArgPrefixes, tyro.conf.DisallowNone)
-
-DESCRIPTION = "A learned reflex for robots: train, export, run, record, replay."
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -77,6 +55,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     _quieten_threads()
     words = list(sys.argv[1:] if arguments is None else arguments) or ["--help"]
     try:
+        if words[0] in ("-h", "--help"):
+            console.print(overview())
+            return 0
         status: int = _parse(words).run()
         return status
     except ReflexarcError as error:
@@ -85,14 +66,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _refuse(_explain_missing(error, words[0]))
     except OSError as error:
         if isinstance(error, BrokenPipeError):
-            return _nobody_listens()
+            return _end_without_reader()
         return _refuse(f"{error.filename or 'system'}: {error.strerror or error}")
     except KeyboardInterrupt:
         return 130
 
 
 def _quieten_threads() -> None:
-    """Before NumPy and numba load: their threads must neither fight nor spin while they wait."""
+    """Configure the threads of NumPy and numba before they load: one each, idle while they wait."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
@@ -116,13 +97,13 @@ def _parse(words: list[str]) -> Any:
 
 
 def _any_command(asked: str) -> Any:
-    """The union of all commands; the one that is asked for tells all, the others their summary."""
+    """The union of all commands, with the full description of the one that is asked for."""
     union: Any = None
-    for kind in COMMANDS:
-        name, text = kind.__name__.lower(), cleandoc(kind.__doc__ or "")
-        description = text if name == asked else text.partition("\n\n")[0].replace("\n", " ")
+    for command in COMMANDS:
+        name = name_of(command)
+        description = description_of(command) if name == asked else summary_of(command)
         choice: Any = Annotated[
-            kind,
+            command,
             tyro.conf.subcommand(name, description=description),
         ]
         union = choice if union is None else union | choice
@@ -137,16 +118,18 @@ def _one_line(complaint: str) -> str:
 
 def _explain_missing(error: ModuleNotFoundError, command: str) -> str:
     module = (error.name or "").partition(".")[0]
-    extra = _EXTRAS.get(module) or _NEEDS.get(command)
-    extra = extra or ("pictures" if module in ("matplotlib", "PIL") else "sim")
+    extras = [extra for extra, modules in _EXTRAS.items() if module in modules]
+    if not extras:  # what every installation has: this one is damaged
+        return f"{command}: expected the module {module}, found none; install reflexarc again"
+    extra = _NEEDS[command] if _NEEDS.get(command) in extras else extras[0]
     return (
-        f"this command needs {module}, which is not installed here; "
+        f"{command}: expected the module {module}, found none; "
         f"install the extra: pip install 'reflexarc[{extra}]'"
     )
 
 
-def _nobody_listens() -> int:
-    """The reader went away (`| head`): nothing is left to say, and Python must not try at exit."""
+def _end_without_reader() -> int:
+    """End quietly when the reader of the output is gone (`| head`), also at Python's last flush."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     return 0
 

@@ -12,17 +12,17 @@ if TYPE_CHECKING:
     from reflexarc_logs.container.run_info import RunInfo
     from reflexarc_logs.reading.reader import Log, read_log
     from reflexarc_logs.reading.recover import Recovered
-    from reflexarc_logs.reading.summary import Summary, summarise
+    from reflexarc_logs.reading.summary import LogSummary, summarise
     from reflexarc_logs.recording.recorder import Recorder
-    from reflexarc_logs.replaying.comparison import Report
+    from reflexarc_logs.replaying.comparison import ReplayReport
 
 __all__ = [
     "Log",
+    "LogSummary",
     "Recorder",
     "Recovered",
-    "Report",
+    "ReplayReport",
     "RunInfo",
-    "Summary",
     "read_log",
     "summarise",
 ]
@@ -31,9 +31,9 @@ _HOMES = {
     "Log": "reading.reader",
     "Recorder": "recording.recorder",
     "Recovered": "reading.recover",
-    "Report": "replaying.comparison",
+    "ReplayReport": "replaying.comparison",
     "RunInfo": "container.run_info",
-    "Summary": "reading.summary",
+    "LogSummary": "reading.summary",
     "read_log": "reading.reader",
     "summarise": "reading.summary",
 }

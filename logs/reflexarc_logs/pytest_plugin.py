@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from reflexarc_logs.replaying.comparison import Report
+    from reflexarc_logs.replaying.comparison import ReplayReport
 
 SUFFIX = ".mcap"
 INI = "reflexarc_logs"
@@ -23,7 +23,7 @@ INI = "reflexarc_logs"
 class ReplayFailedError(Exception):
     """A log does not replay as it was recorded."""
 
-    def __init__(self, report: "Report") -> None:
+    def __init__(self, report: "ReplayReport") -> None:
         super().__init__("\n".join(report.lines()))
 
 
@@ -81,8 +81,8 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> LogFile | 
 
 
 @pytest.fixture
-def replay() -> "Callable[..., Report]":
-    """A callable: path of a log (and what `replaying.replay.replay` takes) → `Report`."""
+def replay() -> "Callable[..., ReplayReport]":
+    """A callable: path of a log (and what `replaying.replay.replay` takes) → `ReplayReport`."""
     from reflexarc_logs.replaying.replay import replay as replay_log
 
     return replay_log

@@ -1,7 +1,7 @@
-"""A world as a picture: a stretch of it from above at the start, and its lateral cover profile.
+"""Draws a world: a stretch of it from above at the start, and its lateral cover profile.
 
-Above: x ahead to the right, y to the left upwards. Every pixel asks whether its middle is covered,
-so the picture shows what contacts and places of agents are decided by.
+Above: x ahead to the right, y to the left upwards. A pixel is dark if its centre is covered, by the
+same test that decides about contacts and about where agents are placed.
 """
 
 from pathlib import Path
@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 
 from reflexarc_pictures.log_pictures.decision_strips import INK
 from reflexarc_pictures.log_pictures.drive import OBSTACLE_COLOUR
+from reflexarc_runtime.files import whole_file
 from reflexarc_sim_bridge.evaluation.cover_profile import are_covered, right_side_m
 from reflexarc_sim_bridge.evaluation.fairness import FLATNESS, WorldReport
 from reflexarc_sim_bridge.worlds.world import World, WorldSource
@@ -29,9 +30,9 @@ def draw_world(source: WorldSource, report: WorldReport, path: Path) -> None:
     """Write the picture as PNG.
 
     Args:
-        source: the world; of a family its first.
-        report: what a check of it measured.
-        path: where to.
+        source: the world; a family of worlds gives its first.
+        report: the measurements of its check.
+        path: the picture; an older one is replaced.
     """
     world = source.drawn(0)
     low_m, high_m = _extent_m(world)
@@ -43,7 +44,8 @@ def draw_world(source: WorldSource, report: WorldReport, path: Path) -> None:
     _draw_profile(profile, report)
     verdict = "fair" if report.fair else "unfair"
     figure.suptitle(f"{report.name}: {verdict}", x=0.01, ha="left", color=INK, parse_math=False)
-    figure.savefig(path, format="png", metadata={"Software": None})
+    with whole_file(path) as unfinished:
+        figure.savefig(unfinished, format="png", metadata={"Software": None})
 
 
 def _extent_m(world: World) -> tuple[float, float]:
@@ -73,7 +75,7 @@ def _draw_from_above(axes: Axes, world: World, low_m: float, high_m: float) -> N
 
 
 def _draw_profile(axes: Axes, report: WorldReport) -> None:
-    """Cover across, its errors, and the band in which it counts as flat."""
+    """Cover from side to side with its errors, and the band in which it counts as flat."""
     cover, error = np.array(report.profile), np.array(report.profile_error)
     colour = INK if report.fair else _UNFAIR_COLOUR
     low, high = report.cover * (1.0 - FLATNESS), report.cover * (1.0 + FLATNESS)

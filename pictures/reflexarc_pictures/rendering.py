@@ -1,10 +1,11 @@
-"""From a world or a log to a file: a picture (PNG) or a film (GIF, MP4)."""
+"""Renders a world or a log as a file: a picture (PNG) or a film (GIF, MP4)."""
 
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from reflexarc.terminal.output import progress_bar
 from reflexarc_runtime.errors import UsageError
 from reflexarc_runtime.files import whole_file
 
@@ -15,24 +16,33 @@ if TYPE_CHECKING:
 
 PICTURE, GIF, MP4 = ".png", ".gif", ".mp4"
 FILM_S, STRETCH_S = 10.0, 20.0
-"""How long a film lasts, and a drive that becomes a picture, unless told otherwise."""
+"""Default duration of a film, and of a drive that becomes a picture."""
 
 What: TypeAlias = Literal["stretch", "drive", "floor", "film"]
+
+ProgressBar: TypeAlias = Callable[[str, int], AbstractContextManager[Callable[[int, int], None]]]
+"""Opens a progress bar with a title and a total; it yields what is called with (done, total)."""
+
+
+@contextmanager
+def no_progress_bar(title: str, total: int) -> Iterator[Callable[[int, int], None]]:
+    """A progress bar that shows nothing."""
+    yield lambda done, of: None
 
 
 @dataclass(frozen=True)
 class Rendered:
-    """What became of it."""
+    """The file that was written."""
 
     picture: Path
     kind: What
     bytes: int
     frames: int
-    """Of a film; 1 of a picture."""
+    """Number of frames of a film; 1 for a picture."""
 
 
 def check_format(out: Path) -> None:
-    """Refuse what nobody here can write.
+    """Check that a file of this format can be written.
 
     Raises:
         UsageError: another suffix, or an MP4 without ffmpeg.
@@ -45,26 +55,40 @@ def check_format(out: Path) -> None:
         check_ffmpeg()
 
 
+def check_place(out: Path) -> None:
+    """Check that a file can be written at a path, before any work is done for it.
+
+    Raises:
+        UsageError: its folder is missing, or it is a folder itself.
+    """
+    if out.is_dir():
+        raise UsageError(f"--out: expected the name of a file, got the folder {out}")
+    if not out.parent.is_dir():
+        raise UsageError(f"--out: {out}: no such folder: {out.parent}; make it first")
+
+
 def render_world(
     source: "WorldSource",
     out: Path,
     policy: Path | None = None,
     seed: int = 0,
     duration_s: float | None = None,
+    progress_bar: ProgressBar = no_progress_bar,
 ) -> Rendered:
-    """Let an agent drive in a world and draw that.
+    """Let an agent drive in a world, and draw the drive.
 
     Args:
         source: the world.
         out: PNG: the whole stretch; GIF or MP4: a film.
-        policy: who drives; None: an agent that never steers, with the reference eye.
+        policy: drives the agent; None: it never steers, and has the reference eye.
         seed: which of the world's variants, 0 to 2⁶⁴ − 1.
-        duration_s: in the world's time; None: `FILM_S` or `STRETCH_S`.
+        duration_s: duration of the drive, in the world's time; None: `FILM_S` or `STRETCH_S`.
+        progress_bar: shows how far the drive and the film are.
 
     Raises:
         PolicyError: the policy cannot be loaded.
         WorldError: the world does not support the policy's contract.
-        UsageError: nothing here can write such a film.
+        UsageError: ffmpeg is needed and failed.
     """
     from reflexarc_pictures.courses.world_course import drive_in_world
     from reflexarc_runtime.policy.policy import Policy, load_policy
@@ -81,7 +105,7 @@ def render_world(
     with progress_bar(f"driving in {source.name}", 1) as progress:
         course = drive_in_world(source, contract, driver, seed, duration_s, progress)
     if not is_picture:
-        return _film(course, out)
+        return _film(course, out, progress_bar)
     from reflexarc_pictures.courses.stretch import draw_stretch
 
     with whole_file(out) as unfinished:
@@ -90,13 +114,24 @@ def render_world(
 
 
 def render_log(
-    path: Path, out: Path, kind: "Kind" = "auto", duration_s: float | None = None
+    path: Path,
+    out: Path,
+    kind: "Kind" = "auto",
+    duration_s: float | None = None,
+    progress_bar: ProgressBar = no_progress_bar,
 ) -> Rendered:
-    """Draw a log of `reflexarc run --record`: PNG all of it, GIF or MP4 its first seconds.
+    """Draw a log of `reflexarc run --record`: a PNG shows all of it, a film its first seconds.
+
+    Args:
+        path: the log.
+        out: the picture or the film.
+        kind: which picture of a log; "auto": what its streams allow.
+        duration_s: of a film; None: `FILM_S`.
+        progress_bar: shows how far the film is.
 
     Raises:
         LogError: the log cannot be read, or there is nothing in it to draw.
-        UsageError: it has not got what the kind of picture needs; or nothing writes such a film.
+        UsageError: the log lacks streams that the kind of picture needs; or ffmpeg failed.
     """
     if out.suffix.lower() == PICTURE:
         from reflexarc_pictures.log_pictures.log_picture import draw_log
@@ -107,10 +142,10 @@ def render_log(
     from reflexarc_logs.reading.reader import read_log
     from reflexarc_pictures.courses.log_course import course_of
 
-    return _film(course_of(read_log(path), duration_s or FILM_S), out)
+    return _film(course_of(read_log(path), duration_s or FILM_S), out, progress_bar)
 
 
-def _film(course: "Course", out: Path) -> Rendered:
+def _film(course: "Course", out: Path, progress_bar: ProgressBar) -> Rendered:
     from reflexarc_pictures.courses.film import write_gif, write_mp4
 
     write = write_mp4 if out.suffix.lower() == MP4 else write_gif

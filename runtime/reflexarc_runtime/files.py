@@ -1,4 +1,8 @@
-"""Files that are whole or absent: written under a temporary name, then renamed."""
+"""Files that are whole or absent: written under a temporary name, then renamed.
+
+A recording is written otherwise (`reflexarc_logs.container.writing`): what there is of it when its
+process is killed must stay.
+"""
 
 import os
 import tempfile
@@ -6,36 +10,44 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-UNFINISHED = ".unfinished"
-"""Ending of a file that is still being written."""
-
-
-def write_atomically(path: Path, data: bytes) -> None:
-    """Put `data` at `path`; a reader sees the old file or the new one, never a part.
-
-    Raises:
-        OSError: the folder cannot be written; then no temporary file is left.
-    """
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        os.chmod(name, 0o644)
-        os.replace(name, path)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
+_MODE = 0o644
+"""Temporary files can be read by nobody else; what they become, by everybody."""
 
 
 @contextmanager
 def whole_file(path: Path) -> Iterator[Path]:
-    """A path to write to: renamed to `path` at the end, removed after a failure."""
-    unfinished = path.with_name(path.name + UNFINISHED)
+    """Yield a temporary file to write to; it becomes `path` at the end, in place of an older file.
+
+    Whoever reads `path` meanwhile meets the old file or the new one, never a part. After an error
+    the old file stays and nothing is left beside it.
+
+    Raises:
+        OSError: the folder is missing or cannot be written.
+    """
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    os.close(handle)
+    unfinished = Path(name)
     try:
         yield unfinished
-        unfinished.replace(path)
+        _make_durable(unfinished)
+        unfinished.chmod(_MODE)
+        os.replace(unfinished, path)
     finally:
         unfinished.unlink(missing_ok=True)
+
+
+def write_atomically(path: Path, data: bytes) -> None:
+    """Put `data` at `path` as `whole_file` does, in a folder that is made if it is missing.
+
+    Raises:
+        OSError: the folder cannot be written.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with whole_file(path) as unfinished:
+        unfinished.write_bytes(data)
+
+
+def _make_durable(path: Path) -> None:
+    """Wait until the disk has the data: a power cut must not leave a name without it."""
+    with path.open("rb") as file:
+        os.fsync(file.fileno())

@@ -1,12 +1,16 @@
-"""`reflexarc demo`: the whole arc in about a minute."""
+"""`reflexarc demo`: everything from learning to replay, in about a minute."""
 
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from reflexarc.terminal.output import console, print_json
 from reflexarc.terminal.signals import terminated_as_interrupted
 from reflexarc_runtime.errors import UsageError
+
+if TYPE_CHECKING:
+    from reflexarc.demo.results import DemoResult, LearningResult
 
 MADE = (
     "policy.onnx",
@@ -25,8 +29,8 @@ DRIVE_SEED = 4
 
 
 @dataclass(frozen=True)
-class Demo:
-    """Learn a reflex, ship it as one file, drive with it over the bus, record, replay, report.
+class DemoCommand:
+    """Learn a policy, export it, drive with it over the bus, record, replay, report.
 
     Examples:
       reflexarc demo
@@ -62,27 +66,19 @@ class Demo:
         from reflexarc.demo import stages
         from reflexarc.demo.driving import drive
         from reflexarc.demo.lidar import drive_on_scans
-        from reflexarc.demo.results import Found
-        from reflexarc.demo.screen import screen
-        from reflexarc.terminal.signals import StopFlag
+        from reflexarc.demo.results import DemoResult
         from reflexarc_pictures.log_pictures.log_picture import draw_log
         from reflexarc_runtime.policy.policy import load_policy
 
         policy, log = self.out / "policy.onnx", self.out / "drive.mcap"
         curve, picture = self.out / "curve.png", self.out / "drive.png"
-        with StopFlag() as stop:
-            result = stages.learn(self.out / "training", stop)
-        if result.interrupted:
-            raise KeyboardInterrupt
-        shutil.copyfile(result.policy_path, policy)
-        shutil.copyfile(self.out / "training" / "curve.png", curve)
-        learning = stages.measure_learning(result, self.agents)
+        learning = self._learn(policy, curve)
         rate_hz = load_policy(policy).contract.rate_hz
         driven = drive(policy, log, seconds=self.seconds, rate_hz=rate_hz, seed=DRIVE_SEED)
         replayed = stages.replay_log(log)
         draw_log(log, picture)
         files = {"policy": policy, "log": log, "curve": curve, "picture": picture}
-        found = Found(
+        found = DemoResult(
             learning,
             driven,
             stages.look_at_log(log),
@@ -90,15 +86,33 @@ class Demo:
             drive_on_scans(policy, self.out, self.lidar),
             {name: str(path) for name, path in files.items()},
         )
+        self._tell(found)
+        return 0 if replayed.verdict == found.lidar.verdict == "identical" else 1
+
+    def _learn(self, policy: Path, curve: Path) -> "LearningResult":
+        """Learn, copy the policy and its learning curve, and measure what was learned."""
+        from reflexarc.demo import stages
+        from reflexarc.terminal.signals import StopFlag
+
+        with StopFlag() as stop:
+            result = stages.learn(self.out / "training", stop)
+        if result.interrupted:
+            raise KeyboardInterrupt
+        shutil.copyfile(result.policy_path, policy)
+        shutil.copyfile(self.out / "training" / "curve.png", curve)
+        return stages.measure_learning(result, self.agents)
+
+    def _tell(self, found: "DemoResult") -> None:
+        from reflexarc.demo.screen import screen
+
         if self.json:
             print_json(found)
         else:
             console.print(screen(found))
-        return 0 if replayed.verdict == found.lidar.verdict == "identical" else 1
 
 
 def _clear(out: Path) -> None:
-    """Remove what an earlier demo made, and nothing else: its folder bears a mark."""
+    """Remove the files of an earlier demo, and no others: a file in its folder marks it."""
     taken = [name for name in MADE if (out / name).exists()]
     if taken and not (out / MARK).exists():
         raise UsageError(f"--out: {out}: {taken[0]} is there and no demo made it; choose another")

@@ -1,1 +1,1 @@
-"""The whole arc in one go: learn, measure, drive, record, replay, show."""
+"""What `reflexarc demo` does: learn, measure, drive, record, replay, show."""

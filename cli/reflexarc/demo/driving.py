@@ -1,4 +1,4 @@
-"""A drive with two real processes: a body and a runtime, on a port of their own."""
+"""A drive with two real processes, a body and a runtime, on a port that no other process uses."""
 
 import signal
 import time
@@ -12,13 +12,13 @@ from reflexarc.demo.processes import (
     free_port,
     started,
 )
-from reflexarc.demo.results import Driving
+from reflexarc.demo.results import DriveResult
 from reflexarc.terminal.output import progress_bar
 
 _POLL_S = 0.1
 
 
-def drive(policy: Path, log: Path, *, seconds: float, rate_hz: float, seed: int) -> Driving:
+def drive(policy: Path, log: Path, *, seconds: float, rate_hz: float, seed: int) -> DriveResult:
     """Drive for a while and record it.
 
     Raises:
@@ -34,7 +34,7 @@ def drive(policy: Path, log: Path, *, seconds: float, rate_hz: float, seed: int)
             ran = finish(runtime)
         journey = finish(body, signal.SIGINT)
     ran.pop("recording")
-    return Driving(**ran, distance_m=journey["distance_m"], contacts=journey["contacts"])
+    return DriveResult(**ran, distance_m=journey["distance_m"], contacts=journey["contacts"])
 
 
 def _watch(process: Process, seconds: float) -> None:

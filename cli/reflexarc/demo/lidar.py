@@ -1,7 +1,7 @@
-"""The same reflex on scans: from a text log of a lidar through import, bus, runtime and replay.
+"""Drives the learned policy on lidar scans: a text log goes through import, bus, runtime, replay.
 
-With a file of a real robot it is real input. Without one, a small text log is ray-cast from our own
-field, in the CARMEN format, and labelled as simulated.
+The log may be that of a real robot. Without one, a small log in the CARMEN format is computed from
+the reference field, and labelled as simulated.
 """
 
 import contextlib
@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from reflexarc.demo.processes import Process, finish, free_port, started
-from reflexarc.demo.results import Lidar
-from reflexarc_logs.importing.lidar_import import FORMATS, Imported, import_log
+from reflexarc.demo.results import LidarResult
+from reflexarc_logs.importing.lidar_import import FORMATS, ImportReport, import_log
 from reflexarc_logs.replaying.replay import replay
 from reflexarc_runtime.contract import RetinaSpec
 from reflexarc_runtime.errors import LogError
@@ -30,14 +30,14 @@ _POLL_S = 0.1
 BEAMS, SWEEP_RAD = 181, math.pi
 SIMULATED_SCANS = 200
 NO_RETURN_M = 81.9
-"""What a SICK scanner writes where nothing came back."""
+"""What a SICK scanner writes for "no return"."""
 
 
-def drive_on_scans(policy: Path, out: Path, file: Path | None) -> Lidar:
+def drive_on_scans(policy: Path, out: Path, file: Path | None) -> LidarResult:
     """Import a lidar's log, decide on every scan in lockstep, and replay.
 
     Raises:
-        LogError: the file is no lidar log that can be imported.
+        LogError: the file is not a lidar log of a known format.
         BusError: a process failed.
     """
     text = file or simulate_scans(load_policy(policy), out / "simulated-scans.log")
@@ -46,7 +46,7 @@ def drive_on_scans(policy: Path, out: Path, file: Path | None) -> Lidar:
     verdicts = _decide(policy, scans, log)
     report = replay(log)
     decided = sum(verdicts.values()) - verdicts.get("STOPPED", 0)
-    return Lidar(
+    return LidarResult(
         source=str(file) if file else "simulated: ray-cast from our own field",
         scans=imported.scans,
         ticks=decided,
@@ -80,8 +80,8 @@ def _words(ranges: object) -> str:
     return " ".join(f"{distance:.3f}" for distance in np.asarray(ranges))
 
 
-def _import(text: Path, log: Path) -> Imported:
-    """Import it as whichever of the known formats it is; the last refusal is the one said."""
+def _import(text: Path, log: Path) -> ImportReport:
+    """Import a log of any known format; if none fits, the last format's error is raised."""
     *first, last = FORMATS
     for kind in first:
         with contextlib.suppress(LogError):
@@ -90,7 +90,7 @@ def _import(text: Path, log: Path) -> Imported:
 
 
 def _while_both_live(runtime: Process, player: Process) -> None:
-    """A long log takes as long as it takes; a runtime that fails says why itself."""
+    """Wait for the player, however long its log is; if the runtime ends first, raise its error."""
     while player.poll() is None:
         if runtime.poll() is not None:
             finish(runtime)

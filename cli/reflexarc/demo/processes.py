@@ -1,4 +1,4 @@
-"""Real processes of this very command, which never outlive the demo."""
+"""Runs `reflexarc` commands as processes of their own, which never outlive the demo."""
 
 import contextlib
 import json
@@ -18,7 +18,7 @@ Process: TypeAlias = "subprocess.Popen[str]"
 
 
 def free_port() -> int:
-    """A port of the loopback interface that nobody listens on."""
+    """A free port of the loopback interface."""
     with socket.socket() as listener:
         listener.bind((LOOPBACK, 0))
         port: int = listener.getsockname()[1]
@@ -44,7 +44,7 @@ def started(*words: object) -> Iterator[Process]:
 
 
 def await_first_words(process: Process) -> None:
-    """Wait until a process says that it is there.
+    """Wait for the first line of a process, which says that it is ready.
 
     Raises:
         BusError: it ended before; the message is its own.
@@ -56,7 +56,7 @@ def await_first_words(process: Process) -> None:
 
 
 def finish(process: Process, number: int | None = None) -> dict[str, Any]:
-    """End a process, by a signal or by itself; what it printed with --json.
+    """Wait for the end of a process, after a signal if one is given; return what --json printed.
 
     Raises:
         BusError: it failed, or did not end in time.

@@ -1,10 +1,10 @@
-"""What the demo found, section by section; `--json` prints exactly this."""
+"""The results of the demo, section by section; `--json` prints exactly this."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Learning:
+class LearningResult:
     """What was learned, on the reference field's test worlds."""
 
     preset: str
@@ -21,8 +21,8 @@ class Learning:
 
 
 @dataclass(frozen=True)
-class Driving:
-    """How the loop fared."""
+class DriveResult:
+    """How punctual the loop was, and where the body went."""
 
     ticks: int
     rate_hz: float
@@ -36,7 +36,7 @@ class Driving:
 
 
 @dataclass(frozen=True)
-class Logged:
+class LogResult:
     """What was recorded."""
 
     path: str
@@ -46,8 +46,8 @@ class Logged:
 
 
 @dataclass(frozen=True)
-class Replayed:
-    """What deciding it all again found, by level."""
+class ReplayResult:
+    """What the replay of the drive found."""
 
     verdict: str
     levels: dict[str, dict[str, int]]
@@ -55,8 +55,8 @@ class Replayed:
 
 
 @dataclass(frozen=True)
-class Lidar:
-    """The same reflex on scans."""
+class LidarResult:
+    """How the policy did on lidar scans."""
 
     source: str
     """The file, or that it was simulated."""
@@ -72,12 +72,12 @@ class Lidar:
 
 
 @dataclass(frozen=True)
-class Found:
-    """The whole demo."""
+class DemoResult:
+    """All results of the demo."""
 
-    learning: Learning
-    drive: Driving
-    log: Logged
-    replay: Replayed
-    lidar: Lidar
+    learning: LearningResult
+    drive: DriveResult
+    log: LogResult
+    replay: ReplayResult
+    lidar: LidarResult
     files: dict[str, str]

@@ -1,15 +1,17 @@
-"""The demo's one screen."""
+"""Shows the results of the demo on one screen."""
 
 from rich.console import Group
 from rich.panel import Panel
 from rich.table import Table
 
-from reflexarc.demo.results import Found
+from reflexarc.demo.results import DemoResult
 from reflexarc.terminal.output import kibibytes, microseconds
 
+ScreenRow = tuple[str, str, str]
 
-def screen(found: Found) -> Panel:
-    """Everything that the demo found, for a person."""
+
+def screen(found: DemoResult) -> Panel:
+    """All results of the demo, for people."""
     table = Table(show_header=False, box=None, padding=(0, 1))
     table.add_column(style="bold cyan", no_wrap=True)
     table.add_column(no_wrap=True)
@@ -21,10 +23,7 @@ def screen(found: Found) -> Panel:
     return Panel(Group(table), title="reflexarc: a learned reflex, end to end", expand=False)
 
 
-Row = tuple[str, str, str]
-
-
-def _learning(found: Found) -> list[Row]:
+def _learning(found: DemoResult) -> list[ScreenRow]:
     learned = found.learning
     return [
         ("learning", "SARSA(λ)", f"{learned.steps:,} steps in {learned.seconds:.1f} s"),
@@ -41,7 +40,7 @@ def _learning(found: Found) -> list[Row]:
     ]
 
 
-def _drive(found: Found) -> list[Row]:
+def _drive(found: DemoResult) -> list[ScreenRow]:
     drive = found.drive
     late = f"p50 {microseconds(drive.lateness_p50_ns)}, p99 {microseconds(drive.lateness_p99_ns)}"
     verdicts = ", ".join(f"{name} {count}" for name, count in drive.verdicts.items())
@@ -54,7 +53,7 @@ def _drive(found: Found) -> list[Row]:
     ]
 
 
-def _log(found: Found) -> list[Row]:
+def _log(found: DemoResult) -> list[ScreenRow]:
     log = found.log
     size = f"{log.messages} messages, {kibibytes(log.bytes)}, {log.seconds:.1f} s"
     rows = [("log", "recorded", size)]
@@ -64,7 +63,7 @@ def _log(found: Found) -> list[Row]:
     return rows
 
 
-def _lidar(found: Found) -> list[Row]:
+def _lidar(found: DemoResult) -> list[ScreenRow]:
     lidar = found.lidar
     same = ", ".join(f"{count} at level {name}" for name, count in lidar.levels.items())
     return [
@@ -74,5 +73,5 @@ def _lidar(found: Found) -> list[Row]:
     ]
 
 
-def _files(found: Found) -> list[Row]:
+def _files(found: DemoResult) -> list[ScreenRow]:
     return [("made", name, path) for name, path in found.files.items()]

@@ -1,9 +1,9 @@
-"""The stages of the demo, each from files to figures."""
+"""The stages of the demo: each takes files and returns figures."""
 
 from collections.abc import Callable
 from pathlib import Path
 
-from reflexarc.demo.results import Learning, Logged, Replayed
+from reflexarc.demo.results import LearningResult, LogResult, ReplayResult
 from reflexarc.terminal.output import progress_bar
 from reflexarc.terminal.progress import show_progress
 from reflexarc_logs.reading.summary import summarise
@@ -25,13 +25,13 @@ def learn(out: Path, should_stop: Callable[[], bool]) -> TrainResult:
         return train(preset_named(PRESET), out, progress=progress, should_stop=should_stop)
 
 
-def measure_learning(result: TrainResult, agents: int) -> Learning:
+def measure_learning(result: TrainResult, agents: int) -> LearningResult:
     """Measure blind, random and learned on the reference field's test worlds."""
     policy = load_policy(result.policy_path)
     blind = _measure("blind", BlindPolicy(), reference_contract(), agents)
     random = _measure("random", RandomPolicy(0), reference_contract(), agents)
     learned = _measure("learned", policy, policy.contract, agents)
-    return Learning(
+    return LearningResult(
         preset=PRESET,
         steps=result.steps,
         seconds=result.seconds,
@@ -45,20 +45,20 @@ def measure_learning(result: TrainResult, agents: int) -> Learning:
     )
 
 
-def look_at_log(path: Path) -> Logged:
+def look_at_log(path: Path) -> LogResult:
     """Count what was recorded."""
     summary = summarise(path)
-    return Logged(str(path), summary.messages, summary.bytes, summary.duration_s)
+    return LogResult(str(path), summary.messages, summary.bytes, summary.duration_s)
 
 
-def replay_log(path: Path) -> Replayed:
-    """Decide the whole drive again, at both levels."""
+def replay_log(path: Path) -> ReplayResult:
+    """Replay the whole drive at both levels."""
     report = replay(path)
     levels = {
         level.level: {"compared": level.compared, "identical": level.identical}
         for level in report.levels
     }
-    return Replayed(report.verdict, levels)
+    return ReplayResult(report.verdict, levels)
 
 
 def _measure(name: str, policy: Policy, contract: PolicyContract, agents: int) -> FieldScore:

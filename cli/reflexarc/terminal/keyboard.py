@@ -1,4 +1,4 @@
-"""Single keys at a terminal, without waiting for them: the space bar pauses, q quits."""
+"""Reads single keys at a terminal without waiting for them: the space bar pauses, q quits."""
 
 import os
 import select
@@ -11,9 +11,9 @@ PAUSE, QUIT = " ", "q"
 
 
 class Keys:
-    """A context manager; leaving it gives the terminal back as it was, whatever happened.
+    """A context manager that reads keys; leaving it restores the terminal, even after an error.
 
-    Without a terminal, or in the background of one, it does nothing: nobody can press a key.
+    Without a terminal, or as a background process, it reads nothing: no key can be pressed.
     """
 
     def __init__(self) -> None:
@@ -57,7 +57,7 @@ class Keys:
 
 
 def _own_terminal() -> int | None:
-    """Standard input, if it is a terminal that listens to this process."""
+    """Standard input, if it is a terminal with this process in the foreground."""
     try:
         number = sys.stdin.fileno()
         return number if os.tcgetpgrp(number) == os.getpgrp() else None

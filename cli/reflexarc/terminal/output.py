@@ -1,4 +1,4 @@
-"""How commands speak: one JSON object for a program, tables for a person."""
+"""Output of commands: one JSON object for programs; tables and progress bars for people."""
 
 import dataclasses
 import json
@@ -34,12 +34,12 @@ def facts(rows: dict[str, object], title: str | None = None) -> Table:
 
 
 def microseconds(time_ns: int) -> str:
-    """A short time, for a person."""
+    """A short time with its unit, for people."""
     return f"{time_ns / 1e3:.0f} µs" if time_ns < 1_000_000 else f"{time_ns / 1e6:.1f} ms"
 
 
 def kibibytes(count: int) -> str:
-    """A size, for a person."""
+    """A size with its unit, for people."""
     return f"{count / 1024:.1f} KiB" if count < 1 << 20 else f"{count / (1 << 20):.1f} MiB"
 
 

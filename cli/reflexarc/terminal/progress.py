@@ -30,14 +30,6 @@ def show_progress() -> Iterator[ProgressCallback]:
         yield tell
 
 
-def _said(progress: Progress) -> str:
-    rate = f"{progress.steps_per_s / 1e3:.0f} k steps/s"
-    said = f"{rate}  ε {progress.epsilon:.2f}  error {progress.mean_abs_error:.3f}"
-    if progress.last is None:
-        return said
-    return f"{said}  contacts per 100 m {progress.last.validation_contacts_per_100m:.1f}"
-
-
 @contextmanager
 def show_study_progress() -> Iterator[Callable[[StudyProgress], None]]:
     """A bar with the runs that are done and the time that is left, on standard error."""
@@ -56,6 +48,14 @@ def show_study_progress() -> Iterator[Callable[[StudyProgress], None]]:
             bar.update(task, completed=progress.done, total=progress.units, said=said)
 
         yield tell
+
+
+def _said(progress: Progress) -> str:
+    rate = f"{progress.steps_per_s / 1e3:.0f} k steps/s"
+    said = f"{rate}  ε {progress.epsilon:.2f}  error {progress.mean_abs_error:.3f}"
+    if progress.last is None:
+        return said
+    return f"{said}  contacts per 100 m {progress.last.validation_contacts_per_100m:.1f}"
 
 
 def _said_of_study(progress: StudyProgress) -> str:

@@ -1,4 +1,4 @@
-"""Asking a loop to end: SIGINT and SIGTERM set a flag, and the loop finishes what it does."""
+"""Ends a command on SIGINT or SIGTERM: by a flag that its loop looks at, or by an exception."""
 
 import signal
 from collections.abc import Iterator
@@ -9,7 +9,7 @@ from typing import Any, Self
 
 @contextmanager
 def terminated_as_interrupted() -> Iterator[None]:
-    """Within it SIGTERM ends things as Ctrl-C does: through every `finally`."""
+    """A context in which SIGTERM raises KeyboardInterrupt, as Ctrl-C does: every `finally` runs."""
     before = signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         yield
@@ -18,7 +18,7 @@ def terminated_as_interrupted() -> Iterator[None]:
 
 
 class StopFlag:
-    """A context manager; call it to know whether the loop should end."""
+    """A context manager that catches both signals; calling it tells whether one came."""
 
     def __init__(self) -> None:
         self._set = False

@@ -1,1 +1,1 @@
-"""Putting rooms together for a command: bus flags, recorders, several robots in a process."""
+"""Connects packages for a command: bus flags, recorders, several robots in one process."""

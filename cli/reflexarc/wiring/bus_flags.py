@@ -1,4 +1,4 @@
-"""What every command on the bus has in common: its flags, and how it joins."""
+"""The flags that all commands on the bus have, and how they join it."""
 
 import time
 from collections.abc import Callable
@@ -15,12 +15,12 @@ if TYPE_CHECKING:
 
 ASK_AGAIN_S = 0.1
 ASK_S = 0.5
-"""How long one question to the runtime lasts."""
+"""How long one query to the runtime waits for its answer."""
 
 
 @dataclass(frozen=True)
 class Joining:
-    """Where on the bus."""
+    """Which robot's keys a command uses, and how it reaches the bus."""
 
     robot: str = "robot0"
     """First part of every key on the bus."""
@@ -30,13 +30,13 @@ class Joining:
     """Zenoh configuration (JSON5) in place of the loopback: other machines, TLS, access."""
 
     def config(self, *, listens: bool = False) -> "BusConfig":
-        """How to join; `listens` for the one body."""
+        """The configuration of the bus session; `listens` is for the one body."""
         from reflexarc_runtime.bus_config import BusConfig
 
         return BusConfig(self.robot, self.port, listens, self.zenoh)
 
     def fleet(self, robots: int) -> "list[Joining]":
-        """So many robots, numbered from this one on: robot0, then robot1, and so forth."""
+        """The flags of several robots, numbered from this one on: robot0, robot1, and so on."""
         stem = self.robot.rstrip("0123456789")
         first = int(self.robot[len(stem) :] or 0)
         names = (
@@ -48,13 +48,13 @@ class Joining:
 def contract_of(
     policy: Path | None, bus: "Bus", stop: Callable[[], bool], who: str
 ) -> "PolicyContract | None":
-    """What a body should see: from a policy file, or from the runtime that it meets on the bus.
+    """The contract that a body follows: of a policy file, or of the runtime on the bus.
 
     Args:
-        policy: the file; None: ask, and wait for an answer.
+        policy: the file; None: ask the runtime, and wait for an answer.
         bus: where to ask.
         stop: ends the waiting.
-        who: waits, for the notice.
+        who: the name of the waiting command, for its notice.
 
     Returns:
         The contract, or None when asked to stop before anyone answered.
@@ -68,5 +68,5 @@ def contract_of(
         found = bus.fetch_policy(timeout_s=ASK_S)
         if found is not None:
             return load_policy(found, verify=False).contract
-        time.sleep(ASK_AGAIN_S)  # where nobody is, the question is answered at once
+        time.sleep(ASK_AGAIN_S)  # without a runtime the query returns at once
     return None

@@ -7,16 +7,16 @@ from typing import TypeVar
 
 from reflexarc.wiring.bus_flags import Joining
 
-_Result = TypeVar("_Result")
+_RobotResult = TypeVar("_RobotResult")
 
-Ride = Callable[[Joining, int, Callable[[], bool]], _Result | None]
-"""(who, its number, asks whether to stop) → what became of it, None if nothing did."""
+Ride = Callable[[Joining, int, Callable[[], bool]], _RobotResult | None]
+"""(flags, number of the robot, asks whether to stop) → the result; None if it never drove."""
 
 
 def drive_together(
-    robots: Sequence[Joining], ride: Ride[_Result], stop: Callable[[], bool]
-) -> dict[str, _Result]:
-    """Let every robot ride; returns what became of each that came to drive, by name.
+    robots: Sequence[Joining], ride: Ride[_RobotResult], stop: Callable[[], bool]
+) -> dict[str, _RobotResult]:
+    """Drive all robots at once; return the result of each that drove, by name.
 
     Raises:
         Exception: what one of them raised; the others have been stopped.
@@ -26,7 +26,7 @@ def drive_together(
         return {} if result is None else {robots[0].robot: result}
     failed = threading.Event()
 
-    def guarded(number: int) -> _Result | None:
+    def guarded(number: int) -> _RobotResult | None:
         try:
             return ride(robots[number], number, lambda: stop() or failed.is_set())
         except BaseException:

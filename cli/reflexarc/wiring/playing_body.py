@@ -1,4 +1,4 @@
-"""The body that a log becomes when it is played: its streams, and an ear for commands."""
+"""The body on the bus while a log is played: publishes its streams, and hears commands."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING
@@ -13,12 +13,12 @@ if TYPE_CHECKING:
 
 
 class PlayingBody:
-    """Says what a log says; obeys nobody.
+    """Publishes the messages of a log; obeys no command.
 
     Args:
         bus: an open session that listens, as bodies do.
         sensor: name of the topic that the runtime decides on.
-        should_stop: whether to wait no longer.
+        should_stop: whether to stop waiting.
     """
 
     def __init__(self, bus: "Bus", sensor: str, should_stop: Callable[[], bool]) -> None:
@@ -35,7 +35,7 @@ class PlayingBody:
         self._publishers[topic.name].put(payload, time_ns)
 
     def wait_for_runtime(self) -> None:
-        """In lockstep, a message that nobody hears would be waited for in vain."""
+        """Wait for a runtime: in lockstep, a message without a listener would never be answered."""
         lockstep.wait_for_runtime(self._inbox, self._is_heard, self._should_stop)
 
     def await_command(self, number: int) -> None:

@@ -1,4 +1,4 @@
-"""Recorders for the commands that record."""
+"""Makes the recorders of `reflexarc run` and `reflexarc record`."""
 
 import json
 import platform
@@ -38,7 +38,7 @@ def recorder_of_run(
 
 
 def recorder_of_bus(path: Path, policy: bytes, robot: str) -> Recorder:
-    """A recorder for `reflexarc record`: whatever is said, in the order in which it is heard.
+    """A recorder for `reflexarc record`: all messages, in the order in which they arrive.
 
     Raises:
         LogError: the path exists, or cannot be written.

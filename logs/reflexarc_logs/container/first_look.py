@@ -33,7 +33,7 @@ class Survey:
     damage: str = ""
     """Why it is not complete."""
     data_ended: bool = False
-    """Whether all messages are there, be the index after them whole or not."""
+    """Whether all messages are there, even if the index after them is damaged."""
 
     @property
     def run(self) -> RunInfo:
@@ -56,10 +56,11 @@ def survey(path: Path, *, salvage: bool = False) -> Survey:
 
     Args:
         path: the file.
-        salvage: whether damage, too, only ends the intact part; or is an error.
+        salvage: whether to stop at damage and keep what is before it; else damage is an error.
 
     Raises:
-        LogError: missing, unreadable, empty, no MCAP, of another system; or damaged.
+        LogError: the file is missing, unreadable, empty or not MCAP; another system wrote it; it is
+            damaged, and `salvage` is not set.
     """
     found = Survey(size=_size(path))
     try:
@@ -109,7 +110,7 @@ def _note(found: Survey, record: McapRecord) -> None:
 
 
 def _count(text: str) -> int:
-    """A count that cannot be read says at least that something is missing."""
+    """A count of missing records; one that cannot be read stands for at least one."""
     return int(text) if text.isascii() and text.isdigit() and len(text) < 20 else 1
 
 

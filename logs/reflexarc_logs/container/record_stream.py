@@ -1,7 +1,7 @@
-"""An MCAP file as a stream of records, however it was cut, damaged or forged.
+"""Reads an MCAP file as a stream of records, even if the file is truncated, damaged or forged.
 
-A record is never believed before it is read: nothing may reach beyond the end of the file, no chunk
-may unpack to more than 32 MiB, and of a chunk only what its CRC confirms is used.
+Sizes are checked before memory is allocated: no record may reach beyond the end of the file, and no
+chunk may unpack to more than 32 MiB. A chunk is used only if its CRC fits.
 """
 
 import struct
@@ -127,7 +127,7 @@ def _next(records: Iterator[McapRecord], bounded: _Bounded) -> McapRecord | None
 
 
 def _check_chunk(chunk: Chunk) -> None:
-    """Believe neither the header of the chunk nor that of its compressed frame."""
+    """Check the sizes that the chunk's header and its compressed frame claim."""
     if chunk.compression not in ("zstd", ""):
         raise DamagedError(f"a chunk: expected zstd, got compression {chunk.compression[:20]!r}")
     sizes = [chunk.uncompressed_size]
@@ -141,7 +141,7 @@ def _check_chunk(chunk: Chunk) -> None:
 
 
 def _check_summary(file: BinaryIO, footer: Footer, end: int) -> None:
-    """The index before `end`, which replay does not use and viewers trust."""
+    """Check the CRC of the index that ends at `end`; replay does not use it, but viewers do."""
     if not footer.summary_crc:
         return
     file.seek(footer.summary_start)

@@ -1,7 +1,7 @@
-"""What may go on its own channel of a log, and what goes on `<robot>/rejected`.
+"""Decides which messages a log holds on their own channel, and which on `<robot>/rejected`.
 
 The test is the one that the controller's senses apply: key, encoding, size, stamp, protobuf. So
-each proper channel stays readable for every viewer, and replay can put the two back together.
+every viewer can read the proper channels, and replay can restore the stream as it arrived.
 """
 
 from collections.abc import Iterator
@@ -29,34 +29,34 @@ KEPT_BYTES = 64 * 1024
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
-    """One message as a log shall hold it."""
+class LogEntry:
+    """One message as it is written to a log."""
 
     key: str
     kind: type[ProtobufMessage]
     payload: bytes
     sequence: int
     sent_ns: int | None
-    """Source time; None where there is no stamp to be trusted."""
+    """Source time; None if the message has no valid time stamp."""
     received_ns: int
 
 
 class Intake:
-    """Sorts the messages of one robot."""
+    """Sorts the messages of one robot into accepted and rejected ones."""
 
     def __init__(self, robot: str) -> None:
         self._topics = dict(_recorded(robot))
         self._rejected_key = REJECTED.key(robot)
         self._rejected = 0
 
-    def sort(self, message: Message) -> Entry:
+    def sort(self, message: Message) -> LogEntry:
         """The message on its own channel, or wrapped for the channel of rejected ones."""
         try:
             return self._accept(message)
         except UndecodableError as error:
             return self._reject(message, str(error))
 
-    def _accept(self, message: Message) -> Entry:
+    def _accept(self, message: Message) -> LogEntry:
         topic = self._topics.get(message.key)
         if topic is None:
             raise UndecodableError("key: not one of this robot's recorded topics")
@@ -68,9 +68,9 @@ class Intake:
         except DecodeError:
             raise UndecodableError(f"payload: no {topic.schema}") from None
         sequence, sent_ns = stamp.sequence, stamp.time_ns
-        return Entry(message.key, kind, message.payload, sequence, sent_ns, message.received_ns)
+        return LogEntry(message.key, kind, message.payload, sequence, sent_ns, message.received_ns)
 
-    def _reject(self, message: Message, reason: str) -> Entry:
+    def _reject(self, message: Message, reason: str) -> LogEntry:
         wrapped = Rejected(
             key=message.key,
             encoding=message.encoding,
@@ -81,18 +81,18 @@ class Intake:
         )
         sequence, self._rejected = self._rejected, self._rejected + 1
         payload = wrapped.SerializeToString()
-        return Entry(self._rejected_key, Rejected, payload, sequence, None, message.received_ns)
+        return LogEntry(self._rejected_key, Rejected, payload, sequence, None, message.received_ns)
 
 
 def accepted_message(
     key: str, schema: str, payload: bytes, stamp: Stamp, received_ns: int
 ) -> Message:
-    """A message of a proper channel as it came from the bus (but for its sender's identifier)."""
+    """Restore an accepted message as it came from the bus, without its sender's identifier."""
     return Message(key, payload, protobuf_encoding(schema), pack_stamp(stamp), received_ns)
 
 
 def rejected_message(rejected: Rejected, received_ns: int) -> Message:
-    """A rejected message as it came from the bus, or one that is rejected for the same reason.
+    """Restore a rejected message, or make one that is rejected for the same reason.
 
     A payload that was cut becomes zeros of the same size: zeros are never protobuf, whereas the
     part that was kept might be.
@@ -104,7 +104,7 @@ def rejected_message(rejected: Rejected, received_ns: int) -> Message:
 
 
 def _recorded(robot: str) -> Iterator[tuple[str, Topic]]:
-    """Keys that may speak for themselves; nobody but the recorder speaks on `rejected`."""
+    """The topics that are recorded as they are, by key; only the recorder writes `rejected`."""
     for topic in TOPICS:
         if topic.recorded and topic is not REJECTED:
             yield topic.key(robot), topic

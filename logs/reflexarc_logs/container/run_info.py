@@ -1,6 +1,6 @@
 """What a log says about the run that it holds: the metadata record `reflexarc.run`.
 
-One string a field, so that any MCAP tool shows it as it is.
+One string for each field, so that any MCAP tool can show it.
 """
 
 import dataclasses
@@ -33,10 +33,10 @@ _PACKAGES = ("reflexarc", "numpy", "onnx", "onnxruntime", "protobuf", "mcap", "e
 
 @dataclass(frozen=True)
 class RunInfo:
-    """One run: who, what, where and by which clock."""
+    """One run: which robot, which policy, which host, and by which clock."""
 
     run_id: str
-    """A uuid4 in hexadecimal, one a run, so that a restart never merges two."""
+    """A uuid4 in hexadecimal, new for each run, so that a restart never merges two."""
     robot: str = DEFAULT_ROBOT
     """First part of every key."""
     input: str = "retina"
@@ -60,7 +60,7 @@ class RunInfo:
     """Wall clock minus monotonic clock at the start; 0 in lockstep. The recorder fills it in."""
 
     def to_metadata(self) -> dict[str, str]:
-        """One string a field."""
+        """One string for each field."""
         document = {f.name: str(getattr(self, f.name)) for f in dataclasses.fields(self)}
         versions = json.dumps(dict(self.versions), sort_keys=True)
         return {**document, "rate_hz": repr(float(self.rate_hz)), "versions": versions}

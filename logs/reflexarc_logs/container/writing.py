@@ -1,13 +1,13 @@
-"""One MCAP file in the making: `PATH.partial` until it is finished, then `PATH`.
+"""Writes one MCAP file, which is named `PATH.partial` until it is finished, then `PATH`.
 
-Whoever finds a `.partial` knows that its recording was killed, and that `reflexarc recover` will
-make a log of what is there. Chunks are small (64 KiB): closing one stalls the writer for 0.7 ms
+A `.partial` without a process that writes it is what a killed recording left; `reflexarc recover`
+makes a log of it. Chunks are small (64 KiB): closing one stalls the writer for 0.7 ms
 where 1 MiB takes 4 to 14 ms, and a chunk is what a killed recording loses.
 """
 
 import contextlib
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import BinaryIO
 
@@ -15,7 +15,6 @@ from google.protobuf.message import Message as ProtobufMessage
 from mcap.writer import CompressionType, Writer
 from mcap_protobuf.schema import build_file_descriptor_set
 
-from reflexarc_logs.lean_writer import LeanWriter
 from reflexarc_runtime.errors import LogError
 
 CHUNK_BYTES = 64 * 1024
@@ -28,39 +27,31 @@ END = "reflexarc.end"
 """Metadata written last, where something is missing: how many records, how many chunks."""
 
 
-def library_writer(file: BinaryIO) -> Writer:
-    """The writer of the mcap library, with all that it can check."""
-    return Writer(
-        file,
-        chunk_size=CHUNK_BYTES,
-        compression=CompressionType.ZSTD,
-        enable_crcs=True,
-        enable_data_crcs=True,
-    )
-
-
-class LogFile:
+class LogWriter:
     """An MCAP file that one thread writes.
 
     Args:
         path: its name when it is finished.
         unfinished: what is added to the name until then.
-        make_writer: what puts the records into the open file.
+        chunk_bytes: size after which a chunk is compressed and written; None: `CHUNK_BYTES`.
 
     Raises:
         LogError: something of that name is there already, or the place cannot be written.
     """
 
     def __init__(
-        self,
-        path: Path,
-        unfinished: str = PARTIAL,
-        make_writer: Callable[[BinaryIO], Writer | LeanWriter] = library_writer,
+        self, path: Path, unfinished: str = PARTIAL, chunk_bytes: int | None = None
     ) -> None:
         self.path = path
         self.partial = path.with_name(path.name + unfinished)
         self._file = _open(path, self.partial)
-        self._writer = make_writer(self._file)
+        self._writer = Writer(
+            self._file,
+            chunk_size=chunk_bytes or CHUNK_BYTES,
+            compression=CompressionType.ZSTD,
+            enable_crcs=True,
+            enable_data_crcs=True,
+        )
         self._schemas: dict[str, int] = {}
         self._channels: dict[tuple[str, str], int] = {}
         self._writer.start(profile=PROFILE)
@@ -101,11 +92,11 @@ class LogFile:
 
     def flush(self) -> None:
         """Hand to the system all that was added: what a killed process does not lose."""
-        self._writer.flush()
+        self._writer.flush()  # type: ignore[no-untyped-call]  # mcap has no type for it
 
     def finish(self) -> None:
         """Write the index, make the file durable and give it its name."""
-        self._writer.finish()
+        self._writer.finish()  # type: ignore[no-untyped-call]  # mcap has no type for it
         self._file.flush()
         with contextlib.suppress(OSError):  # not every file system can be told to sync
             os.fsync(self._file.fileno())

@@ -1,1 +1,1 @@
-"""Other people's lidar logs (CARMEN, CoreSLAM) as logs of ours."""
+"""Imports lidar logs of other systems (CARMEN, CoreSLAM) as MCAP logs."""

@@ -7,9 +7,9 @@ n ranges, evenly spread from −90° (right) to +90° (left); then the pose that
 Every other line is counted and passed over. Source: the CARMEN toolkit's logger, as the Robotics
 Data Set Repository (Radish) keeps its logs.
 
-Distances of 50 m and more are no return: SICK scanners report 50, 51.05 to 51.16 or 81.8 to 81.9 m
-for it, indoors nothing else is as far, and a file that is read once cannot be asked for its largest
-value first. Distances that are not positive are unknown.
+Distances of 50 m and more mean "no return": SICK scanners report 50, 51.05 to 51.16 or 81.8 to
+81.9 m for it, and indoors nothing is as far away. (The largest distance of the file would be a
+better bound, but the file is read only once.) Distances that are not positive are unknown.
 
 Mappers write the corrected pose into the odometry's fields too, and an ODOM line at time 0 behind
 it. So the odometry of a scan is its own only where it differs from its pose; elsewhere it is the
@@ -22,14 +22,14 @@ from collections import Counter
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_logs.importing.distances import Distances, Ranges
+from reflexarc_logs.importing.number_words import read_numbers
 from reflexarc_logs.importing.scan_line import (
     MAX_BEAMS,
     NO_RETURN,
     UNKNOWN,
     BrokenLineError,
-    Place,
     Sweep,
+    TimedPose,
     exact_ns,
     finite,
 )
@@ -55,28 +55,21 @@ class Carmen:
     blind_beams = 0
 
     def __init__(self) -> None:
-        self.distances = Distances(float, _metres)
         self._passed_over: Counter[str] = Counter()
         self._odometry_lines = 0
         self._newest_odometry = b""
 
-    def ranges(self, line: bytes) -> bytes:
-        """See `LineReader.ranges`."""
-        if not line.startswith(_SCAN):
-            return b""
-        from_ranges = b"".join(line.split(None, _WORDS_BEFORE)[_WORDS_BEFORE:])
-        ranges = from_ranges.rsplit(None, _WORDS_BEHIND)
-        return ranges[0] if len(ranges) > _WORDS_BEHIND else b""
-
-    def sweep(self, line: bytes, ranges: Ranges) -> Sweep | None:
+    def sweep(self, line: bytes) -> Sweep | None:
         """See `LineReader.sweep`."""
         if line.startswith(_ODOMETRY):  # the most frequent line by far
             self._odometry_lines += 1
             if not line.endswith(b" 0\n"):  # time 0: what a mapper repeats of its own pose
                 self._newest_odometry = line
             return None
-        if line.startswith(_SCAN) and line.split(None, 1)[0] == _SCAN:
-            return self._scan(line, ranges)
+        if line.startswith(_SCAN):
+            words = line.split()
+            if words[0] == _SCAN:
+                return self._scan(words)
         self._pass_over(line)
         return None
 
@@ -89,20 +82,21 @@ class Carmen:
         """See `LineReader.notes`."""
         return ()
 
-    def _scan(self, line: bytes, ranges: Ranges) -> Sweep:
-        _check_count(line, len(ranges.distances_m))
-        _, *words, time, _, _ = line.rsplit(None, _WORDS_BEHIND)
-        x_m, y_m, heading_rad, *own, seconds = finite([*words, time])
+    def _scan(self, words: list[bytes]) -> Sweep:
+        ranges = words[_WORDS_BEFORE:-_WORDS_BEHIND]
+        _check_count(words, len(ranges))
+        *places, time = words[-_WORDS_BEHIND:-2]
+        x_m, y_m, heading_rad, *own, seconds = finite([*places, time])
         time_ns = exact_ns(time, seconds)
-        pose = Place(x_m, y_m, heading_rad, time_ns)
-        repeated = words[:3] == words[3:]
-        odometry = self._odometry() if repeated else Place(own[0], own[1], own[2], time_ns)
+        pose = TimedPose(x_m, y_m, heading_rad, time_ns)
+        repeated = places[:3] == places[3:]
+        odometry = self._odometry() if repeated else TimedPose(own[0], own[1], own[2], time_ns)
         self._newest_odometry = b""
-        unreadable = int(np.count_nonzero(ranges.unreadable))
-        ranges_m = ranges.distances_m
-        return Sweep(time_ns, START_RAD, END_RAD, ranges_m, unreadable, pose, odometry)
+        numbers, unreadable = read_numbers(ranges, float)
+        ranges_m, count = _metres(numbers), int(np.count_nonzero(unreadable))
+        return Sweep(time_ns, START_RAD, END_RAD, ranges_m, count, pose, odometry)
 
-    def _odometry(self) -> Place | None:
+    def _odometry(self) -> TimedPose | None:
         """What the newest ODOM line says, if there was one."""
         words = self._newest_odometry.split()
         if not words:
@@ -110,7 +104,7 @@ class Carmen:
         try:
             _, *place, _, _, _, time, _, _ = words
             x_m, y_m, heading_rad, seconds = finite([*place, time])
-            return Place(x_m, y_m, heading_rad, exact_ns(time, seconds))
+            return TimedPose(x_m, y_m, heading_rad, exact_ns(time, seconds))
         except ValueError:
             self._passed_over["ODOM, broken"] += 1
             return None
@@ -130,14 +124,13 @@ class Carmen:
             raise BrokenLineError("unknown keyword")
 
 
-def _check_count(line: bytes, beams: int) -> None:
-    """Whether a FLASER line has as many ranges as it says.
+def _check_count(words: list[bytes], beams: int) -> None:
+    """Check that a FLASER line has as many ranges as its second word says.
 
     Raises:
-        BrokenLineError: it has not.
+        BrokenLineError: it has more or fewer.
     """
-    said = line.split(None, 2)[1:2]
-    if not 2 <= beams <= MAX_BEAMS or said != [b"%d" % beams]:
+    if not 2 <= beams <= MAX_BEAMS or words[1] != b"%d" % beams:
         raise BrokenLineError("wrong count of ranges")
 
 

@@ -4,10 +4,10 @@ Word 0 is the time in microseconds, words 2 and 3 the counts of the two wheel en
 705 are 682 ranges in millimetres from the right (−120°) to the left (+120°); one more number may
 stand at the end. Source: Steux and El Hamzaoui, "tinySLAM", and BreezySLAM's copy of its data.
 
-0 is no return; 1 to 19 are the sensor's error codes, and negative numbers none that it knows:
-unknown. The first and the last 70 beams see the robot itself or nothing, whatever number they give
-(the detection margin of tinySLAM's own example), so they are unknown too: ±95° remain. The wheels'
-geometry does not stand in the file, so no odometry is made of their counts.
+0 means "no return". 1 to 19 are error codes of the sensor, and negative numbers are not defined:
+both are unknown. The first and the last 70 beams see the robot itself or nothing, whatever their
+number (the detection margin of tinySLAM's own example), so they are unknown too: ±95° remain. The
+file does not say how large the wheels are, so their counts do not become odometry.
 """
 
 import math
@@ -15,8 +15,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_logs.decimals import ungrouped
-from reflexarc_logs.importing.distances import Distances, Ranges
+from reflexarc_logs.importing.number_words import has_grouped_digits, read_numbers
 from reflexarc_logs.importing.scan_line import (
     NO_NUMBER,
     NO_RETURN,
@@ -34,7 +33,8 @@ START_RAD, END_RAD = -math.radians(120.0), math.radians(120.0)
 
 _FIRST_RANGE = 24
 _WORDS = _FIRST_RANGE + BEAMS
-_SEEING = slice(BLIND_BEAMS, BEAMS - BLIND_BEAMS)
+_SEEING = slice(_FIRST_RANGE + BLIND_BEAMS, _WORDS - BLIND_BEAMS)
+"""Words of the beams between the blind ones."""
 _BLIND = np.full(BLIND_BEAMS, UNKNOWN)
 
 
@@ -46,27 +46,22 @@ class CoreSlam:
     blind_beams = 2 * BLIND_BEAMS
 
     def __init__(self) -> None:
-        self.distances = Distances(int, _metres)
         self._wheel_counts = 0
 
-    def ranges(self, line: bytes) -> bytes:
-        """See `LineReader.ranges`."""
-        return b"".join(line.split(None, _FIRST_RANGE)[_FIRST_RANGE:])
-
-    def sweep(self, line: bytes, ranges: Ranges) -> Sweep | None:
+    def sweep(self, line: bytes) -> Sweep | None:
         """See `LineReader.sweep`."""
-        words, beams = line.split(None, 1), len(ranges.distances_m)
+        words = line.split()
         if not words:
             return None
-        if not BEAMS <= beams <= BEAMS + 1:
+        if not _WORDS <= len(words) <= _WORDS + 1:
             raise BrokenLineError("wrong count of numbers")
-        if beams == BEAMS and not line.endswith(b"\n"):
+        if len(words) == _WORDS and not line.endswith(b"\n"):
             raise BrokenLineError("cut off")  # its last number may have lost digits
         time_ns = _time_ns(words[0])
         self._wheel_counts += 1
-        ranges_m = np.concatenate((_BLIND, ranges.distances_m[_SEEING], _BLIND), dtype="<f8")
-        unreadable = int(np.count_nonzero(ranges.unreadable[_SEEING]))
-        return Sweep(time_ns, START_RAD, END_RAD, ranges_m, unreadable)
+        numbers, unreadable = read_numbers(words[_SEEING], int)
+        ranges_m = np.concatenate((_BLIND, _metres(numbers), _BLIND), dtype="<f8")
+        return Sweep(time_ns, START_RAD, END_RAD, ranges_m, int(np.count_nonzero(unreadable)))
 
     def passed_over(self) -> dict[str, int]:
         """See `LineReader.passed_over`."""
@@ -82,9 +77,12 @@ class CoreSlam:
 
 def _time_ns(word: bytes) -> int | None:
     try:
-        return calendar_ns(int(ungrouped(word)) * 1000)
+        microseconds = int(word)
     except ValueError:
         raise BrokenLineError(NO_NUMBER) from None
+    if has_grouped_digits([word]):
+        raise BrokenLineError(NO_NUMBER)
+    return calendar_ns(microseconds * 1000)
 
 
 def _metres(numbers: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:

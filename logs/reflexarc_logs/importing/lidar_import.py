@@ -1,35 +1,36 @@
-"""A lidar log of another system becomes a log of ours, in one pass and in little memory.
+"""Imports a lidar log of another system as an MCAP log, in one pass and in little memory.
 
-`scan`, `pose`, `tf` and `odometry`, as far as the file has them. `log_time` and `publish_time` are
-the new times; the file's own time stays in the messages. What is broken is counted, never mended.
+The log has `scan`, `pose`, `tf` and `odometry`, as far as the file has them. `log_time` and
+`publish_time` are the new times; the file's own times stay in the messages. Malformed lines are
+counted and left out, never corrected.
 """
 
 import json
 import platform
 import uuid
 from collections.abc import Iterable
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
-from functools import partial
 from pathlib import Path
 
 from reflexarc_logs.container.run_info import RUN, RunInfo, installed_versions
-from reflexarc_logs.container.writing import CONFIG_ATTACHMENT, LogFile
+from reflexarc_logs.container.writing import CONFIG_ATTACHMENT, LogWriter
 from reflexarc_logs.importing.lidar_reading import (
     DEFAULT_RATE_HZ,
     FORMATS,
     RECORDED,
-    Imported,
-    Record,
+    EncodedMessage,
+    ImportReport,
     read_lidar,
 )
 from reflexarc_logs.importing.scan_times import EvenTimes, NewTimes, RecordedTimes
-from reflexarc_logs.lean_writer import LeanWriter
 from reflexarc_runtime.errors import LogError, UsageError
 from reflexarc_runtime.messages.codec import SCHEMAS
 from reflexarc_runtime.messages.topics import DEFAULT_ROBOT, ODOMETRY, POSE, SCAN, TRANSFORM, Topic
 
-__all__ = ["DEFAULT_RATE_HZ", "FORMATS", "RECORDED", "Imported", "import_log"]
+CHUNK_BYTES = 1 << 20
+"""Larger than a recording's: an import can be repeated, and large chunks compress better."""
+
+__all__ = ["DEFAULT_RATE_HZ", "FORMATS", "RECORDED", "ImportReport", "import_log"]
 
 
 def import_log(
@@ -39,7 +40,7 @@ def import_log(
     *,
     rate: float | str = DEFAULT_RATE_HZ,
     robot: str = DEFAULT_ROBOT,
-) -> Imported:
+) -> ImportReport:
     """Import one file.
 
     Args:
@@ -47,7 +48,7 @@ def import_log(
         out: the log to be; it must not exist. After an error it does not.
         kind: carmen or coreslam.
         rate: Hz at which the scans are spread, or "recorded" for the file's own times.
-        robot: whose topics they become.
+        robot: name of the robot, the first part of every topic.
 
     Raises:
         LogError: the file cannot be read, is of another format or has no scan; its times were
@@ -57,27 +58,26 @@ def import_log(
     if kind not in FORMATS:
         raise UsageError(f"expected {' or '.join(FORMATS)}, got {kind!r}")
     times = _times(rate)
-    said = Imported(str(path), kind, str(Path(out)), robot, times.rate_hz)
-    with ThreadPoolExecutor(max_workers=1) as beside:
-        file = LogFile(Path(out), make_writer=partial(LeanWriter, beside=beside))
-        try:
-            _begin(file, said)
-            with closing(read_lidar(Path(path), times, said)) as batches:
-                _write(file, robot, batches)
-            file.finish()
-        except OSError as error:
-            file.discard()
-            raise LogError(f"{out}: cannot be written: {error.strerror}; nothing is left") from None
-        except BaseException:
-            file.discard()
-            raise
-    return said
+    report = ImportReport(str(path), kind, str(Path(out)), robot, times.rate_hz)
+    file = LogWriter(Path(out), chunk_bytes=CHUNK_BYTES)
+    try:
+        _begin(file, report)
+        with closing(read_lidar(Path(path), times, report)) as batches:
+            _write(file, robot, batches)
+        file.finish()
+    except OSError as error:
+        file.discard()
+        raise LogError(f"{out}: cannot be written: {error.strerror}; nothing is left") from None
+    except BaseException:
+        file.discard()
+        raise
+    return report
 
 
 class _Stream:
     """One topic of the new log; its channel is there from the first message on."""
 
-    def __init__(self, file: LogFile, topic: Topic, robot: str) -> None:
+    def __init__(self, file: LogWriter, topic: Topic, robot: str) -> None:
         self.messages = 0
         self._file = file
         self._channel: int | None = None
@@ -94,24 +94,24 @@ class _Stream:
         )
 
 
-def _begin(file: LogFile, said: Imported) -> None:
+def _begin(file: LogWriter, report: ImportReport) -> None:
     run = RunInfo(
         run_id=uuid.uuid4().hex,
-        robot=said.robot,
+        robot=report.robot,
         input=SCAN.name,
-        rate_hz=said.rate_hz,
+        rate_hz=report.rate_hz,
         recorded_by="import",
         host=platform.node(),
         versions=installed_versions(),
     )
     file.describe(RUN, run.to_metadata())
-    rate = said.rate_hz or RECORDED
-    config = {"import": {"format": said.format, "file": Path(said.source).name, "rate": rate}}
+    rate = report.rate_hz or RECORDED
+    config = {"import": {"format": report.format, "file": Path(report.source).name, "rate": rate}}
     document = json.dumps(config, indent=2, sort_keys=True).encode()
     file.attach(CONFIG_ATTACHMENT, "application/json", document)
 
 
-def _write(file: LogFile, robot: str, batches: Iterable[list[Record]]) -> None:
+def _write(file: LogWriter, robot: str, batches: Iterable[list[EncodedMessage]]) -> None:
     streams = {
         topic.name: _Stream(file, topic, robot) for topic in (SCAN, POSE, TRANSFORM, ODOMETRY)
     }

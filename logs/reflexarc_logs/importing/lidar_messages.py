@@ -1,9 +1,9 @@
-"""Sweeps and places as Foxglove's messages, byte for byte as protobuf encodes them.
+"""Encodes scans and poses as Foxglove messages, byte for byte as protobuf does.
 
-To set the fields of a message one by one takes protobuf longer than to encode them. The messages of
-a stream differ in their time and a few numbers only, so protobuf encodes one of each kind, and the
-others are cast in its form. The timestamp is the first field of all three kinds and the ranges are
-the last one of a scan: encoded fields that are joined are one message.
+Setting the fields of a protobuf message one by one takes longer than encoding it. The messages of a
+stream differ only in their time and a few numbers, so protobuf encodes one message of each kind as
+a template, and these numbers are replaced in its bytes. The timestamp is the first field of all
+three kinds, and the ranges are the last field of a scan: encoded fields, joined, are one message.
 """
 
 import math
@@ -18,7 +18,7 @@ from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform
 from foxglove_schemas_protobuf.LaserScan_pb2 import LaserScan
 from foxglove_schemas_protobuf.PoseInFrame_pb2 import PoseInFrame
 
-from reflexarc_logs.importing.scan_line import Place, Sweep
+from reflexarc_logs.importing.scan_line import Sweep, TimedPose
 
 WORLD_FRAME = "world"
 ODOMETRY_FRAME = "odom"
@@ -29,9 +29,9 @@ _FLOAT64 = struct.Struct("<d")
 
 
 class LidarMessages:
-    """Encodes for one robot, whose name is the frame of its lidar.
+    """Encodes the messages of one robot, whose name is the frame of its lidar.
 
-    The messages keep the file's own times; a time that is none is left out.
+    The messages keep the file's own times; a time of None is left out.
     """
 
     def __init__(self, robot: str) -> None:
@@ -46,20 +46,20 @@ class LidarMessages:
         fixed = _fixed_of_scan(self._robot, sweep.start_rad, sweep.end_rad)
         return b"".join((_timestamp(sweep.time_ns), fixed, *_packed_ranges(sweep.ranges_m)))
 
-    def pose(self, place: Place, frame: str) -> bytes:
+    def pose(self, place: TimedPose, frame: str) -> bytes:
         """`foxglove.PoseInFrame`."""
         return _timestamp(place.time_ns) + self._poses[frame].cast(place)
 
-    def transform(self, place: Place) -> bytes:
+    def transform(self, place: TimedPose) -> bytes:
         """`foxglove.FrameTransform` from the world to the robot."""
         return _timestamp(place.time_ns) + self._transform.cast(place)
 
 
 class _PlanarForm:
-    """A message, without its time, in which a planar place is all that changes.
+    """A template of a message, without its time, in which only a planar pose changes.
 
     Args:
-        encode: with protobuf, for x, y, z and w of a rotation about z.
+        encode: encodes the message with protobuf, from x, y, and z and w of a rotation about z.
     """
 
     _SAMPLE = (0.1, 0.2, 0.3, 0.4)
@@ -70,8 +70,8 @@ class _PlanarForm:
         self._fixed = re.split(numbers, encode(*self._SAMPLE))
         self._layout = struct.Struct("<" + "d".join(f"{len(part)}s" for part in self._fixed))
 
-    def cast(self, place: Place) -> bytes:
-        """The bytes of the message at a place."""
+    def cast(self, place: TimedPose) -> bytes:
+        """The bytes of the message for a pose."""
         x, y, half = place.x_m, place.y_m, place.heading_rad / 2
         z, w = math.sin(half), math.cos(half)
         if not (x and y and z and w):  # protobuf leaves out what is zero

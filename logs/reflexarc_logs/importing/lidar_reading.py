@@ -1,6 +1,6 @@
-"""One pass over a lidar log: its lines become encoded messages with their new times.
+"""Reads a lidar log in one pass: its lines become encoded messages with new times.
 
-Nothing here knows the log that is written.
+`lidar_import` writes them.
 """
 
 from collections import Counter
@@ -22,15 +22,15 @@ from reflexarc_runtime.messages.topics import ODOMETRY, POSE, SCAN, TRANSFORM
 FORMATS: dict[str, Callable[[], LineReader]] = {"carmen": Carmen, "coreslam": CoreSlam}
 DEFAULT_RATE_HZ = 10.0
 RECORDED = "recorded"
-"""In place of a rate: the file's own times."""
+"""Given in place of a rate: keep the file's own times."""
 
-Record = tuple[str, int, bytes]
+EncodedMessage = tuple[str, int, bytes]
 """The name of a topic, the new time in nanoseconds, the payload."""
 
 
 @dataclass
-class Imported:
-    """What was in a file, and what became of it."""
+class ImportReport:
+    """What an import found in a file, and what it wrote."""
 
     source: str
     format: str
@@ -47,49 +47,51 @@ class Imported:
     beams: int = 0
     no_return: int = 0
     unknown: dict[str, int] = field(default_factory=dict)
-    """Beams that say nothing, by kind."""
+    """How many beams have no known distance, by kind."""
     broken_lines: dict[str, int] = field(default_factory=dict)
-    """Lines that were left out, by kind."""
+    """How many lines were left out, by kind."""
     first_broken_line: int | None = None
     """Its number, from 1."""
     passed_over: dict[str, int] = field(default_factory=dict)
-    """Good lines that carry no scan, by keyword."""
+    """How many well-formed lines carry no scan, by keyword."""
     times_left_out: int = 0
-    """Scans whose own time no message can hold."""
+    """How many scans have a time that no message can hold."""
     notes: tuple[str, ...] = ()
 
 
-def read_lidar(path: Path, times: NewTimes, said: Imported) -> Generator[list[Record], None, None]:
+def read_lidar(
+    path: Path, times: NewTimes, report: ImportReport
+) -> Generator[list[EncodedMessage], None, None]:
     """Yield the messages of a file in order, those of some lines at once.
 
     Args:
         path: a text log, plain or gzip.
         times: gives every scan its new time.
-        said: names the format and the robot; the rest is filled in, in the end.
+        report: names the format and the robot; the rest is filled in while reading.
 
     Raises:
         LogError: the file cannot be read or has no scan; its times were asked for and do not grow.
     """
-    reading = _Reading(path, times, said)
+    reading = _Reading(path, times, report)
     for lines in text_blocks(path):
         yield reading.records(lines)
     reading.conclude()
 
 
 class _Reading:
-    """Reads one file and keeps account of it."""
+    """Reads one file and counts what is in it."""
 
-    def __init__(self, path: Path, times: NewTimes, said: Imported) -> None:
+    def __init__(self, path: Path, times: NewTimes, report: ImportReport) -> None:
         self._path = path
         self._times = times
-        self._said = said
-        self._format = FORMATS[said.format]()
-        self._messages = LidarMessages(said.robot)
+        self._report = report
+        self._format = FORMATS[report.format]()
+        self._messages = LidarMessages(report.robot)
         self._broken: Counter[str] = Counter()
         self._unknown = 0
         self._unreadable = 0
 
-    def records(self, lines: list[bytes]) -> list[Record]:
+    def records(self, lines: list[bytes]) -> list[EncodedMessage]:
         """The messages of the next lines of the file."""
         sweeps = list(self._sweeps(lines))
         if sweeps:
@@ -97,22 +99,21 @@ class _Reading:
         return [record for sweep, number in sweeps for record in self._encoded(sweep, number)]
 
     def conclude(self) -> None:
-        """Complete the account.
+        """Complete the report.
 
         Raises:
-            LogError: all this makes no log.
+            LogError: the file has no scan, or its times were asked for and do not grow.
         """
         self._check()
         self._sum_up()
 
     def _sweeps(self, lines: list[bytes]) -> Iterator[tuple[Sweep, int]]:
         """Every scan with the number of its line."""
-        log_format, first = self._format, self._said.lines + 1
-        self._said.lines += len(lines)
-        ranges = log_format.distances.of([log_format.ranges(line) for line in lines])
-        for number, (line, its_ranges) in enumerate(zip(lines, ranges, strict=True), first):
+        first = self._report.lines + 1
+        self._report.lines += len(lines)
+        for number, line in enumerate(lines, first):
             try:
-                sweep = log_format.sweep(line, its_ranges)
+                sweep = self._format.sweep(line)
             except BrokenLineError as error:
                 self._note_broken(number, line, str(error))
                 continue
@@ -120,20 +121,20 @@ class _Reading:
                 yield sweep, number
 
     def _count(self, sweeps: list[Sweep]) -> None:
-        said, ranges_m = self._said, np.concatenate([sweep.ranges_m for sweep in sweeps])
-        said.scans += len(sweeps)
-        said.beams += len(ranges_m)
-        said.no_return += int(np.count_nonzero(ranges_m == NO_RETURN))
+        report, ranges_m = self._report, np.concatenate([sweep.ranges_m for sweep in sweeps])
+        report.scans += len(sweeps)
+        report.beams += len(ranges_m)
+        report.no_return += int(np.count_nonzero(ranges_m == NO_RETURN))
         self._unknown += int(np.count_nonzero(np.isnan(ranges_m)))
         self._unreadable += sum(sweep.unreadable for sweep in sweeps)
-        said.times_left_out += sum(sweep.time_ns is None for sweep in sweeps)
-        said.poses += sum(sweep.pose is not None for sweep in sweeps)
-        said.odometry += sum(sweep.odometry is not None for sweep in sweeps)
+        report.times_left_out += sum(sweep.time_ns is None for sweep in sweeps)
+        report.poses += sum(sweep.pose is not None for sweep in sweeps)
+        report.odometry += sum(sweep.odometry is not None for sweep in sweeps)
 
-    def _encoded(self, sweep: Sweep, line: int) -> list[Record]:
+    def _encoded(self, sweep: Sweep, line: int) -> list[EncodedMessage]:
         """The messages of one scan."""
         messages, time_ns = self._messages, self._times.of(sweep.time_ns, line)
-        self._said.seconds = time_ns / 1e9
+        self._report.seconds = time_ns / 1e9
         records = [(SCAN.name, time_ns, messages.scan(sweep))]
         if sweep.pose is not None:
             records.append((POSE.name, time_ns, messages.pose(sweep.pose, WORLD_FRAME)))
@@ -149,14 +150,14 @@ class _Reading:
         elif not line.endswith(b"\n"):
             kind = "cut off at the end of the file"
         self._broken[kind] += 1
-        self._said.first_broken_line = self._said.first_broken_line or number
+        self._report.first_broken_line = self._report.first_broken_line or number
 
     def _check(self) -> None:
-        """Whether all this makes a log."""
-        if not self._said.scans:
+        """Check that the file had scans, with usable times."""
+        if not self._report.scans:
             raise LogError(
-                f"{self._path}: expected a {self._said.format} log ({self._format.expects}), "
-                f"found no scan in {self._said.lines} lines"
+                f"{self._path}: expected a {self._report.format} log ({self._format.expects}), "
+                f"found no scan in {self._report.lines} lines"
             )
         if fault := self._times.fault():
             raise LogError(
@@ -165,14 +166,14 @@ class _Reading:
             )
 
     def _sum_up(self) -> None:
-        said, log_format = self._said, self._format
-        blind = log_format.blind_beams * said.scans
+        report, log_format = self._report, self._format
+        blind = log_format.blind_beams * report.scans
         kinds = {
             log_format.no_distance: self._unknown - self._unreadable - blind,
             "no number": self._unreadable,
             "blind": blind,
         }
-        said.unknown = {kind: count for kind, count in kinds.items() if count}
-        said.broken_lines = dict(self._broken)
-        said.passed_over = log_format.passed_over()
-        said.notes = log_format.notes()
+        report.unknown = {kind: count for kind, count in kinds.items() if count}
+        report.broken_lines = dict(self._broken)
+        report.passed_over = log_format.passed_over()
+        report.notes = log_format.notes()

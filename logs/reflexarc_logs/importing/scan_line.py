@@ -1,7 +1,7 @@
-"""What one line of a lidar log says, in our terms: metres, radians, nanoseconds.
+"""One line of a lidar log, converted to metres, radians and nanoseconds.
 
-No return is +inf, an unknown distance is NaN, as `reflexarc_runtime.sensing.retina` reads them;
-nothing is guessed.
+"No return" is +inf and an unknown distance is NaN, as `reflexarc_runtime.sensing.retina` expects
+them. Nothing is guessed.
 """
 
 import math
@@ -12,47 +12,47 @@ from typing import NamedTuple, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_logs.importing.distances import Distances, Ranges
+from reflexarc_logs.importing.number_words import has_grouped_digits
 
 MAX_BEAMS = 65_536
-"""More would not fit into a message on the bus."""
+"""More beams would not fit into a message on the bus."""
 
 NO_RETURN = math.inf
 UNKNOWN = math.nan
 
 NO_NUMBER = "a pose or a time is no number"
 _FIRST_SECOND, _LAST_SECOND = -62_135_596_800, 253_402_300_799
-"""Years 1 to 9999: what a protobuf Timestamp may say."""
+"""Years 1 to 9999: the range of a protobuf Timestamp."""
 
 
 class BrokenLineError(ValueError):
-    """A line that begins as a scan and is none; its message says of which kind it is."""
+    """A line that begins like a scan but is malformed; the message names the kind of fault."""
 
 
-class Place(NamedTuple):
-    """A planar pose at a time of the file."""
+class TimedPose(NamedTuple):
+    """A planar pose and when the robot had it, on the clock of the file."""
 
     x_m: float
     y_m: float
     heading_rad: float
     time_ns: int | None
-    """None where the file's time is no time."""
+    """None if no calendar has the file's time."""
 
 
 class Sweep(NamedTuple):
-    """One scan with all that its line says. Beams go counter-clockwise."""
+    """One scan and the poses on its line. Beams go counter-clockwise."""
 
     time_ns: int | None
-    """The file's own time; None where it is no time."""
+    """The file's own time; None if no calendar has it."""
     start_rad: float
     end_rad: float
     ranges_m: npt.NDArray[np.float64]
     """Shape (beams,), little-endian."""
     unreadable: int = 0
-    """Beams whose word is no number."""
-    pose: Place | None = None
+    """How many beams have a word that is no number."""
+    pose: TimedPose | None = None
     """Corrected, in the world's frame."""
-    odometry: Place | None = None
+    odometry: TimedPose | None = None
 
 
 class LineReader(Protocol):
@@ -61,68 +61,57 @@ class LineReader(Protocol):
     expects: str
     """What lines of this format look like."""
     no_distance: str
-    """What a number is called that is no distance and not the absence of a return."""
+    """The report's name for numbers that are neither a distance nor "no return"."""
     blind_beams: int
-    """Beams of every scan that say nothing, whatever they give."""
-    distances: Distances
+    """How many beams of every scan are ignored, whatever their value."""
 
-    def ranges(self, line: bytes) -> bytes:
-        """The words of a line that are ranges; empty where it is no scan."""
-        ...
-
-    def sweep(self, line: bytes, ranges: Ranges) -> Sweep | None:
-        """The scan of a line; None where it holds something else.
+    def sweep(self, line: bytes) -> Sweep | None:
+        """The scan of a line; None if the line holds something else.
 
         Args:
             line: with its end, if it has one.
-            ranges: what `distances` makes of its `ranges`.
 
         Raises:
-            BrokenLineError: it begins as a scan and is none, or is no line of this format.
+            BrokenLineError: it begins like a scan but is malformed, or has an unknown keyword.
         """
         ...
 
     def passed_over(self) -> dict[str, int]:
-        """Good lines that carry no scan, by keyword."""
+        """How many well-formed lines carry no scan, by keyword."""
         ...
 
     def notes(self) -> tuple[str, ...]:
-        """What a reader of the log should know."""
+        """Remarks for the user about the whole file."""
         ...
 
 
 def finite(words: Sequence[bytes]) -> list[float]:
-    """Finite numbers: metres, radians, seconds.
+    """Read words that must be finite numbers: metres, radians, seconds.
 
     Raises:
-        BrokenLineError: one is none.
+        BrokenLineError: a word is not a finite number.
     """
     try:
         values = list(map(float, words))
     except ValueError:
         raise BrokenLineError(NO_NUMBER) from None
-    if not math.isfinite(sum(values)) or b"_" in b"".join(words):
+    if not math.isfinite(sum(values)) or has_grouped_digits(words):
         raise BrokenLineError(NO_NUMBER)
     return values
 
 
-def nanoseconds(seconds: bytes) -> int | None:
-    """A time, exactly as its decimal digits say; None where no calendar reaches.
-
-    Raises:
-        BrokenLineError: it is no number.
-    """
-    (value,) = finite([seconds])
-    return exact_ns(seconds, value)
-
-
 def exact_ns(seconds: bytes, value: float) -> int | None:
-    """The same of a word whose value is known."""
+    """A time in nanoseconds, exact to the last digit; None if no calendar has it.
+
+    Args:
+        seconds: the word.
+        value: the same as a number, in seconds; finite.
+    """
     if not _FIRST_SECOND <= value < _LAST_SECOND:
         return None
     return round(Decimal(seconds.decode()).scaleb(9))
 
 
 def calendar_ns(time_ns: int) -> int | None:
-    """A time that a protobuf Timestamp can say, or None."""
+    """The same time, or None if a protobuf Timestamp cannot hold it."""
     return time_ns if _FIRST_SECOND <= time_ns // 1_000_000_000 <= _LAST_SECOND else None

@@ -1,7 +1,7 @@
-"""When the scans of an imported log happened, on a clock that begins at zero and never steps back.
+"""New times for the scans of an imported log, on a clock that begins at zero and never steps back.
 
-Recorded times are often useless: they step back, they repeat because they were printed with six
-digits, they leap. So scans are spread evenly, or keep their times where those grow.
+Recorded times are often useless: they step back, they repeat because they were printed with only
+six digits, or they jump. So scans are spread evenly, or keep their times if those always grow.
 """
 
 from collections import Counter
@@ -21,7 +21,7 @@ class NewTimes(Protocol):
 
     @property
     def rate_hz(self) -> float:
-        """Scans a second; 0 where the file decides."""
+        """Scans a second; 0 if the file's own times are kept."""
         ...
 
     def of(self, recorded_ns: int | None, line: int) -> int:
@@ -29,12 +29,12 @@ class NewTimes(Protocol):
         ...
 
     def fault(self) -> str:
-        """Why the times are of no use; empty if they are good."""
+        """Why the recorded times cannot be kept; empty if they can."""
         ...
 
 
 class EvenTimes:
-    """A fixed rate.
+    """Scans at a fixed rate.
 
     Raises:
         UsageError: a rate that is not in (0, 1000] Hz.
@@ -60,7 +60,7 @@ class EvenTimes:
 
 
 class RecordedTimes:
-    """The file's own times, the first one being zero. Every fault is counted, none is mended."""
+    """The file's own times, the first one being zero. Faults are counted, not corrected."""
 
     rate_hz = 0.0
 
@@ -72,7 +72,7 @@ class RecordedTimes:
         self._scans = 0
 
     def of(self, recorded_ns: int | None, line: int) -> int:
-        """See `NewTimes.of`; what it says after a fault has no meaning."""
+        """See `NewTimes.of`; after a fault the result has no meaning."""
         self._scans += 1
         if recorded_ns is None:
             self._note("no time of any calendar", line)

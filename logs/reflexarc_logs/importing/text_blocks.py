@@ -1,7 +1,7 @@
-"""The lines of a text log, plain or gzip, whatever is really in the file.
+"""Reads the lines of a text log, plain or gzip.
 
-What kind of file it is, its first bytes say and not its name. Lines are given in blocks of 64 KiB
-and are at most 1 MiB long, so that no file, however large or strange, takes much more memory.
+The first bytes of the file tell which of the two it is, not its name. Lines are read in blocks of
+64 KiB and are at most 1 MiB long, so that no file, however large or malformed, takes much memory.
 """
 
 import gzip
@@ -21,7 +21,7 @@ _GZIP_MAGIC = b"\x1f\x8b"
 _LOOKED_AT_BYTES = 4096
 _BUFFER_BYTES = 1 << 18
 _BLOCK_BYTES = 1 << 16
-"""The arrays of its numbers fit into the cache of a core."""
+"""Some dozens of scans, or some hundreds of other lines."""
 
 
 def text_blocks(path: Path) -> Iterator[list[bytes]]:

@@ -1,1 +1,1 @@
-"""A log's sensor streams sent out again, at their times or in lockstep."""
+"""Plays a log: sends its sensor streams again, at their times or in lockstep."""

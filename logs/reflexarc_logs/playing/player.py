@@ -1,8 +1,8 @@
-"""The player: sends what is due, on a clock or in lockstep, and gives an exact account of it.
+"""The player: sends each message when it is due, on a clock or in lockstep, and reports on it.
 
-On a clock the source time of a message is the player's own at the moment of sending, so that age
-and echo mean what they mean with any body. In lockstep it is the log's own time, and each sensor
-message waits for its command.
+On a clock the source time of a message is the player's own time of sending, so that the age of an
+input and the echo in a command mean the same as with any other body. In lockstep it is the log's
+own time, and after each sensor message the player waits for its command.
 """
 
 from collections import Counter, deque
@@ -18,14 +18,14 @@ from reflexarc_runtime.messages.topics import Topic
 REMEMBERED_SENDS = 1 << 16
 """Percentiles rest on the last sends only, so that a loop may go on for ever."""
 GLANCE_NS = 50_000_000
-"""How often a waiting player looks whether it should pause or stop."""
+"""How often a waiting player checks whether it should pause or stop."""
 
 Publish = Callable[[Topic, bytes, int], None]
 """Sends a payload on a topic with its source time."""
 
 
 @dataclass(frozen=True, slots=True)
-class Account:
+class PlaybackReport:
     """What was sent, and how late. Lateness is zero in lockstep, where nothing is due."""
 
     messages: dict[str, int]
@@ -39,7 +39,7 @@ class Account:
 
 
 def never() -> bool:
-    """What to ask a player that nothing interrupts."""
+    """The default of `should_stop` and `is_paused`: nothing interrupts the player."""
     return False
 
 
@@ -73,8 +73,8 @@ class Player:
         self._lateness_ns: deque[int] = deque(maxlen=REMEMBERED_SENDS)
         self._worst_ns = 0
 
-    def play(self, schedule: Iterable[Due]) -> Account:
-        """Send every message when it is due, or as soon after as can be."""
+    def play(self, schedule: Iterable[Due]) -> PlaybackReport:
+        """Send every message when it is due, or as soon as possible after that."""
         began_ns = start_ns = self._clock.now_ns()
         loops = 0
         for due in schedule:
@@ -94,7 +94,7 @@ class Player:
         origin_ns: int,
         sensor: str,
         await_command: Callable[[int], None],
-    ) -> Account:
+    ) -> PlaybackReport:
         """Send every message on its own time; after one of the sensor, wait for its command.
 
         Args:
@@ -138,9 +138,9 @@ class Player:
         self._lateness_ns.append(lateness_ns)
         self._worst_ns = max(self._worst_ns, lateness_ns)
 
-    def _account(self, loops: int, began_ns: int) -> Account:
+    def _account(self, loops: int, began_ns: int) -> PlaybackReport:
         p50, p99 = np.percentile(self._lateness_ns or [0], [50, 99])
-        return Account(
+        return PlaybackReport(
             messages=dict(self._sent),
             loops=loops,
             seconds=(self._clock.now_ns() - began_ns) / 1e9,

@@ -1,10 +1,11 @@
-"""What a log has to say again, and when: the sensor streams of its body, in the order of time.
+"""The schedule of a playback: which messages of a log are sent again, and when.
 
     due = loop × period + (log_time − first log_time) / speed
 
-One period is the log's length and the mean interval between two scans or retinas more, so that a
-loop goes on as the log went. What the runtime said (commands, ticks, status) is not said again,
-nor what could not be decoded.
+The sensor streams of the log's body are sent, in the order of time. One period is the length of the
+log plus the mean interval between two scans or retinas, so that a loop continues at the same pace.
+Messages of the runtime (commands, ticks, status) and messages that could not be decoded are not
+sent again.
 """
 
 import heapq
@@ -32,10 +33,10 @@ from reflexarc_runtime.messages.topics import (
 PLAYED = (RETINA, SCAN, POSE, TRANSFORM, ODOMETRY, CONTACT, SCENE)
 
 REORDER_WINDOW_NS = 1_000_000_000
-"""A loop records its inputs a tick after they came, and other streams as they come: what a log
-holds in another order than that of time is never further apart than this."""
+"""A loop records its inputs a tick after they came, and other streams as they come: messages that
+are out of order in a log are never further apart than this."""
 LONELY_PERIOD_NS = 100_000_000
-"""What follows the only sensor message of a log when it is played in a loop."""
+"""Time after the only sensor message of a log when it is played in a loop."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,25 +52,25 @@ class Due:
 
 
 @dataclass(frozen=True, slots=True)
-class Streams:
-    """What one pass over the log found."""
+class StreamSurvey:
+    """The streams of a log that can be played, in numbers."""
 
     first_ns: int
     """Time of the first message, on the recording's monotonic clock."""
     length_ns: int
     """From the first message to the last one."""
     interval_ns: int
-    """Between two sensor messages, at the mean."""
+    """Mean time between two sensor messages."""
     messages: int
     undecodable: int
     """Records of these streams that will not be sent."""
     sensor: str
-    """Which of retina and scan a loop decided on; or which there is."""
+    """Retina or scan: the one that the recorded loop decided on, or the only one in the log."""
 
 
 @dataclass(slots=True)
-class _Span:
-    """When the messages of one topic came."""
+class _TopicTimes:
+    """First and last time of the messages of one topic, and how many there are."""
 
     first_ns: int
     last_ns: int
@@ -82,29 +83,29 @@ class _Span:
 
     @property
     def interval_ns(self) -> int:
-        """At the mean."""
+        """Mean time between two messages."""
         length_ns = self.last_ns - self.first_ns
         return length_ns // (self.count - 1) if length_ns else LONELY_PERIOD_NS
 
 
-def survey_streams(log: Log) -> Streams:
-    """Look at all that a log has to play.
+def survey_streams(log: Log) -> StreamSurvey:
+    """Count the messages of a log that can be played, and measure their times.
 
     Raises:
         LogError: it has no retina and no scan, or is damaged.
     """
-    spans: dict[Topic, _Span] = {}
+    spans: dict[Topic, _TopicTimes] = {}
     undecodable = 0
     for topic, record in _sensor_records(log):
         if _decodes(topic, record):
-            spans.setdefault(topic, _Span(record.log_ns, record.log_ns)).add(record.log_ns)
+            spans.setdefault(topic, _TopicTimes(record.log_ns, record.log_ns)).add(record.log_ns)
         else:
             undecodable += 1
     sensors = {topic.name: span for topic, span in spans.items() if topic.name in SENSORS}
     if not sensors:
         raise LogError(f"{log.path}: expected retinas or scans, found none; nothing to play")
     first_ns = min(span.first_ns for span in spans.values())
-    return Streams(
+    return StreamSurvey(
         first_ns=first_ns - log.run.wall_offset_ns,
         length_ns=max(span.last_ns for span in spans.values()) - first_ns,
         interval_ns=max(sensors.values(), key=lambda span: span.count).interval_ns,
@@ -115,7 +116,7 @@ def survey_streams(log: Log) -> Streams:
 
 
 def schedule(
-    log: Log, streams: Streams, *, speed: float = 1.0, loop: bool = False
+    log: Log, streams: StreamSurvey, *, speed: float = 1.0, loop: bool = False
 ) -> Iterator[Due]:
     """Every message with the time at which it is due; without end in a loop.
 

@@ -1,7 +1,7 @@
-"""Reading a log: checked when it is opened, streamed in file order ever after.
+"""Reads a log: checks it when it is opened, then streams its messages in file order.
 
-File order is the order in which the loop used things, and the only one that replay may use: a
-reader that sorts by time would put an input behind the tick that it led to.
+File order is the order in which the loop used its inputs, and the only one that replay may use: a
+reader that sorts by time could put an input after the tick that used it.
 """
 
 from collections.abc import Iterator, Mapping
@@ -144,10 +144,10 @@ def read_log(path: Path | str, *, allow_truncated: bool = False) -> Log:
 
     Args:
         path: an MCAP file that reflexarc recorded.
-        allow_truncated: whether a log that was never finished is good enough.
+        allow_truncated: whether to accept a log that was never finished.
 
     Raises:
-        LogError: it is missing, empty, no MCAP, damaged, truncated, or of another system.
+        LogError: it is missing, empty, not MCAP, damaged, truncated, or of another system.
     """
     found = survey(Path(path))
     if not found.complete and not allow_truncated:
@@ -174,7 +174,7 @@ def decode(log: Log, record: Record, kind: type[M]) -> M:
 
 
 class _Channels:
-    """Channels and schemas met so far."""
+    """The channels and schemas read so far."""
 
     def __init__(self) -> None:
         self._schemas: dict[int, str] = {}

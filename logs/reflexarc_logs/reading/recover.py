@@ -1,7 +1,7 @@
-"""Recovery: all that is intact of a log that was cut off or damaged, as a finished log.
+"""Recovers a log that was cut off or damaged: what is intact of it becomes a finished log.
 
 A chunk whose CRC does not fit is left out and counted; the log says so, and replay at level `node`
-refuses it, because an input may be missing. The result is opened and counted before it is trusted.
+refuses it, because an input may be missing. The result is read back to check it.
 """
 
 from collections.abc import Iterator
@@ -17,12 +17,12 @@ from reflexarc_logs.container.record_stream import (
     stream_records,
     unpack,
 )
-from reflexarc_logs.container.writing import END, LogFile
+from reflexarc_logs.container.writing import END, LogWriter
 from reflexarc_logs.reading.reader import read_log
 from reflexarc_runtime.errors import LogError
 
 UNFINISHED = ".recovering"
-"""Not the recorder's: `log.mcap.partial` is recovered to `log.mcap`, and stays."""
+"""Not the recorder's suffix: `log.mcap.partial` is recovered to `log.mcap`, and is kept."""
 
 _MEDIA_TYPES = {".onnx": "application/onnx", ".json": "application/json"}
 
@@ -49,10 +49,10 @@ def recover(path: Path | str, out: Path | str) -> Recovered:
         out: the log to be; it must not exist.
 
     Raises:
-        LogError: nothing of it says that it is a log of ours, or `out` cannot be written.
+        LogError: it does not say that reflexarc recorded it, or `out` cannot be written.
     """
     found = survey(Path(path), salvage=True)
-    rescue = _Rescue(Path(path), found, LogFile(Path(out), UNFINISHED))
+    rescue = _Rescue(Path(path), found, LogWriter(Path(out), UNFINISHED))
     try:
         rescue.run()
     except OSError as error:
@@ -74,7 +74,7 @@ def recover(path: Path | str, out: Path | str) -> Recovered:
 class _Rescue:
     """Copies what is intact from one file to another."""
 
-    def __init__(self, path: Path, found: Survey, file: LogFile) -> None:
+    def __init__(self, path: Path, found: Survey, file: LogWriter) -> None:
         self.file = file
         self.messages = 0
         self.damaged_chunks = 0
@@ -146,7 +146,7 @@ class _Rescue:
 
 
 def _verify(out: Path, messages: int) -> None:
-    """A recovery that was not read back is a promise."""
+    """Read the recovered log back and check how many messages it has."""
     got = sum(1 for _ in read_log(out).records())
     if got != messages:
         raise LogError(f"{out}: expected {messages} messages after recovery, read {got}; keep both")

@@ -20,7 +20,7 @@ class TopicSummary:
 
 
 @dataclass(frozen=True)
-class Summary:
+class LogSummary:
     """A log in numbers."""
 
     path: str
@@ -59,11 +59,11 @@ class _Count:
         self.last_ns = max(self.last_ns, record.log_ns)
 
 
-def summarise(log: Log | Path | str) -> Summary:
+def summarise(log: Log | Path | str) -> LogSummary:
     """Count a log, finished or truncated; reads all of it and checks every CRC.
 
     Raises:
-        LogError: missing, no MCAP, damaged, or of another system.
+        LogError: it is missing, not MCAP, damaged, or of another system.
     """
     source = log if isinstance(log, Log) else read_log(log, allow_truncated=True)
     counts: dict[str, _Count] = {}
@@ -72,7 +72,7 @@ def summarise(log: Log | Path | str) -> Summary:
         counts.setdefault(record.topic, new).add(record)
     first_ns = min((c.first_ns for c in counts.values()), default=0)
     last_ns = max((c.last_ns for c in counts.values()), default=0)
-    return Summary(
+    return LogSummary(
         path=str(source.path),
         complete=source.complete,
         bytes=source.size,

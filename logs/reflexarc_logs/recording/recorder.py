@@ -18,9 +18,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from reflexarc_logs.container.rejected import Entry, Intake
+from reflexarc_logs.container.rejected import Intake, LogEntry
 from reflexarc_logs.container.run_info import RUN, RunInfo
-from reflexarc_logs.container.writing import CONFIG_ATTACHMENT, END, POLICY_ATTACHMENT, LogFile
+from reflexarc_logs.container.writing import CONFIG_ATTACHMENT, END, POLICY_ATTACHMENT, LogWriter
 from reflexarc_logs.recording.backlog import Backlog
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages.wire import Message
@@ -62,7 +62,7 @@ class Recorder:
         self._backlog = Backlog()
         self._failure = ""
         self._closed = False
-        self._file = LogFile(Path(path))
+        self._file = LogWriter(Path(path))
         self._begin(policy, config)
         self._owner = threading.Thread(target=self._own, name="recorder", daemon=True)
         self._owner.start()
@@ -109,7 +109,7 @@ class Recorder:
         self._owner.join()
 
     def _begin(self, policy: bytes, config: Mapping[str, Any]) -> None:
-        """What a log must hold however early it ends."""
+        """Write what a log must hold even if it ends at once."""
         try:
             self._file.describe(RUN, self._run.to_metadata())
             if policy:
@@ -120,12 +120,12 @@ class Recorder:
         except OSError as error:
             self._file.discard()
             raise LogError(f"{self.path}: cannot be written: {error.strerror}") from None
-        except BaseException:  # a configuration that is no JSON is the caller's mistake
+        except BaseException:  # a configuration that is not JSON is the caller's mistake
             self._file.discard()
             raise
 
     def _own(self) -> None:
-        """The owner thread."""
+        """Run the thread that owns the file."""
         try:
             self._write_until_closed()
             if self._backlog.dropped:
@@ -146,7 +146,7 @@ class Recorder:
                 flush_due_s = time.monotonic() + FLUSH_PERIOD_S
                 told = self._tell_of_drops(told)
 
-    def _write(self, entry: Entry) -> None:
+    def _write(self, entry: LogEntry) -> None:
         channel = self._file.channel(f"/{entry.key}", entry.kind)
         log_ns = entry.received_ns + self._offset_ns
         self._file.add(

@@ -50,7 +50,7 @@ class Flip:
 
 
 @dataclass(frozen=True)
-class Rules:
+class EqualityRules:
     """What counts as equal."""
 
     exact: bool
@@ -92,7 +92,7 @@ class LevelResult:
 
 
 @dataclass(frozen=True)
-class Report:
+class ReplayReport:
     """What a replay found."""
 
     log: str
@@ -142,7 +142,7 @@ class Tally:
     """Counts ticks while a level runs."""
 
     level: str
-    rules: Rules
+    rules: EqualityRules
     ticks: int = 0
     compared: int = 0
     identical: int = 0

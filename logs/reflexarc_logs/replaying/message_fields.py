@@ -1,4 +1,4 @@
-"""Comparing two protobuf messages field by field, in the fields that a log's own descriptor has.
+"""Compares two protobuf messages field by field, in the fields that both descriptors have.
 
 Floating-point values are compared in bits: 0.0 is not -0.0, and one NaN equals another only bit
 for bit. A field that only one of the two descriptors knows is named as not compared: it is newer
@@ -18,7 +18,7 @@ from google.protobuf.message import Message as ProtobufMessage
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """A field that is not the same."""
+    """A field that has another value after the replay than in the log."""
 
     path: str
     """As `command.linear_mps`, `q_values[1]`, `retina[5]`."""
@@ -28,14 +28,14 @@ class Difference:
 
 @dataclass(frozen=True, slots=True)
 class Shared:
-    """A field that both descriptors have, and of a message the fields in it."""
+    """A field that both descriptors have; for a message, with the fields inside it."""
 
     field: FieldDescriptor
     inside: tuple["Shared", ...]
 
 
 class Fields:
-    """What can be compared between a message of a log and one of ours.
+    """The fields that a message of a log and one of this version have in common.
 
     Args:
         ours: the descriptor of this package.

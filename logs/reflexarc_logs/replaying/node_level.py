@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 from reflexarc_logs.container.rejected import accepted_message, rejected_message
 from reflexarc_logs.reading.reader import Log, Record, decode
-from reflexarc_logs.replaying.comparison import Flip, LevelResult, Rules, Tally, find_flip
+from reflexarc_logs.replaying.comparison import EqualityRules, Flip, LevelResult, Tally, find_flip
 from reflexarc_logs.replaying.message_fields import Fields, message_type
 from reflexarc_runtime.controller import Controller, Inputs, State
 from reflexarc_runtime.decision import Verdict
@@ -24,17 +24,17 @@ from reflexarc_runtime.policy.policy import LoadedPolicy
 from reflexarc_runtime.sensing.senses import sense_for
 
 MAX_WAITING = 16 * DEFAULT_CAPACITY
-"""Inputs without a tick beyond which this is no log of a loop: an inbox holds far fewer."""
+"""So many inputs without a tick are no log of a loop: an inbox holds far fewer."""
 
 
-def replay_node(log: Log, policy: LoadedPolicy, rules: Rules) -> tuple[LevelResult, int]:
+def replay_node(log: Log, policy: LoadedPolicy, rules: EqualityRules) -> tuple[LevelResult, int]:
     """Step a controller through the log.
 
     Returns:
         The result, and how many inputs came after the last tick.
 
     Raises:
-        LogError: the log cannot be read, or is not one of a loop.
+        LogError: the log cannot be read, or was not recorded by a loop.
     """
     sense = sense_for(log.run.input, policy.contract.retina)
     controller = Controller(policy, policy.contract, sense, policy.policy_hash)

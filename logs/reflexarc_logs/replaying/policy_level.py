@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from reflexarc_logs.reading.reader import Log
-from reflexarc_logs.replaying.comparison import LevelResult, Rules, Tally, find_flip
+from reflexarc_logs.replaying.comparison import EqualityRules, LevelResult, Tally, find_flip
 from reflexarc_logs.replaying.message_fields import Difference
 from reflexarc_runtime.arrays import QValues, RetinaBatch
 from reflexarc_runtime.contract import PolicyContract
@@ -21,7 +21,7 @@ BATCH_BYTES = 8 << 20
 """Retinas that go through the policy at once."""
 
 
-def replay_policy(log: Log, policy: LoadedPolicy, rules: Rules) -> LevelResult:
+def replay_policy(log: Log, policy: LoadedPolicy, rules: EqualityRules) -> LevelResult:
     """Ask the policy again about every tick at which it was asked.
 
     Raises:

@@ -1,14 +1,14 @@
-"""Replay: a log through the policy and the controller again, without bus and clock.
+"""Replays a log through the policy and the controller, without bus and clock.
 
-Two levels that check each other. `policy`: what each tick saw, through the policy. `node`: what
-arrived, through the whole controller; it needs the log of a loop (`run --record`).
+Two levels check each other. `policy`: the retina of each tick goes through the policy. `node`: the
+messages that arrived go through the whole controller; it needs the log of a loop (`run --record`).
 """
 
 from pathlib import Path
 from typing import Literal, get_args
 
 from reflexarc_logs.reading.reader import Log, read_log
-from reflexarc_logs.replaying.comparison import LevelResult, Report, Rules
+from reflexarc_logs.replaying.comparison import EqualityRules, LevelResult, ReplayReport
 from reflexarc_logs.replaying.node_level import replay_node, why_not
 from reflexarc_logs.replaying.policy_level import replay_policy
 from reflexarc_runtime.errors import LogError, ReflexarcError, UsageError
@@ -23,7 +23,7 @@ def replay(
     policy: LoadedPolicy | Path | str | None = None,
     level: Level | None = None,
     backend: Backend | str | None = None,
-) -> Report:
+) -> ReplayReport:
     """Replay a log and compare every tick with what was recorded.
 
     Args:
@@ -41,13 +41,13 @@ def replay(
         raise UsageError(f"--level: expected policy or node, got {level!r}")
     source = log if isinstance(log, Log) else read_log(log)
     chosen = _policy(source, policy, backend)
-    rules = Rules(
+    rules = EqualityRules(
         exact=Backend.NUMPY == chosen.backend == source.run.backend,
         same_policy=chosen.policy_hash == source.run.policy_hash,
     )
     source.tick_descriptor()  # a log without ticks says so before any level begins
     results, notes = _run(source, chosen, rules, level)
-    return Report(
+    return ReplayReport(
         log=str(source.path),
         policy_hash=chosen.policy_hash,
         same_policy=rules.same_policy,
@@ -96,7 +96,7 @@ def _check_identity(log: Log) -> None:
 
 
 def _run(
-    log: Log, policy: LoadedPolicy, rules: Rules, level: Level | None
+    log: Log, policy: LoadedPolicy, rules: EqualityRules, level: Level | None
 ) -> tuple[list[LevelResult], list[str]]:
     results: list[LevelResult] = []
     notes = [] if log.complete else ["the log is truncated: its intact part was replayed"]

@@ -1,6 +1,6 @@
-"""The surface that pictures and films are drawn on, as pixels.
+"""The pixels of a figure, as pictures and films need them.
 
-matplotlib's own has no types: they are written down here, once.
+matplotlib's canvas has no type annotations; this wrapper has.
 """
 
 from collections.abc import Iterable
@@ -13,7 +13,7 @@ from PIL import Image
 
 
 class Canvas:
-    """A figure's surface."""
+    """Draws a figure into memory."""
 
     def __init__(self, figure: Figure) -> None:
         self._agg: Any = FigureCanvasAgg(figure)
@@ -32,11 +32,11 @@ class Canvas:
         self._still = self._agg.copy_from_bbox(self._figure.bbox)
 
     def draw_over(self, artists: Iterable[Artist]) -> None:
-        """Draw these over what was kept, in their order."""
+        """Draw artists over what `draw` kept, in their order."""
         self._agg.restore_region(self._still)
         for artist in artists:
             artist.draw(self._agg.get_renderer())
 
     def image(self) -> Image.Image:
-        """What is drawn."""
+        """The pixels now."""
         return Image.frombuffer("RGBA", self.size, self._agg.buffer_rgba()).convert("RGB")

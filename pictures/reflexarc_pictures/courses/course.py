@@ -1,4 +1,6 @@
-"""A course: what an agent came past, saw and touched, moment by moment; what a film shows.
+"""A course: the path of an agent with what it saw and touched, in snapshots at equal intervals.
+
+Films and pictures of drives are made of it.
 
 Frame: x ahead to the right of a picture, y to the left upwards, metres.
 """
@@ -13,14 +15,14 @@ import numpy.typing as npt
 from reflexarc_runtime.contract import PolicyContract
 
 Floats: TypeAlias = npt.NDArray[np.float64]
-Colour: TypeAlias = tuple[float, float, float]
+Rgb: TypeAlias = tuple[float, float, float]
 """Red, green, blue, 0 to 1."""
 
 CIRCLE_CORNERS = 36
 
 
 class Area(NamedTuple):
-    """A part of the plane (m)."""
+    """A rectangle of the plane (m)."""
 
     low_x_m: float
     high_x_m: float
@@ -30,60 +32,60 @@ class Area(NamedTuple):
 
 @dataclass(frozen=True)
 class Silhouette:
-    """One obstacle from above."""
+    """The outline of one obstacle, seen from above."""
 
     corners_m: Floats
     """(corners, 2)."""
-    colour: Colour
+    colour: Rgb
     wake_m: tuple[float, float] = (0.0, 0.0)
     """How far it moved within the last second: ahead, left."""
 
 
 class Scenery(Protocol):
-    """What stands around."""
+    """The obstacles of a course."""
 
     def within(self, area: Area, time_s: float) -> Sequence[Silhouette]:
-        """What reaches into an area at a time of the course."""
+        """The obstacles that reach into an area at a time of the course (s)."""
 
 
 @dataclass(frozen=True)
-class Moment:
-    """What is to be known about one moment."""
+class Snapshot:
+    """The state of an agent at one time."""
 
     x_m: float
     y_m: float
-    """Where it stands; without jumps where the world's period ends."""
+    """Its position; where the world repeats, the position goes on without a jump."""
     heading_rad: float
     retina: npt.NDArray[np.uint8] | None
-    """What it saw last: (eyes, rays, channels)."""
+    """Its newest retina: (eyes, rays, channels); None before the first."""
     rays_m: Floats | None
-    """How far each direction of its eye reaches until it meets something, NaN where that is not
-    known: (directions,)."""
+    """Distance along each direction of its eye to the first obstacle, NaN if it is not known:
+    (directions,)."""
     contact: bool = False
-    """Whether it met an obstacle on its way here."""
+    """Whether it touched an obstacle since the snapshot before."""
     put: bool = False
-    """Whether it was put here from elsewhere."""
+    """Whether it was placed here since the snapshot before, without driving here."""
 
 
 @dataclass(frozen=True)
 class Eye:
-    """Where rays go, as seen from the agent."""
+    """The position and the rays of an eye, relative to the agent."""
 
     bearings_rad: Floats
     """(directions,)."""
     range_m: float
     left_m: float = 0.0
-    """How far to the left of the agent's middle it sits."""
+    """Its distance to the left of the agent's centre."""
 
 
 @dataclass(frozen=True)
 class Course:
-    """A course, at evenly spaced moments; at least one."""
+    """The snapshots of a course, at least one, and its surroundings."""
 
     title: str
     period_s: float
-    """From moment to moment."""
-    moments: Sequence[Moment]
+    """From one snapshot to the next."""
+    snapshots: Sequence[Snapshot]
     eye: Eye
     bright: str
     """What a large value in a retina means."""
@@ -91,14 +93,14 @@ class Course:
     radius_m: float = 0.0
     """Of the agent."""
     strip_m: tuple[float, float] | None = None
-    """From which y to which the world extends; None: for ever."""
+    """Lowest and highest y of the world; None: it has no sides."""
     lateral_period_m: float | None = None
-    """How far to the left the same world begins anew; None: never."""
+    """Distance to the left after which the world repeats; None: it does not."""
 
     @property
     def contacts(self) -> Sequence[int]:
-        """Numbers of the moments at which contacts had begun."""
-        return [k for k, moment in enumerate(self.moments) if moment.contact]
+        """Indices of the snapshots before which a contact began."""
+        return [k for k, snapshot in enumerate(self.snapshots) if snapshot.contact]
 
 
 def eye_of(contract: PolicyContract, bearings_rad: Floats) -> Eye:
@@ -114,7 +116,7 @@ def circle(x_m: float, y_m: float, radius_m: float) -> Floats:
 
 
 def reaches_into(corners_m: Floats, area: Area) -> bool:
-    """Whether the box around corners shares a place with an area."""
+    """Whether the bounding box of some corners overlaps an area."""
     (low_x, low_y), (high_x, high_y) = corners_m.min(axis=0), corners_m.max(axis=0)
     beside = low_x > area.high_x_m or high_x < area.low_x_m
     return not (beside or low_y > area.high_y_m or high_y < area.low_y_m)

@@ -1,8 +1,8 @@
-"""A course as a film: the view from above goes with the agent, its retina runs below.
+"""Makes a film of a course: the view from above follows the agent, with its retinas below.
 
-What stays is drawn once; a frame draws what moves on top of it. A GIF has one palette for all
-frames, without dithering: equal colours stay equal, and it stays small. An MP4 is made by ffmpeg,
-where that is installed.
+What never changes is drawn once; each frame draws what moves on top of it. A GIF has one palette
+for all frames, without dithering: equal colours stay equal, and the file stays small. An MP4 is
+made by ffmpeg, if that is installed.
 """
 
 import contextlib
@@ -27,7 +27,7 @@ WIDTH_IN, HEIGHT_IN, DPI = 6.0, 5.4, 100
 NOSE_M = 0.28
 MOST_COLOURS = 96
 LEAST_RANGE_M, MOST_RANGE_M = 2.0, 20.0
-"""An eye that reaches less far or farther does not change the scale."""
+"""Bounds of the range that sets the scale, whatever the eye's own range is."""
 BEHIND, AHEAD = 0.7, 1.42
 """What is shown behind and ahead, as a multiple of the eye's range."""
 
@@ -39,9 +39,9 @@ _MAP, _STRIP, _NOW = (
 """Left, bottom, width, height of each, as shares of the figure."""
 _SLOPE = _MAP[3] * HEIGHT_IN / (_MAP[2] * WIDTH_IN)
 _SAMPLES = 4
-"""So many frames, evenly spread, say what colours there are."""
+"""The palette is made of so many frames at equal intervals."""
 
-Progress = Callable[[int, int], None]
+ReportProgress = Callable[[int, int], None]
 
 
 class Frames:
@@ -60,11 +60,11 @@ class Frames:
         self._moving: list[Artist] = [*self._view.artists, *self._strip.artists, self._facts]
         for artist in self._moving:
             artist.set_animated(True)
-        self._bring_to(0)  # axes take their shape from what they show
+        self._bring_to(0)  # axes take their size from what they show
         self._canvas.draw()
 
     def __len__(self) -> int:
-        return (len(self._course.moments) - 1) // self.stride + 1
+        return (len(self._course.snapshots) - 1) // self.stride + 1
 
     @property
     def rate_hz(self) -> float:
@@ -84,15 +84,15 @@ class Frames:
 
     def _bring_to(self, k: int) -> None:
         course = self._course
-        moment, met = course.moments[k], sum(c <= k for c in course.contacts)
+        snapshot, met = course.snapshots[k], sum(c <= k for c in course.contacts)
         self._view.show(k, _area(course, k))
         self._strip.show(k)
-        ahead_m = moment.x_m - course.moments[0].x_m
+        ahead_m = snapshot.x_m - course.snapshots[0].x_m
         contacts = f"{met} contact{'' if met == 1 else 's'}"
         self._facts.set_text(f"{k * course.period_s:.1f} s   {ahead_m:.1f} m   {contacts}")
 
 
-def write_gif(course: Course, path: Path, progress: Progress = lambda done, of: None) -> int:
+def write_gif(course: Course, path: Path, progress: ReportProgress = lambda done, of: None) -> int:
     """Write an endless GIF; returns the number of frames."""
     frames = Frames(course)
     palette = _palette(frames)
@@ -115,7 +115,7 @@ def write_gif(course: Course, path: Path, progress: Progress = lambda done, of: 
     return len(frames)
 
 
-def write_mp4(course: Course, path: Path, progress: Progress = lambda done, of: None) -> int:
+def write_mp4(course: Course, path: Path, progress: ReportProgress = lambda done, of: None) -> int:
     """Write an MP4 with ffmpeg; returns the number of frames.
 
     Raises:
@@ -127,7 +127,7 @@ def write_mp4(course: Course, path: Path, progress: Progress = lambda done, of: 
         _ffmpeg_words(frames, path), stdin=subprocess.PIPE, stderr=subprocess.PIPE
     ) as ffmpeg:
         assert ffmpeg.stdin is not None
-        with contextlib.suppress(BrokenPipeError):  # it ended early, and will say why
+        with contextlib.suppress(BrokenPipeError):  # ffmpeg ended early; its message follows
             for number in range(len(frames)):
                 ffmpeg.stdin.write(frames.image(number).tobytes())
                 progress(number + 1, len(frames))
@@ -139,7 +139,7 @@ def write_mp4(course: Course, path: Path, progress: Progress = lambda done, of: 
 
 
 def check_ffmpeg() -> None:
-    """Refuse to make an MP4 where nothing can.
+    """Check that ffmpeg is there to write an MP4.
 
     Raises:
         UsageError: no ffmpeg on the PATH.
@@ -149,7 +149,7 @@ def check_ffmpeg() -> None:
 
 
 def _ffmpeg_words(frames: Frames, path: Path) -> list[str]:
-    """Raw frames on standard input; colours as every player knows them."""
+    """Command line of ffmpeg: raw frames on standard input, colours as all players know them."""
     width, height = frames.size
     taken = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}"]
     rate = ["-r", f"{frames.rate_hz:g}"]
@@ -158,7 +158,7 @@ def _ffmpeg_words(frames: Frames, path: Path) -> list[str]:
 
 
 def _palette(frames: Frames) -> Image.Image:
-    """Of some frames together."""
+    """A palette of colours for all frames."""
     last = len(frames) - 1
     numbers = sorted({round(last * k / (_SAMPLES - 1)) for k in range(_SAMPLES)})
     images = [frames.image(number) for number in numbers]
@@ -170,13 +170,13 @@ def _palette(frames: Frames) -> Image.Image:
 
 
 def _area(course: Course, k: int) -> Area:
-    """Around the agent."""
-    moment = course.moments[k]
+    """What a frame shows around the agent."""
+    snapshot = course.snapshots[k]
     range_m = min(max(course.eye.range_m, LEAST_RANGE_M), MOST_RANGE_M)
     aside_m = (BEHIND + AHEAD) * range_m * _SLOPE / 2
     return Area(
-        moment.x_m - BEHIND * range_m,
-        moment.x_m + AHEAD * range_m,
-        moment.y_m - aside_m,
-        moment.y_m + aside_m,
+        snapshot.x_m - BEHIND * range_m,
+        snapshot.x_m + AHEAD * range_m,
+        snapshot.y_m - aside_m,
+        snapshot.y_m + aside_m,
     )

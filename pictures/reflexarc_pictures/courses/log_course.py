@@ -1,8 +1,8 @@
-"""From a log to a course: where the robot was, what stood around it, what it saw.
+"""Makes a course of a log: where the robot was, which obstacles were around it, what it saw.
 
-Poses, scenes, contacts and ticks lie on the recorder's clock; a moment takes the last of each. The
-log does not tell distances: where a retina shows nearness and obstacles are white, a value v stands
-for range · (1 − v / 255).
+Poses, scenes, contacts and ticks have times on the recorder's clock; a snapshot takes the last of
+each. The log has no distances: if a retina shows nearness and obstacles are white, a value v means
+range · (1 − v / 255).
 """
 
 import math
@@ -21,8 +21,8 @@ from reflexarc_pictures.courses.course import (
     Area,
     Course,
     Floats,
-    Moment,
     Silhouette,
+    Snapshot,
     circle,
     eye_of,
     reaches_into,
@@ -42,14 +42,14 @@ PERIOD_S = 0.1
 
 @dataclass(frozen=True)
 class LoggedScenery:
-    """What the body told of its surroundings, now and then."""
+    """The obstacles that the body published, about once a second."""
 
     times_s: Floats
-    """When, on the course's time: (scenes,)."""
+    """The time of each scene, on the clock of the course: (scenes,)."""
     scenes: Sequence[Sequence[Silhouette]]
 
     def within(self, area: Area, time_s: float) -> list[Silhouette]:
-        """What the last scene showed; before the first one, what that will show."""
+        """See `Scenery.within`; shows the last scene, and before the first one already that."""
         if not len(self.scenes):
             return []
         last = max(int(np.searchsorted(self.times_s, time_s + 1e-9, side="right")) - 1, 0)
@@ -81,8 +81,8 @@ def course_of(log: Log, duration_s: float) -> Course:
     return Course(
         title=log.path.name,
         period_s=PERIOD_S,
-        moments=[
-            Moment(x_m, y_m, heading_rad, retina, _reach(retina, spec), met, put)
+        snapshots=[
+            Snapshot(x_m, y_m, heading_rad, retina, _reach(retina, spec), met, put)
             for (x_m, y_m, heading_rad), retina, met, put in zip(
                 held.tolist(), retinas, contacts, _jumps(held, contract), strict=True
             )
@@ -94,7 +94,7 @@ def course_of(log: Log, duration_s: float) -> Course:
 
 
 def _poses(log: Log) -> tuple[npt.NDArray[np.int64], Floats]:
-    """When, and x, y, heading: (poses,), (poses, 3)."""
+    """Times (poses,), and x, y, heading (poses, 3)."""
     times, rows = [], []
     for record, message in log.messages(log.topic(POSE.name), PoseInFrame):
         position, turn = message.pose.position, message.pose.orientation
@@ -106,13 +106,13 @@ def _poses(log: Log) -> tuple[npt.NDArray[np.int64], Floats]:
 def _last(
     known_ns: npt.NDArray[np.int64], times_ns: npt.NDArray[np.int64]
 ) -> npt.NDArray[np.int64]:
-    """Which was the last one at each time; −1 before the first."""
+    """Index of the last known time at or before each time; −1 before the first."""
     found: npt.NDArray[np.int64] = np.searchsorted(known_ns, times_ns, side="right") - 1
     return found
 
 
 def _jumps(held: Floats, contract: PolicyContract) -> list[bool]:
-    """Whether the body was put elsewhere: it never moves as far between two moments."""
+    """Whether the body was placed elsewhere: it cannot drive as far between two snapshots."""
     fastest_mps = max(math.hypot(a.linear_mps, a.lateral_mps) for a in contract.actions)
     far_m = max(2.0 * fastest_mps * PERIOD_S, JUMP_M)
     return [False, *(np.hypot(*np.diff(held[:, :2], axis=0).T) > far_m).tolist()]
@@ -121,7 +121,7 @@ def _jumps(held: Floats, contract: PolicyContract) -> list[bool]:
 def _retinas(
     log: Log, spec: RetinaSpec, times_ns: npt.NDArray[np.int64]
 ) -> list[npt.NDArray[np.uint8] | None]:
-    """What the policy was given last, at each time; None where it was not asked."""
+    """The newest retina of the policy at each time; None if the policy was not asked."""
     known_ns, seen = [], list[npt.NDArray[np.uint8] | None]()
     for record, tick in log.messages(log.topic(TICK.name), Tick):
         known_ns.append(record.log_ns)
@@ -141,7 +141,7 @@ def _reach(retina: npt.NDArray[np.uint8] | None, spec: RetinaSpec) -> Floats | N
 
 
 def _contacts(log: Log, times_ns: npt.NDArray[np.int64]) -> list[bool]:
-    """Whether one began since the moment before."""
+    """Whether a contact began since the snapshot before."""
     began = log.messages(log.topic(CONTACT.name), pb.Contact)
     at_ns = np.sort(np.array([record.log_ns for record, _ in began], np.int64))
     so_far = _last(at_ns, times_ns)
@@ -170,7 +170,7 @@ def _silhouettes(entity: SceneEntity) -> list[Silhouette]:
     for disc in entity.cylinders:
         middle = disc.pose.position
         found.append(Silhouette(circle(middle.x, middle.y, disc.size.x / 2), _paint(disc.color)))
-    for fan in entity.triangles:  # the first point is its middle
+    for fan in entity.triangles:  # the first point is its centre
         corners = [(point.x, point.y) for point in fan.points[1:]]
         found.append(Silhouette(np.array(corners), _paint(fan.color)))
     return found

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.image import AxesImage
 from matplotlib.ticker import MaxNLocator
 
-from reflexarc_pictures.courses.course import Course, Moment
+from reflexarc_pictures.courses.course import Course, Snapshot
 from reflexarc_pictures.log_pictures.decision_strips import INK, SAFE_COLOUR
 from reflexarc_pictures.log_pictures.drive import CONTACT_COLOUR
 
@@ -16,17 +16,19 @@ _GREY = colormaps["magma"]
 
 
 class RetinaStrip:
-    """What was seen, up to a moment.
+    """Draws the retinas of a course up to one snapshot.
 
     Args:
-        over_time: axes for all moments.
-        now: axes for one.
-        course: whose retinas.
+        over_time: axes for all retinas, one column each.
+        now: axes for the newest retina.
+        course: has the retinas.
     """
 
     def __init__(self, over_time: Axes, now: Axes, course: Course) -> None:
         self._course = course
-        self._pixels = np.stack([_column(moment, course) for moment in course.moments], axis=1)
+        self._pixels = np.stack(
+            [_column(snapshot, course) for snapshot in course.snapshots], axis=1
+        )
         rows, columns, _ = self._pixels.shape
         end_s = columns * course.period_s
         self._strip = _image(over_time, self._pixels, end_s)
@@ -43,11 +45,11 @@ class RetinaStrip:
 
     @property
     def artists(self) -> list[Artist]:
-        """What changes from moment to moment."""
+        """What changes from snapshot to snapshot."""
         return [self._strip, self._now, self._met]
 
     def show(self, k: int) -> None:
-        """Show everything up to moment k."""
+        """Show everything up to snapshot k."""
         shown = self._pixels.copy()
         shown[:, k + 1 :] = 0
         self._strip.set_data(shown)
@@ -62,11 +64,11 @@ def _image(axes: Axes, pixels: npt.NDArray[np.uint8], end: float) -> AxesImage:
     return axes.imshow(pixels, aspect="auto", interpolation="nearest", extent=extent)
 
 
-def _column(moment: Moment, course: Course) -> npt.NDArray[np.uint8]:
-    """One pixel a ray, red, green, blue and opacity: (eyes · rays, 4); grey where nothing came."""
-    retina = moment.retina
+def _column(snapshot: Snapshot, course: Course) -> npt.NDArray[np.uint8]:
+    """One pixel for each ray, RGB and opacity: (eyes · rays, 4); grey without a retina."""
+    retina = snapshot.retina
     if retina is None:
-        known = next((m.retina for m in course.moments if m.retina is not None), None)
+        known = next((m.retina for m in course.snapshots if m.retina is not None), None)
         rows = 1 if known is None else known.shape[0] * known.shape[1]
         return np.tile(np.array([180, 188, 196, 255], np.uint8), (rows, 1))
     values = retina.reshape(-1, retina.shape[2])

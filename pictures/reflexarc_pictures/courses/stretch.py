@@ -14,7 +14,7 @@ from reflexarc_pictures.log_pictures.decision_strips import INK
 
 WIDTH_IN, DPI = 8.0, 100
 BEHIND_M, AHEAD_M, ASIDE_M = 1.5, 6.0, 4.0
-"""What is shown of the world around the path."""
+"""How much of the world is shown around the path."""
 MOST_ACROSS_M = 24.0
 NOSE_M = 0.4
 MOST_COLOURS = 96
@@ -32,24 +32,24 @@ def draw_stretch(course: Course, path: Path) -> None:
     )
     above = figure.add_subplot(grid[0, :])
     strip, now = figure.add_subplot(grid[1, 0]), figure.add_subplot(grid[1, 1])
-    TopView(above, course, NOSE_M).show(len(course.moments) - 1, area, shift_m)
+    TopView(above, course, NOSE_M).show(len(course.snapshots) - 1, area, shift_m)
     above.tick_params(labelsize=8)
     above.set_xlabel("ahead (m)", fontsize=8.5)
     above.set_ylabel("to the left (m)", fontsize=8.5)
-    RetinaStrip(strip, now, course).show(len(course.moments) - 1)
+    RetinaStrip(strip, now, course).show(len(course.snapshots) - 1)
     figure.suptitle(_title(course), x=0.01, ha="left", fontsize=11, color=INK, parse_math=False)
     _save(figure, path)
 
 
 def _title(course: Course) -> str:
-    duration_s = (len(course.moments) - 1) * course.period_s
+    duration_s = (len(course.snapshots) - 1) * course.period_s
     met = len(course.contacts)
     return f"{course.title}: {duration_s:.0f} s, {met} contact{'' if met == 1 else 's'}"
 
 
 def _into_the_period(course: Course) -> Floats:
-    """What to add to every y so that it lies between 0 and the world's period: (moments,)."""
-    y_m = np.array([moment.y_m for moment in course.moments])
+    """What to add to every y so that it lies between 0 and the world's period: (snapshots,)."""
+    y_m = np.array([snapshot.y_m for snapshot in course.snapshots])
     if course.lateral_period_m is None or course.strip_m is None:
         return np.zeros(len(y_m))
     shift_m: Floats = -course.lateral_period_m * np.floor(y_m / course.lateral_period_m)
@@ -57,8 +57,8 @@ def _into_the_period(course: Course) -> Floats:
 
 
 def _area(course: Course, shift_m: Floats) -> Area:
-    x_m = np.array([moment.x_m for moment in course.moments])
-    y_m = np.array([moment.y_m for moment in course.moments]) + shift_m
+    x_m = np.array([snapshot.x_m for snapshot in course.snapshots])
+    y_m = np.array([snapshot.y_m for snapshot in course.snapshots]) + shift_m
     low_m, high_m = course.strip_m or (float(y_m.min()) - ASIDE_M, float(y_m.max()) + ASIDE_M)
     if high_m - low_m > MOST_ACROSS_M:  # around where it is at the end
         low_m = float(np.clip(y_m[-1] - MOST_ACROSS_M / 2, low_m, high_m - MOST_ACROSS_M))

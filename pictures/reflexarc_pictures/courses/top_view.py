@@ -1,4 +1,4 @@
-"""The view from above as artists that are made once and moved from frame to frame."""
+"""Draws a course from above, with artists that are made once and moved from frame to frame."""
 
 from collections.abc import Sequence
 
@@ -7,17 +7,17 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 
-from reflexarc_pictures.courses.course import Area, Course, Floats, Moment, circle
+from reflexarc_pictures.courses.course import Area, Course, Floats, Snapshot, circle
 from reflexarc_pictures.log_pictures.decision_strips import INK
 from reflexarc_pictures.log_pictures.drive import CONTACT_COLOUR
 
 GROUND_COLOUR = "#f5f3ee"
 AGENT_COLOUR, BODY_COLOUR, RAY_COLOUR = "#c8402f", "#7a2318", "#c8402f"
 SHOWN_CONTACT_S = 0.5
-"""For so long an agent shows that it met something."""
+"""How long the agent changes its colour after a contact."""
 
 _ARROW = np.array([(1.0, 0.0), (-0.55, 0.6), (-0.25, 0.0), (-0.55, -0.6)])
-"""Its heading: an arrow head, ahead."""
+"""An arrow head that points ahead, for the agent's heading."""
 
 
 class TopView:
@@ -25,7 +25,7 @@ class TopView:
 
     Args:
         axes: where to draw.
-        course: what.
+        course: what to draw.
         nose_m: half the length of the agent's arrow.
     """
 
@@ -47,27 +47,27 @@ class TopView:
 
     @property
     def artists(self) -> list[Artist]:
-        """What changes from moment to moment, the lowest first."""
+        """What changes from snapshot to snapshot, the lowest first."""
         above = [self._path, self._met, self._contacts, self._agent]
         return [self._wakes, self._obstacles, self._far, self._near, *above]
 
     def show(self, k: int, area: Area, y_shift_m: Floats | None = None) -> None:
-        """Show an area at a moment.
+        """Show an area at the time of a snapshot.
 
         Args:
-            k: number of the moment.
-            area: what is in the picture.
-            y_shift_m: added to every y of the path so far: (moments,).
+            k: index of the snapshot.
+            area: the part of the plane that the axes show.
+            y_shift_m: added to every y of the path so far: (snapshots,).
         """
-        course, moment = self._course, self._course.moments[k]
-        shift_m = np.zeros(len(course.moments)) if y_shift_m is None else y_shift_m
+        course, snapshot = self._course, self._course.snapshots[k]
+        shift_m = np.zeros(len(course.snapshots)) if y_shift_m is None else y_shift_m
         self._axes.set(xlim=area[:2], ylim=area[2:])
         self._show_obstacles(area, k * course.period_s)
-        x_m = np.array([moment.x_m for moment in course.moments[: k + 1]])
-        y_m = np.array([moment.y_m for moment in course.moments[: k + 1]]) + shift_m[: k + 1]
+        x_m = np.array([snapshot.x_m for snapshot in course.snapshots[: k + 1]])
+        y_m = np.array([snapshot.y_m for snapshot in course.snapshots[: k + 1]]) + shift_m[: k + 1]
         self._show_path(x_m, y_m, shift_m[: k + 1])
-        self._show_rays(moment, float(shift_m[k]))
-        self._show_agent(moment, float(shift_m[k]), self._has_just_met(k))
+        self._show_rays(snapshot, float(shift_m[k]))
+        self._show_agent(snapshot, float(shift_m[k]), self._has_just_met(k))
 
     def _show_obstacles(self, area: Area, time_s: float) -> None:
         shown = self._course.scenery.within(area, time_s)
@@ -81,23 +81,23 @@ class TopView:
         self._wakes.set_color([(*silhouette.colour, 0.6) for silhouette in moving])
 
     def _show_path(self, x_m: Floats, y_m: Floats, shift_m: Floats) -> None:
-        moments = self._course.moments[: len(x_m)]
-        put = np.array([moment.put for moment in moments])
+        snapshots = self._course.snapshots[: len(x_m)]
+        put = np.array([snapshot.put for snapshot in snapshots])
         put[1:] |= np.diff(shift_m) != 0.0
         jumps = np.flatnonzero(put)
         self._path.set_data(np.insert(x_m, jumps, np.nan), np.insert(y_m, jumps, np.nan))
-        # What it met is where it stood before it was put elsewhere.
+        # A contact is marked where the agent stood before it was placed elsewhere.
         met = [max(k - 1, 0) for k in self._course.contacts if k < len(x_m)]
         self._contacts.set_data(x_m[met], y_m[met])
 
-    def _show_rays(self, moment: Moment, shift_m: float) -> None:
+    def _show_rays(self, snapshot: Snapshot, shift_m: float) -> None:
         eye = self._course.eye
-        if moment.rays_m is None:
+        if snapshot.rays_m is None:
             return
-        known = np.isfinite(moment.rays_m)
-        rays_m, angles = moment.rays_m[known], moment.heading_rad + eye.bearings_rad[known]
-        sin, cos = np.sin(moment.heading_rad), np.cos(moment.heading_rad)
-        from_m = [moment.x_m - eye.left_m * sin, moment.y_m + shift_m + eye.left_m * cos]
+        known = np.isfinite(snapshot.rays_m)
+        rays_m, angles = snapshot.rays_m[known], snapshot.heading_rad + eye.bearings_rad[known]
+        sin, cos = np.sin(snapshot.heading_rad), np.cos(snapshot.heading_rad)
+        from_m = [snapshot.x_m - eye.left_m * sin, snapshot.y_m + shift_m + eye.left_m * cos]
         to_m = from_m + rays_m[:, np.newaxis] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
         meets = rays_m < eye.range_m
         lines = np.stack([np.broadcast_to(from_m, to_m.shape), to_m], axis=1)
@@ -105,10 +105,10 @@ class TopView:
         self._far.set_segments(list(lines[~meets]))
         self._met.set_data(*to_m[meets].T)
 
-    def _show_agent(self, moment: Moment, shift_m: float, has_met: bool) -> None:
-        x_m, y_m = moment.x_m, moment.y_m + shift_m
+    def _show_agent(self, snapshot: Snapshot, shift_m: float, has_met: bool) -> None:
+        x_m, y_m = snapshot.x_m, snapshot.y_m + shift_m
         body = circle(x_m, y_m, self._course.radius_m)
-        sin, cos = np.sin(moment.heading_rad), np.cos(moment.heading_rad)
+        sin, cos = np.sin(snapshot.heading_rad), np.cos(snapshot.heading_rad)
         arrow = np.array([x_m, y_m]) + self._nose_m * _ARROW @ np.array([[cos, sin], [-sin, cos]])
         self._agent.set_verts([body, arrow])
         self._agent.set_facecolor([BODY_COLOUR, CONTACT_COLOUR if has_met else AGENT_COLOUR])

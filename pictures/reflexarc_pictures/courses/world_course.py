@@ -1,11 +1,11 @@
-"""From a world to a course: an agent drives through it."""
+"""Makes a course of a world: an agent drives through it."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from reflexarc_pictures.courses.course import Course, Floats, Moment, eye_of
+from reflexarc_pictures.courses.course import Course, Floats, Snapshot, eye_of
 from reflexarc_pictures.courses.world_scenery import WorldScenery
 from reflexarc_pictures.log_pictures.decision_strips import BRIGHT
 from reflexarc_runtime.contract import PolicyContract
@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from reflexarc_runtime.policy.policy import Policy
 
 MOST_ACROSS_M = 40.0
-"""A world wider than that is shown around the agent only."""
+"""Of a world that is wider, only a part around the agent is shown."""
 AROUND_M = 5.0
-"""So far behind and ahead of the path walls count."""
+"""How far behind and ahead of the path the walls of a corridor are looked at."""
 
 _WALLS_M = 0.6
 _WALL_PLACES = 100
@@ -33,51 +33,51 @@ def drive_in_world(
     duration_s: float,
     progress: Callable[[int, int], None] = lambda done, of: None,
 ) -> Course:
-    """Drive, one decision a step of the world.
+    """Let an agent drive, with one decision in each step of the world.
 
     Args:
-        source: the world; of a family that of the seed.
+        source: the world; a family of worlds gives that of the seed.
         contract: what the agent sees and does.
-        policy: what decides.
+        policy: decides how the agent drives.
         seed: which of the world's variants, 0 to 2⁶⁴ − 1.
         duration_s: how long, in the world's time.
-        progress: told the steps done and all steps.
+        progress: called with the steps done and all steps.
 
     Raises:
-        WorldError: a contract that the world does not support.
+        WorldError: the world does not support the contract.
     """
     world = source.drawn(seed)
     simulation = Simulation(world, contract, np.array([seed], np.uint64))
     steps = max(round(duration_s / world.dt_s), 1)
-    moments = [_moment(simulation, None, met=False)]
+    snapshots = [_snapshot(simulation, None, met=False)]
     for step in range(steps):
         _, actions = policy.decide(simulation.stacks)
         met = bool(simulation.step(actions)[0])
-        moments.append(_moment(simulation, moments[-1], met))
+        snapshots.append(_snapshot(simulation, snapshots[-1], met))
         progress(step + 1, steps)
     params = simulation.params
     bearings_rad = np.arctan2(params.eye.left, params.eye.ahead).astype(np.float64)
     return Course(
         title=f"{world.name}, seed {seed}",
         period_s=world.dt_s,
-        moments=moments,
+        snapshots=snapshots,
         eye=eye_of(contract, bearings_rad),
         bright=BRIGHT[contract.retina.shading],
         scenery=WorldScenery(simulation),
         radius_m=world.chassis.radius_m,
-        strip_m=_strip_m(world, seed, moments),
+        strip_m=_strip_m(world, seed, snapshots),
         lateral_period_m=_period_m(world),
     )
 
 
-def _moment(simulation: Simulation, last: Moment | None, met: bool) -> Moment:
-    """Look, and note everything."""
+def _snapshot(simulation: Simulation, last: Snapshot | None, met: bool) -> Snapshot:
+    """The state of the agent now, with a new retina."""
     world = simulation.world.drawn(0)
     retina = simulation.sense()[0]
     y_m, period_m = float(simulation.y_m[0]), _period_m(world)
     if last is not None and period_m is not None:
-        y_m += period_m * round((last.y_m - y_m) / period_m)  # the same place, as near as it can be
-    return Moment(
+        y_m += period_m * round((last.y_m - y_m) / period_m)  # the nearest of its repetitions
+    return Snapshot(
         x_m=float(simulation.x_m[0]),
         y_m=y_m,
         heading_rad=float(simulation.heading_rad[0]),
@@ -96,10 +96,10 @@ def _period_m(world: World) -> float | None:
     return world.width_m if world.edges is Edges.PERIODIC else None
 
 
-def _strip_m(world: World, seed: int, moments: list[Moment]) -> tuple[float, float] | None:
-    """From side to side; of a corridor, as far as its walls go along the way."""
+def _strip_m(world: World, seed: int, snapshots: list[Snapshot]) -> tuple[float, float] | None:
+    """Lowest and highest y of the world; of a corridor, of its walls along the path."""
     if world.corridor is not None:
-        x_m = np.linspace(moments[0].x_m - AROUND_M, moments[-1].x_m + AROUND_M, _WALL_PLACES)
+        x_m = np.linspace(snapshots[0].x_m - AROUND_M, snapshots[-1].x_m + AROUND_M, _WALL_PLACES)
         right_m = right_side_m(world, seed, x_m)
         left_m = right_m + world.corridor.width_m
         return float(right_m.min()) - _WALLS_M, float(left_m.max()) + _WALLS_M

@@ -1,24 +1,24 @@
-"""What stands in a simulated world, anywhere and at any time.
+"""The obstacles of a simulated world, anywhere and at any time.
 
-A world is a grid of chunks, a layer that moves is a grid that moves: so what is to be seen in an
-area at a time is in the chunks under it, each layer's shifted by as much as it has moved.
+A world is a grid of chunks, and the grid of a moving layer moves. So the obstacles in an area are
+those of the chunks under it, after the area is shifted back by as much as the layer has moved.
 """
 
 import math
 from collections.abc import Iterator
 
-from reflexarc_pictures.courses.course import Area, Colour, Silhouette, circle, reaches_into
+from reflexarc_pictures.courses.course import Area, Rgb, Silhouette, circle, reaches_into
 from reflexarc_sim_bridge.simulation.scene import Outline, outlines_of_chunk
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.layers import CHUNK_M, Drift, Motion
 from reflexarc_sim_bridge.worlds.world import Edges
 
-SLATE: Colour = (0.54, 0.64, 0.74)
-"""What white becomes, the colour of most obstacles: it would not show on a pale ground."""
+SLATE: Rgb = (0.54, 0.64, 0.74)
+"""Drawn in place of white, the colour of most obstacles, which would not show on pale ground."""
 
 
 class WorldScenery:
-    """The world of a simulation's first agent."""
+    """The obstacles of the world of a simulation's first agent."""
 
     def __init__(self, simulation: Simulation) -> None:
         tables, state = simulation.params.world, simulation.params.agents.state[0]
@@ -28,7 +28,7 @@ class WorldScenery:
         self._chunks: dict[tuple[int, int], list[Outline]] = {}
 
     def within(self, area: Area, time_s: float) -> list[Silhouette]:
-        """What reaches into an area at a time after the start."""
+        """See `Scenery.within`."""
         found = []
         for number, layer in enumerate(self._world.layers):
             now, before = moved_m(layer.motion, time_s), moved_m(layer.motion, time_s - 1.0)
@@ -40,7 +40,7 @@ class WorldScenery:
         return found
 
     def _listed(self, layer: int, area: Area) -> Iterator[Outline]:
-        """A layer's obstacles in the chunks of an area of its own frame."""
+        """The obstacles of a layer in the chunks of an area, in the frame of the layer."""
         for i in _chunks(area.low_x_m, area.high_x_m, CHUNK_M):
             for j in _chunks(area.low_y_m, area.high_y_m, self._side_m):
                 yield from (outline for outline in self._chunk(i, j) if outline.layer == layer)
@@ -56,7 +56,7 @@ class WorldScenery:
 
 
 def moved_m(motion: Motion | None, time_s: float) -> tuple[float, float]:
-    """How far a layer has moved: ahead, left. As the simulator's, which is compiled."""
+    """How far a layer has moved, ahead and left; the same formula as in the compiled simulator."""
     if motion is None:
         return 0.0, 0.0
     if isinstance(motion, Drift):
@@ -66,7 +66,7 @@ def moved_m(motion: Motion | None, time_s: float) -> tuple[float, float]:
 
 
 def _around(area: Area, way_m: tuple[float, float], reach_m: float) -> Area:
-    """Where the middles are, in a layer's frame, of what reaches into an area."""
+    """The area, in a layer's frame, in which obstacles have their centres if they reach into it."""
     (x_m, y_m), (low_x, high_x, low_y, high_y) = way_m, area
     return Area(
         low_x - x_m - reach_m, high_x - x_m + reach_m, low_y - y_m - reach_m, high_y - y_m + reach_m
@@ -86,8 +86,8 @@ def _silhouette(
     return Silhouette(corners_m + way_m, _on_pale_ground(outline.colour), wake_m)
 
 
-def _on_pale_ground(colour: Colour) -> Colour:
-    """Grey ones in shades of slate; colours as they are."""
+def _on_pale_ground(colour: Rgb) -> Rgb:
+    """Greys become shades of slate; other colours stay."""
     red, green, blue = colour
     if red == green == blue:
         return (red * SLATE[0], green * SLATE[1], blue * SLATE[2])

@@ -1,8 +1,7 @@
-"""What a policy saw, how it valued its actions, and what it did, as strips over time.
+"""Draws what a policy saw, its Q-values and its actions as strips over time.
 
-Each strip holds every decision from its own moment until the next one; all share one time axis (s).
-Where the policy was not asked, its retina and its values are missing and the command is the safe
-one: grey.
+Each strip shows a decision from its own time until the next one; all share one time axis (s). When
+the policy was not asked, retina and Q-values are missing, and the safe command was sent: grey.
 """
 
 from collections.abc import Sequence
@@ -18,6 +17,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from reflexarc_logs.reading.reader import Log
+from reflexarc_runtime.arrays import Actions
 from reflexarc_runtime.contract import PolicyContract, Shading
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages_pb2 import Decision
@@ -28,25 +28,24 @@ ACTION_COLOURS = (
     *("#009e73", "#0072b2", "#d55e00"),  # the paper's three: stay, left, right
     *("#cc79a7", "#e69f00", "#56b4e9", "#f0e442"),
 )
-"""One an action, again from the first where there are more; told apart by the colour-blind, too.
+"""A colour for each action, repeated if there are more; colour-blind readers can tell them apart.
 Source: Okabe and Ito, "Color Universal Design" (2008)."""
 COLUMNS = 1600
-"""More than a picture has pixels across."""
-
+"""More than the pixels in a row of a picture."""
 Floats: TypeAlias = npt.NDArray[np.float64]
-Actions: TypeAlias = npt.NDArray[np.int64]
+BRIGHT = {Shading.NEARNESS: "near", Shading.COLOUR: "brightly coloured"}
 
 
 @dataclass(frozen=True)
 class Decisions:
-    """What was decided, tick by tick, in order; at least one tick."""
+    """The decisions of all ticks, in order; at least one."""
 
     time_s: Floats
     """From the first tick on: (ticks,)."""
     retinas: Floats
-    """The newest that the policy was given, 0 to 255; NaN where it was not asked: (ticks, rays)."""
+    """The newest retina of each tick, 0 to 255; NaN if the policy was not asked: (ticks, rays)."""
     q_values: Floats
-    """NaN where it was not asked: (ticks, actions)."""
+    """NaN if the policy was not asked: (ticks, actions)."""
     actions: Actions
     """Index of each action, −1 for the safe command: (ticks,)."""
     action_names: tuple[str, ...]
@@ -60,7 +59,7 @@ def colour_of(action: int) -> str:
 
 
 def draw_retinas(axes: Axes, decisions: Decisions) -> None:
-    """Draw one column a tick, the leftmost ray on top; brighter is a larger value."""
+    """Draw the retinas as columns, the leftmost ray on top; brighter is a larger value."""
     moments = _sampled(decisions.time_s)
     axes.imshow(
         decisions.retinas[moments].T,
@@ -77,7 +76,7 @@ def draw_retinas(axes: Axes, decisions: Decisions) -> None:
 
 
 def draw_q_values(axes: Axes, decisions: Decisions) -> None:
-    """Draw one line an action; the highest one is what the policy does."""
+    """Draw a line for each action; the policy takes the highest one."""
     for action in range(decisions.q_values.shape[1]):
         values = decisions.q_values[:, action]
         axes.step(
@@ -96,7 +95,7 @@ def draw_q_values(axes: Axes, decisions: Decisions) -> None:
 
 
 def draw_actions(axes: Axes, decisions: Decisions) -> None:
-    """Draw one bar a tick in the colour of its action; the time axis of all strips is here."""
+    """Draw the actions as bars in their colours, with the time axis of all strips."""
     shown = range(-1, len(decisions.action_names))
     axes.imshow(
         decisions.actions[np.newaxis, _sampled(decisions.time_s)],
@@ -123,31 +122,11 @@ def action_patches(decisions: Decisions) -> list[Patch]:
     ]
 
 
-def _sampled(time_s: Floats) -> npt.NDArray[np.int64]:
-    """The tick that holds at the middle of each column; ticks need not be evenly spread."""
-    grid_s = (np.arange(COLUMNS) + 0.5) / COLUMNS * time_s[-1]
-    held: npt.NDArray[np.int64] = np.maximum(np.searchsorted(time_s, grid_s, side="right") - 1, 0)
-    return held
-
-
-def _end_s(decisions: Decisions) -> float:
-    return float(decisions.time_s[-1]) or 1.0
-
-
-def _entitle(axes: Axes, title: str, unit: str) -> None:
-    axes.set_title(title, loc="left", fontsize=10, color=INK)
-    axes.set_ylabel(unit, fontsize=9)
-    axes.tick_params(labelsize=8.5)
-
-
-BRIGHT = {Shading.NEARNESS: "near", Shading.COLOUR: "brightly coloured"}
-
-
 def decisions_of(log: Log) -> Decisions:
     """Every tick of a log, in order.
 
     Raises:
-        LogError: there is none, or the log names no policy.
+        LogError: the log has no ticks, or no policy.
     """
     made = [tick.decision for tick in log.ticks()]
     if not made or log.policy is None:
@@ -164,6 +143,23 @@ def decisions_of(log: Log) -> Decisions:
         action_names=tuple(action.name for action in contract.actions),
         bright=BRIGHT[contract.retina.shading],
     )
+
+
+def _sampled(time_s: Floats) -> npt.NDArray[np.int64]:
+    """Index of the last tick before the middle of each column; ticks may be uneven in time."""
+    grid_s = (np.arange(COLUMNS) + 0.5) / COLUMNS * time_s[-1]
+    held: npt.NDArray[np.int64] = np.maximum(np.searchsorted(time_s, grid_s, side="right") - 1, 0)
+    return held
+
+
+def _end_s(decisions: Decisions) -> float:
+    return float(decisions.time_s[-1]) or 1.0
+
+
+def _entitle(axes: Axes, title: str, unit: str) -> None:
+    axes.set_title(title, loc="left", fontsize=10, color=INK)
+    axes.set_ylabel(unit, fontsize=9)
+    axes.tick_params(labelsize=8.5)
 
 
 def _retinas(made: Sequence[Decision], contract: PolicyContract) -> Floats:

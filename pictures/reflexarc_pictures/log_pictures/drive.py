@@ -1,4 +1,4 @@
-"""A drive as a picture: from above, and what the policy saw and did as strips over time.
+"""Draws a drive: from above, and what the policy saw and did as strips over time.
 
 Above: obstacles, path and contacts, x ahead to the right, y to the left upwards. Without poses
 there is no view from above.
@@ -28,7 +28,9 @@ from reflexarc_runtime.messages.topics import CONTACT, POSE, SCENE
 OBSTACLE_COLOUR, CONTACT_COLOUR = "#9fb3c8", "#f2a900"
 MARGIN_M = 4.0
 JUMP_M = 0.5
-"""No body moves as far within a tick: it was put elsewhere."""
+"""A body does not drive as far within a tick: it was placed elsewhere."""
+Extent = tuple[float, float, float, float]
+"""Centre x and y, length along x, width along y."""
 
 
 @dataclass(frozen=True)
@@ -68,32 +70,6 @@ def draw_drive(drive: Drive, path: Path) -> None:
     panels.save(path, drive.title, contacts)
 
 
-def _draw_from_above(axes: Axes, drive: Drive) -> list[Line2D]:
-    """Obstacles, path and contacts; returns the entry of the contacts in a legend, if any."""
-    shapes: list[Patch] = [
-        Rectangle((x - length / 2, y - width / 2), length, width)
-        for x, y, length, width in drive.boxes
-    ]
-    shapes += [Ellipse((x, y), length, width) for x, y, length, width in drive.discs]
-    shapes += [Polygon(corners_m) for corners_m in drive.polygons]
-    axes.add_collection(PatchCollection(shapes, facecolor=OBSTACLE_COLOUR, edgecolor="none"))
-    axes.plot(*_broken_at_jumps(drive.x_m, drive.y_m), color=INK, linewidth=1.6)
-    if not len(drive.contacts):
-        return []
-    label = f"contact: {len(drive.contacts)}"
-    return axes.plot(*drive.contacts.T, "o", color=CONTACT_COLOUR, markeredgecolor=INK, label=label)
-
-
-def _broken_at_jumps(x_m: Floats, y_m: Floats) -> tuple[Floats, Floats]:
-    """The path with gaps where the body went on elsewhere: at a respawn or across the period."""
-    jumps = np.flatnonzero(np.abs(np.diff(y_m)) > JUMP_M) + 1
-    return np.insert(x_m, jumps, np.nan), np.insert(y_m, jumps, np.nan)
-
-
-Extent = tuple[float, float, float, float]
-"""Centre x and y, length along x, width along y."""
-
-
 def drive_of(log: Log, decisions: Decisions) -> Drive:
     """Path, contacts and obstacles, each as far as the log has them.
 
@@ -112,6 +88,28 @@ def drive_of(log: Log, decisions: Decisions) -> Drive:
         polygons=polygons,
         decisions=decisions,
     )
+
+
+def _draw_from_above(axes: Axes, drive: Drive) -> list[Line2D]:
+    """Draw obstacles, path and contacts; return the legend's entry for contacts, if any."""
+    shapes: list[Patch] = [
+        Rectangle((x - length / 2, y - width / 2), length, width)
+        for x, y, length, width in drive.boxes
+    ]
+    shapes += [Ellipse((x, y), length, width) for x, y, length, width in drive.discs]
+    shapes += [Polygon(corners_m) for corners_m in drive.polygons]
+    axes.add_collection(PatchCollection(shapes, facecolor=OBSTACLE_COLOUR, edgecolor="none"))
+    axes.plot(*_broken_at_jumps(drive.x_m, drive.y_m), color=INK, linewidth=1.6)
+    if not len(drive.contacts):
+        return []
+    label = f"contact: {len(drive.contacts)}"
+    return axes.plot(*drive.contacts.T, "o", color=CONTACT_COLOUR, markeredgecolor=INK, label=label)
+
+
+def _broken_at_jumps(x_m: Floats, y_m: Floats) -> tuple[Floats, Floats]:
+    """The path with gaps where the body was placed elsewhere or the world repeats."""
+    jumps = np.flatnonzero(np.abs(np.diff(y_m)) > JUMP_M) + 1
+    return np.insert(x_m, jumps, np.nan), np.insert(y_m, jumps, np.nan)
 
 
 def _poses(log: Log) -> Floats:
@@ -144,7 +142,7 @@ def _extent(shape: CubePrimitive | CylinderPrimitive) -> Extent:
 
 
 def _corners(shape: TriangleListPrimitive) -> tuple[tuple[float, float], ...]:
-    """All points but the first, which is the middle of a fan."""
+    """All points but the first, which is the centre of a fan."""
     return tuple((point.x, point.y) for point in shape.points[1:])
 
 

@@ -1,7 +1,7 @@
-"""A drive through a real building as a picture: a floor plan out of its scans, strips over time.
+"""Draws a drive through a real building: a floor plan made of its scans, and strips over time.
 
-The plan shows where beams ended, put together by the poses, and the path, each step in the colour
-of the decision that was made there. World frame: x to the right, y upwards, metres.
+The plan shows where beams ended, computed with the poses, and the path, each step in the colour of
+the decision that was made there. World frame: x to the right, y upwards, metres.
 """
 
 import math
@@ -22,10 +22,10 @@ from reflexarc_pictures.log_pictures.panels import Panels
 from reflexarc_runtime.messages.topics import POSE, SCAN, TICK
 
 MAX_POINTS = 120_000
-"""Enough for walls to become lines; more only makes the picture large."""
+"""Enough that walls look like lines; more points only make the file larger."""
 MARGIN_M = 1.0
 FARTHEST_SHARE = 0.002
-"""What lies beyond this share of the points on a side (glass, open doors) is outside the frame."""
+"""This share of the points on each side (seen through glass, open doors) may be cut off."""
 
 
 @dataclass(frozen=True)
@@ -52,6 +52,35 @@ def draw_floor_plan(plan: FloorPlan, path: Path) -> None:
     panels.map.set_aspect("equal", adjustable="box")
     panels.map.set(xlabel="x (m)", ylabel="y (m)")
     panels.save(path, plan.title, [_start(label="start")])
+
+
+def floor_plan_of(log: Log, decisions: Decisions) -> FloorPlan:
+    """Compute the walls that the scans show, and the path.
+
+    Raises:
+        LogError: the log is damaged.
+    """
+    sent_ns, logged_ns, poses = _poses(log)
+    ticked_ns = np.array([tick.log_ns for tick in log.records(log.topic(TICK.name))])
+    scans = list(log.messages(log.topic(SCAN.name), LaserScan))
+    places = _at(np.array([record.publish_ns for record, _ in scans]), sent_ns, poses)
+    ends = [beam_ends(scan, *place) for (_, scan), place in zip(scans, places, strict=True)]
+    return FloorPlan(
+        title=f"{log.path.name}: {len(scans)} scans, {len(ticked_ns)} decisions",
+        ends_m=np.concatenate(ends),
+        path_m=_at(ticked_ns, logged_ns, poses)[:, :2],
+        decisions=decisions,
+    )
+
+
+def beam_ends(scan: LaserScan, x_m: float, y_m: float, heading_rad: float) -> Floats:
+    """Where beams hit an obstacle, x and y in metres: (hits, 2)."""
+    ranges_m = np.array(scan.ranges, np.float64)
+    bearings_rad = heading_rad + np.linspace(scan.start_angle, scan.end_angle, len(ranges_m))
+    hits = np.isfinite(ranges_m) & (ranges_m > 0.0)
+    ranges_m, bearings_rad = ranges_m[hits], bearings_rad[hits]
+    x, y = x_m + ranges_m * np.cos(bearings_rad), y_m + ranges_m * np.sin(bearings_rad)
+    return np.stack([x, y], axis=1)
 
 
 def _draw_walls(axes: Axes, plan: FloorPlan) -> None:
@@ -87,35 +116,6 @@ def _frame(plan: FloorPlan) -> tuple[Floats, Floats]:
     if len(plan.ends_m):
         corners += list(np.quantile(plan.ends_m, (FARTHEST_SHARE, 1.0 - FARTHEST_SHARE), axis=0))
     return np.min(corners, axis=0) - MARGIN_M, np.max(corners, axis=0) + MARGIN_M
-
-
-def floor_plan_of(log: Log, decisions: Decisions) -> FloorPlan:
-    """The walls that the scans show, and the path.
-
-    Raises:
-        LogError: the log is damaged.
-    """
-    sent_ns, logged_ns, poses = _poses(log)
-    ticked_ns = np.array([tick.log_ns for tick in log.records(log.topic(TICK.name))])
-    scans = list(log.messages(log.topic(SCAN.name), LaserScan))
-    places = _at(np.array([record.publish_ns for record, _ in scans]), sent_ns, poses)
-    ends = [beam_ends(scan, *place) for (_, scan), place in zip(scans, places, strict=True)]
-    return FloorPlan(
-        title=f"{log.path.name}: {len(scans)} scans, {len(ticked_ns)} decisions",
-        ends_m=np.concatenate(ends),
-        path_m=_at(ticked_ns, logged_ns, poses)[:, :2],
-        decisions=decisions,
-    )
-
-
-def beam_ends(scan: LaserScan, x_m: float, y_m: float, heading_rad: float) -> Floats:
-    """Where the beams ended that met something, x and y in metres: (hits, 2)."""
-    ranges_m = np.array(scan.ranges, np.float64)
-    bearings_rad = heading_rad + np.linspace(scan.start_angle, scan.end_angle, len(ranges_m))
-    hits = np.isfinite(ranges_m) & (ranges_m > 0.0)
-    ranges_m, bearings_rad = ranges_m[hits], bearings_rad[hits]
-    x, y = x_m + ranges_m * np.cos(bearings_rad), y_m + ranges_m * np.sin(bearings_rad)
-    return np.stack([x, y], axis=1)
 
 
 def _poses(log: Log) -> tuple[Floats, Floats, Floats]:

@@ -1,4 +1,4 @@
-"""From a log to its picture: a drive among known obstacles, or a floor plan out of scans."""
+"""Draws a log: as a drive among known obstacles, or as a floor plan made of scans."""
 
 from pathlib import Path
 from typing import Literal, TypeAlias
@@ -26,7 +26,7 @@ def draw_log(path: Path, picture: Path, kind: Kind = "auto") -> Literal["drive",
         Which kind it became.
 
     Raises:
-        LogError: the log cannot be read, or nothing was decided in it.
+        LogError: the log cannot be read, or has no ticks.
         UsageError: a floor plan is asked for and the log has no scans, or no poses.
     """
     log = read_log(path)

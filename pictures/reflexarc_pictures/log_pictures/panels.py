@@ -1,4 +1,4 @@
-"""How a picture of a log is laid out: a map, and beside or under it strips that share a legend."""
+"""The layout of a picture of a log: a map, beside or above strips that share a legend."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -18,9 +18,9 @@ from reflexarc_pictures.log_pictures.decision_strips import (
 )
 
 WIDE = 1.6
-"""A map that is as many times wider than high stands above its strips, not beside them."""
+"""A map at least so many times wider than high is above its strips, not beside them."""
 _HEIGHTS = (2.2, 2.0, 0.35)
-"""Of the three strips, in proportion."""
+"""Heights of the three strips, in proportion."""
 
 
 class Panels:

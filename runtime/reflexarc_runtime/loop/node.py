@@ -13,11 +13,10 @@ from reflexarc_runtime.decision import Decision, Timing
 from reflexarc_runtime.loop.monitor import Monitor, Summary
 from reflexarc_runtime.loop.pacer import Pacer, Wakeup
 from reflexarc_runtime.loop.sink import NoSink, Sink
+from reflexarc_runtime.loop.throttle import Throttle
 from reflexarc_runtime.messages.codec import Status, encode_command, encode_status, encode_tick
 from reflexarc_runtime.messages.topics import COMMAND, DEFAULT_ROBOT, TICK, Topic
 from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp, protobuf_encoding
-
-STATUS_PERIOD_NS = 1_000_000_000
 
 
 class Outlet(Protocol):
@@ -61,7 +60,7 @@ class Node:
         self._monitor = Monitor()
         self._state = State()
         self._record_ns = 0
-        self._status_due_ns: int | None = None
+        self._every_second = Throttle(at_once=False)
 
     def run(
         self, should_stop: Callable[[], bool] = lambda: False, max_ticks: int | None = None
@@ -118,11 +117,8 @@ class Node:
         return Message(key, payload, encoding, pack_stamp(stamp), decision.now_ns)
 
     def _report(self, now_ns: int, policy_hash: str) -> None:
-        if self._status_due_ns is None:
-            self._status_due_ns = now_ns + STATUS_PERIOD_NS
-        if now_ns < self._status_due_ns:
+        if not self._every_second.is_due(now_ns):
             return
-        self._status_due_ns = now_ns + STATUS_PERIOD_NS
         period = self._monitor.period()
         status = Status(
             node="runtime",

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Protocol
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.lockstep import await_command, wait_for_runtime
 from reflexarc_runtime.loop.pacer import RatePacer
+from reflexarc_runtime.loop.throttle import Throttle
 from reflexarc_runtime.messages.codec import (
     Status,
     decode_command,
@@ -41,7 +42,6 @@ if TYPE_CHECKING:
     from reflexarc_runtime.bus import Bus
 
 _SPOKEN = (RETINA, POSE, TRANSFORM, SCENE, CONTACT, STATUS)
-_SECOND_NS = 1_000_000_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +82,7 @@ class Voice:
         self._body = body
         self._robot = robot
         self._steps = 0
-        self._due_ns: int | None = None
+        self._every_second = Throttle()
 
     def is_heard(self, topic: Topic) -> bool:
         """Whether anyone listens to a topic."""
@@ -102,9 +102,8 @@ class Voice:
         self._say_every_second(now_ns)
 
     def _say_every_second(self, now_ns: int) -> None:
-        if self._due_ns is not None and now_ns < self._due_ns:
+        if not self._every_second.is_due(now_ns):
             return
-        self._due_ns = now_ns + _SECOND_NS
         near = self._body.simulation.outlines_near(0)
         self._publishers[SCENE].put(encode_scene(near, now_ns), now_ns)
         status = Status(node=BODY_NODE, ticks=self._steps)

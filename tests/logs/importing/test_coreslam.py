@@ -6,7 +6,7 @@ import pytest
 from foxglove_schemas_protobuf.LaserScan_pb2 import LaserScan
 
 from reflexarc_logs.container.rejected import accepted_message
-from reflexarc_logs.importing.lidar_import import Imported, import_log
+from reflexarc_logs.importing.lidar_import import ImportReport, import_log
 from reflexarc_logs.reading.reader import Log, read_log
 from reflexarc_runtime.contract import PolicyContract, RetinaSpec
 from reflexarc_runtime.controller import Controller
@@ -27,7 +27,7 @@ PERIOD_NS = 20_000_000
 LIMIT_S = 0.12
 
 
-def imported(folder: Path, text: str, **wishes: object) -> tuple[Imported, Log]:
+def imported(folder: Path, text: str, **wishes: object) -> tuple[ImportReport, Log]:
     source, out = folder / "in.dat", folder / "out.mcap"
     source.write_text(text)
     said = import_log(source, out, "coreslam", **wishes)  # type: ignore[arg-type]  # as given

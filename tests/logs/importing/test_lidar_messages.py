@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from reflexarc_logs.importing.lidar_messages import ODOMETRY_FRAME, LidarMessages
-from reflexarc_logs.importing.scan_line import Place, Sweep
+from reflexarc_logs.importing.scan_line import Sweep, TimedPose
 
 ANY_FLOATS = st.lists(st.floats(allow_nan=True, allow_infinity=True), min_size=1, max_size=300)
 FINITE = st.just(0.0) | st.just(-0.0) | st.floats(allow_nan=False, allow_infinity=False)
@@ -39,7 +39,7 @@ def test_the_length_of_the_longest_scans_takes_more_than_two_bytes():
 def test_poses_and_transforms_have_the_very_bytes_that_protobuf_makes(
     x_m: float, y_m: float, heading_rad: float, time_ns: int | None
 ):
-    place, messages = Place(x_m, y_m, heading_rad, time_ns), LidarMessages("robot0")
+    place, messages = TimedPose(x_m, y_m, heading_rad, time_ns), LidarMessages("robot0")
     pose, transform = PoseInFrame(frame_id="odom"), FrameTransform()
     transform.parent_frame_id, transform.child_frame_id = "world", "robot0"
     for message, position, rotation in (

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from reflexarc_logs.container.run_info import RUN as RUN_METADATA
 from reflexarc_logs.container.run_info import RunInfo
-from reflexarc_logs.container.writing import LogFile
+from reflexarc_logs.container.writing import LogWriter
 from reflexarc_logs.playing.player import GLANCE_NS, Player
 from reflexarc_logs.playing.schedule import (
     LONELY_PERIOD_NS,
@@ -40,7 +40,7 @@ Sent = tuple[str, bytes, int]
 
 def log_of(folder: Path, *records: tuple[str, object, int], run: RunInfo = MADE) -> Log:
     """A log of (topic name, message or bytes, log time)."""
-    file = LogFile(folder / "made.mcap")
+    file = LogWriter(folder / "made.mcap")
     file.describe(RUN_METADATA, run.to_metadata())
     kinds = {"scan": LaserScan, "pose": PoseInFrame, "retina": RawImage, "command": PoseInFrame}
     for number, (name, message, time_ns) in enumerate(records):

@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 
 from reflexarc_logs.replaying.comparison import (
     Divergence,
+    EqualityRules,
     Flip,
     LevelResult,
-    Report,
-    Rules,
+    ReplayReport,
     Tally,
     find_flip,
     is_close,
@@ -22,8 +22,8 @@ from reflexarc_logs.replaying.message_fields import Difference, Fields
 from reflexarc_runtime.messages_pb2 import Command, Decision, Input
 from reflexarc_runtime.policy.policy import Q_TOLERANCE, flips, within_tolerance
 
-EXACT = Rules(exact=True, same_policy=True)
-TOLERANT = Rules(exact=False, same_policy=True)
+EXACT = EqualityRules(exact=True, same_policy=True)
+TOLERANT = EqualityRules(exact=False, same_policy=True)
 FIELDS = Fields(Decision.DESCRIPTOR, Decision.DESCRIPTOR)
 
 
@@ -127,8 +127,8 @@ def test_rounding_excuses_what_follows_from_the_action_and_nothing_else():
     assert EXACT.judge(found, flip) == found
 
 
-def report(*levels: LevelResult) -> Report:
-    return Report("run.mcap", "ab" * 32, True, "numpy", "numpy", ("stay", "left"), levels)
+def report(*levels: LevelResult) -> ReplayReport:
+    return ReplayReport("run.mcap", "ab" * 32, True, "numpy", "numpy", ("stay", "left"), levels)
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""`reflexarc camera`: a real camera, a video or images, as the body's eye."""
+"""`reflexarc camera`: a camera, a video or images become the retinas of a body."""
 
 import os
 from collections.abc import Iterable, Iterator
@@ -27,8 +27,8 @@ MAX_RATE_HZ = 1000.0
 
 
 @dataclass(frozen=True)
-class Camera:
-    """A real camera, a video or images, as the body's eye: retinas on the bus. It moves nothing.
+class CameraCommand:
+    """Publish retinas from a real camera, a video or images. It moves nothing.
 
     The policy must have been trained on colours (reflexarc train --preset paper). Which rows count,
     how wide the lens is and which colours are obstacles stand in a calibration. For two eyes give

@@ -1,4 +1,4 @@
-"""`reflexarc ros2`: a robot that speaks ROS 2 over Zenoh, as the body."""
+"""`reflexarc ros2`: a robot that speaks ROS 2 over Zenoh becomes the body."""
 
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
@@ -16,8 +16,8 @@ MAX_RATE_HZ = 1000.0
 
 
 @dataclass(frozen=True)
-class Ros2:
-    """A robot that speaks ROS 2 over Zenoh, as the body: scans in, velocity commands out.
+class Ros2Command:
+    """Connect a robot that speaks ROS 2 over Zenoh: scans in, velocity commands out.
 
     It joins where the robot's own Zenoh router listens (--port, 7447 for rmw_zenohd and
     zenoh-bridge-ros2dds), and so does `reflexarc run --input scan`. While no command is valid it

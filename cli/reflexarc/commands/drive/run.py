@@ -27,7 +27,7 @@ LISTENER_POLL_S = 0.01
 
 
 @dataclass(frozen=True)
-class Run:
+class RunCommand:
     """Run a policy: sense, decide, act, at the contract's rate, until Ctrl-C.
 
     Whatever comes in, the body gets a command at every tick: the policy's while its input is good
@@ -130,7 +130,7 @@ class Run:
         )
 
     def _listen_to_the_rest(self, bus: "Bus", sink: "Sink") -> None:
-        """Record what the loop does not decide on; it goes past the inbox."""
+        """Record the streams that the loop does not decide on; they bypass the inbox."""
         from reflexarc_runtime.messages.topics import (
             CONTACT,
             LOG,
@@ -151,7 +151,7 @@ class Run:
         bus.subscribe([POSE, TRANSFORM, ODOMETRY, SCENE, CONTACT, STATUS, LOG], keep)
 
     def _wait_for_body(self, command: "Publisher", stop: StopFlag) -> None:
-        """In lockstep a command that nobody hears would be waited for in vain."""
+        """Wait for a body: in lockstep, a command without a listener would never be answered."""
         import time
 
         aside.print("reflexarc run: waiting for a body in lockstep …")
@@ -178,7 +178,7 @@ class Run:
             yield recorder
 
     def _recorded(self, state: str) -> str:
-        """A finished recording is off: then its path says more, with what was dropped, if any."""
+        """The path of a finished recording and how much was dropped; else the recorder's state."""
         if self.record is None or not state.startswith("off"):
             return state
         return f"{self.record}{state.removeprefix('off')}"

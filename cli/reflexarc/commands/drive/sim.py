@@ -23,8 +23,8 @@ MAX_ROBOTS = 64
 
 
 @dataclass(frozen=True)
-class Sim:
-    """A simulated body: it moves, sees, and says so on the bus, in real time or in lockstep.
+class SimCommand:
+    """Simulate a body on the bus: it sees and moves, in real time or in lockstep.
 
     It builds its eye from a policy's contract: from --policy, or from the runtime that it meets on
     the bus. Without a fresh and valid command it stops by itself.
@@ -59,7 +59,7 @@ class Sim:
     """Print one JSON object at the end."""
 
     def run(self) -> int:
-        """Drive until the end, then say what became of it."""
+        """Drive until the end, then print the journey."""
         from reflexarc_sim_bridge.worlds.files import world_named
 
         world_named(self.world)
@@ -81,7 +81,7 @@ class Sim:
         stop: Callable[[], bool],
         script: "FaultScript | None",
     ) -> "Journey | None":
-        """One robot's life; None when it was stopped before it met a runtime."""
+        """Drive one robot; None if it was stopped before it met a runtime."""
         from reflexarc_runtime.bus import Bus
         from reflexarc_runtime.loop.clock import MonotonicClock
 
@@ -93,7 +93,7 @@ class Sim:
             return self._drive(bus, contract, stop, script, robot.robot, number)
 
     def _who(self, robot: str) -> str:
-        """Who speaks; the only robot needs no name."""
+        """The beginning of a robot's notices; the only robot needs no name."""
         return f"reflexarc sim: {robot}" if self.robots > 1 else "reflexarc sim"
 
     def _check_flags(self) -> None:
@@ -147,7 +147,7 @@ class Sim:
             return bridge.drive(RatePacer(rate_hz, clock, inbox), stop, self.steps)
 
     def _tell(self, journeys: "dict[str, Journey]") -> None:
-        """One robot's journey as it is, several by name."""
+        """Print the journey of one robot, or those of several by name."""
         if self.json and journeys:
             plain = {robot: asdict(journey) for robot, journey in journeys.items()}
             print_json(plain if self.robots > 1 else next(iter(plain.values())))

@@ -1,4 +1,4 @@
-"""`reflexarc evaluate`: how often a policy collides on the reference field."""
+"""`reflexarc evaluate`: measures how often a policy collides on the reference field."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Evaluate:
+class EvaluateCommand:
     """Measure policies on the reference field's test worlds, beside an agent that never steers.
 
     The figure is contacts per 100 m, with a 95 % interval (bootstrap over agents). Policies are

@@ -1,4 +1,4 @@
-"""`reflexarc export`: a checkpoint, as a policy."""
+"""`reflexarc export`: a checkpoint becomes a policy file."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +10,7 @@ from reflexarc.terminal.output import console, facts, print_json
 
 
 @dataclass(frozen=True)
-class Export:
+class ExportCommand:
     """Export a checkpoint as one self-describing ONNX file.
 
     Nothing is written unless the ONNX checker passes and torch, onnxruntime and NumPy agree.

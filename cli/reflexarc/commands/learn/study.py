@@ -1,4 +1,4 @@
-"""`reflexarc study`: a grid of configurations × seeds."""
+"""`reflexarc study`: learns with a grid of configurations × seeds, and compares the results."""
 
 import os
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from reflexarc_runtime.errors import UsageError
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from reflexarc_trainer.study.definition import Study as StudyFile
+    from reflexarc_trainer.study.definition import Study
     from reflexarc_trainer.study.study import StudyResult
     from reflexarc_trainer.study.summary import CellSummary
 
@@ -23,7 +23,7 @@ NOT_AS_WANTED = 1
 
 
 @dataclass(frozen=True)
-class Study:
+class StudyCommand:
     """Learn with every configuration of a grid and every seed, and compare what was learned.
 
     A study is a small TOML file; --list says which are shipped, --show prints one to begin with.
@@ -58,7 +58,7 @@ class Study:
     """Print one JSON object at the end."""
 
     def run(self) -> int:
-        """Do it; the exit status is the answer."""
+        """List, show, plan or run a study; return the exit status."""
         if self.list != (self.study == ""):
             wanted = "no study with --list" if self.list else "the name or the file of a study"
             raise UsageError(f"study: expected {wanted}, got {self.study or 'none'}; see --list")
@@ -90,7 +90,7 @@ class Study:
             console.print(_list_table(rows))
         return 0
 
-    def _plan(self, study: "StudyFile", out: Path) -> int:
+    def _plan(self, study: "Study", out: Path) -> int:
         from reflexarc_trainer.study.study import plan
 
         todo = plan(study, out, self.any_code)
@@ -107,7 +107,7 @@ class Study:
         console.print(f"{seconds / 60:.1f} minutes with --jobs {self._processes}, in {out}")
         return 0
 
-    def _run(self, study: "StudyFile", out: Path) -> int:
+    def _run(self, study: "Study", out: Path) -> int:
         from reflexarc.terminal.progress import show_study_progress
         from reflexarc_trainer.study.study import run_study
 
@@ -128,7 +128,7 @@ class Study:
         return self._answer(result)
 
     def _answer(self, result: "StudyResult") -> int:
-        """Say what is not as it should be."""
+        """Print what failed or is missing; return the exit status."""
         if result.unused:
             said = "results of other code are not used; --any-code uses them"
             aside.print(f"{result.unused} {said}")
@@ -142,7 +142,7 @@ class Study:
         return NOT_AS_WANTED if result.failures or result.missed else 0
 
 
-def _facts(study: "StudyFile") -> dict[str, object]:
+def _facts(study: "Study") -> dict[str, object]:
     return {
         "name": study.name,
         "title": study.title,
@@ -165,7 +165,7 @@ def _list_table(rows: "list[dict[str, object]]") -> "Table":
     return table
 
 
-def _table(study: "StudyFile", result: "StudyResult") -> "Table":
+def _table(study: "Study", result: "StudyResult") -> "Table":
     from rich.table import Table
 
     from reflexarc_trainer.study.page import FIGURE_NAMES
@@ -188,7 +188,7 @@ def _row(summary: "CellSummary") -> tuple[str, ...]:
     return (seeds, f"{mean:.3g}", f"{low:.3g} – {high:.3g}", share)
 
 
-def _summary(study: "StudyFile", result: "StudyResult") -> dict[str, object]:
+def _summary(study: "Study", result: "StudyResult") -> dict[str, object]:
     cells = [
         {
             "cell": summary.cell.name,

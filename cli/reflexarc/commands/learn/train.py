@@ -1,4 +1,4 @@
-"""`reflexarc train`: learn a reflex."""
+"""`reflexarc train`: learns a policy."""
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
@@ -19,7 +19,7 @@ _GIVEN_ONCE = ("steps", "worlds", "init_from", "stop_at")
 
 
 @dataclass(frozen=True)
-class Train:
+class TrainCommand:
     """Learn a reflex with SARSA(λ) and export it as one ONNX file.
 
     Writes policy.onnx (as the run left it), policy-best.onnx (best on validation worlds),

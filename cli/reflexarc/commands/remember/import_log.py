@@ -1,4 +1,4 @@
-"""`reflexarc import`: real lidar logs as logs of ours."""
+"""`reflexarc import`: lidar logs of other systems become MCAP logs."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,16 +9,16 @@ import tyro
 from reflexarc.terminal.output import aside, console, facts, print_json
 
 if TYPE_CHECKING:
-    from reflexarc_logs.importing.lidar_import import Imported
+    from reflexarc_logs.importing.lidar_import import ImportReport
 
 
 @dataclass(frozen=True)
-class Import:
-    """Make a log of ours of a lidar log: CARMEN (Radish) or CoreSLAM, plain or gzip.
+class ImportCommand:
+    """Import a lidar log of another system: CARMEN (Radish) or CoreSLAM, plain or gzip.
 
-    Scans, corrected poses and odometry, as far as the file has them. What is broken is counted and
-    left out; distances that the sensor could not tell stay unknown; nothing is guessed. Recorded
-    times are kept only where they grow, because in many logs they do not.
+    The log holds scans, corrected poses and odometry, as far as the file has them. Malformed lines
+    are counted and left out; distances that the sensor could not measure stay unknown. Recorded
+    times are kept only on request and only if they grow, because in many logs they do not.
 
     Examples:
       reflexarc import carmen intel.log.gz -o runs/intel.mcap
@@ -26,7 +26,7 @@ class Import:
     """
 
     format: tyro.conf.Positional[Literal["carmen", "coreslam"]]
-    """Whose format it is."""
+    """The format of the file."""
     file: tyro.conf.Positional[Path]
     """The log (text, or text in gzip)."""
     out: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
@@ -34,7 +34,7 @@ class Import:
     rate: float | Literal["recorded"] = 10.0
     """Scans a second, spread evenly from 0; or recorded: the file's own times."""
     robot: str = "robot0"
-    """Whose topics they become."""
+    """Name of the robot, the first part of every topic."""
     json: bool = False
     """Print one JSON object."""
 
@@ -55,7 +55,7 @@ class Import:
         return 0
 
 
-def _rows(imported: "Imported") -> dict[str, object]:
+def _rows(imported: "ImportReport") -> dict[str, object]:
     rate = f"{imported.rate_hz:g} Hz" if imported.rate_hz else "the file's own times"
     broken = _counts(imported.broken_lines)
     if imported.first_broken_line is not None:

@@ -1,4 +1,4 @@
-"""`reflexarc info`: what a policy or a log is."""
+"""`reflexarc info`: describes a policy or a log."""
 
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -18,8 +18,8 @@ SHOWN_HASH = 12
 
 
 @dataclass(frozen=True)
-class Info:
-    """Say what a file is: a policy's contract and origin, or a log's streams and run.
+class InfoCommand:
+    """Describe a file: the contract and origin of a policy, or the run and streams of a log.
 
     Examples:
       reflexarc info runs/reflex-0/policy.onnx
@@ -32,7 +32,7 @@ class Info:
     """Print one JSON object."""
 
     def run(self) -> int:
-        """Look, and say what it is."""
+        """Print what the file is."""
         if _begins_with(self.file, MCAP_MAGIC) or self.file.suffix in (".mcap", ".partial"):
             return self._of_log()
         return self._of_policy()

@@ -1,4 +1,4 @@
-"""`reflexarc play`: a log's sensor streams, on the bus again."""
+"""`reflexarc play`: sends the sensor streams of a log on the bus again."""
 
 import math
 from collections.abc import Callable, Iterator
@@ -16,8 +16,8 @@ from reflexarc.wiring.bus_flags import Joining
 from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:
-    from reflexarc_logs.playing.player import Account
-    from reflexarc_logs.playing.schedule import Due, Streams
+    from reflexarc_logs.playing.player import PlaybackReport
+    from reflexarc_logs.playing.schedule import Due, StreamSurvey
     from reflexarc_logs.reading.reader import Log
     from reflexarc_runtime.bus import Bus
 
@@ -26,12 +26,13 @@ MS = 1_000_000
 
 
 @dataclass(frozen=True)
-class Play:
-    """Play a log's sensor streams onto the bus, as its body did.
+class PlayCommand:
+    """Send the sensor streams of a log on the bus again, as its body did.
 
-    Retina, scan, pose, tf, odometry, contact and scene; nothing that the runtime said. In real time
-    the messages bear the player's own clock, and nobody waits for anybody. In lockstep they bear
-    the log's time, and each retina or scan waits for its command. At a terminal the space bar
+    These are retina, scan, pose, tf, odometry, contact and scene, and nothing of the runtime. In
+    real time the messages carry the time of the player's own clock, and no process waits for
+    another. In lockstep they carry the log's time, and after each retina or scan the player waits
+    for its command. At a terminal the space bar
     pauses and q quits. Records that cannot be decoded are counted and not sent.
 
     Examples:
@@ -79,8 +80,8 @@ class Play:
             raise UsageError("--speed: lockstep is as fast as it can be; leave one of the two out")
 
     def _play(
-        self, bus: "Bus", log: "Log", streams: "Streams", stop: StopFlag, keys: Keys
-    ) -> "Account":
+        self, bus: "Bus", log: "Log", streams: "StreamSurvey", stop: StopFlag, keys: Keys
+    ) -> "PlaybackReport":
         from reflexarc.wiring.playing_body import PlayingBody
         from reflexarc_logs.playing.player import Player
         from reflexarc_logs.playing.schedule import schedule
@@ -109,13 +110,13 @@ class Play:
             )
 
     @contextmanager
-    def _progress(self, streams: "Streams") -> "Iterator[Callable[[Due], None]]":
+    def _progress(self, streams: "StreamSurvey") -> "Iterator[Callable[[Due], None]]":
         """A bar that shows how far into the log the player is."""
         total_ms = max(1, (streams.length_ns + streams.interval_ns) // MS)
         with progress_bar("playing", total_ms) as show:
             yield lambda due: show(round(due.due_ns * self.speed) // MS % total_ms, total_ms)
 
-    def _tell(self, account: "Account", streams: "Streams") -> None:
+    def _tell(self, account: "PlaybackReport", streams: "StreamSurvey") -> None:
         if self.json:
             print_json({**asdict(account), "undecodable": streams.undecodable})
             return

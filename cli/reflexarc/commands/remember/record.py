@@ -1,4 +1,4 @@
-"""`reflexarc record`: every stream on the bus, into one file."""
+"""`reflexarc record`: writes every stream of a robot on the bus into one log."""
 
 import datetime
 import math
@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 
 POLL_S = 0.05
 STOPPED = "stopped"
-"""How the state of a recording that failed begins."""
+"""The state of a recording that failed begins with this word."""
 
 
 @dataclass(frozen=True)
-class Record:
+class RecordCommand:
     """Record every stream of a robot on the bus, until Ctrl-C.
 
     The log holds what this process heard, in its own order; it replays at level `policy`. A log

@@ -10,7 +10,7 @@ from reflexarc.terminal.output import aside, console, facts, kibibytes, print_js
 
 
 @dataclass(frozen=True)
-class Recover:
+class RecoverCommand:
     """Save what is intact of a log that was cut off, as a finished log.
 
     Examples:

@@ -6,15 +6,22 @@ from typing import Annotated, Literal
 
 import tyro
 
-from reflexarc.terminal.output import console, facts, kibibytes, print_json
-from reflexarc_pictures.rendering import PICTURE, Rendered, check_format, render_log, render_world
+from reflexarc.terminal.output import console, facts, kibibytes, print_json, progress_bar
+from reflexarc_pictures.rendering import (
+    PICTURE,
+    Rendered,
+    check_format,
+    check_place,
+    render_log,
+    render_world,
+)
 from reflexarc_runtime.errors import UsageError
 
 MIN_SECONDS, MAX_SECONDS = 0.5, 120.0
 
 
 @dataclass(frozen=True)
-class Render:
+class RenderCommand:
     """Draw a world, or a log of `reflexarc run --record`, as a picture or as a film.
 
     In a world an agent drives: the policy, or one that never steers. A picture (PNG) shows the
@@ -49,7 +56,7 @@ class Render:
     """Print one JSON object."""
 
     def run(self) -> int:
-        """Draw, and say what became of it."""
+        """Draw, and print what was written."""
         check_format(self.out)
         check_place(self.out)
         if self.seconds is not None and not MIN_SECONDS <= self.seconds <= MAX_SECONDS:
@@ -68,7 +75,8 @@ class Render:
         seed = self.seed or 0
         if not 0 <= seed < 1 << 64:
             raise UsageError(f"--seed: expected 0 to 2^64 − 1, got {seed}")
-        return render_world(world_named(self.target), self.out, self.policy, seed, self.seconds)
+        world = world_named(self.target)
+        return render_world(world, self.out, self.policy, seed, self.seconds, progress_bar)
 
     def _log(self) -> Rendered:
         for name in ("policy", "seed"):
@@ -79,7 +87,7 @@ class Render:
             raise UsageError("--seconds: the picture of a log shows all of it; leave it out")
         if not is_picture and self.kind != "auto":
             raise UsageError(f"--kind {self.kind}: only for pictures, *.png, got {self.out}")
-        return render_log(Path(self.target), self.out, self.kind, self.seconds)
+        return render_log(Path(self.target), self.out, self.kind, self.seconds, progress_bar)
 
     def _tell(self, made: Rendered) -> None:
         if self.json:
@@ -90,18 +98,6 @@ class Render:
 
 
 def _is_log(target: str) -> bool:
-    """A log ends in .mcap; any other file that is there, and is no TOML, is taken for one, too."""
+    """Whether it is a log: it ends in .mcap, or is a file that exists and is not TOML."""
     path = Path(target)
     return path.suffix == ".mcap" or (path.suffix != ".toml" and path.is_file())
-
-
-def check_place(path: Path) -> None:
-    """Refuse a place where no file can be, before any work is done for it.
-
-    Raises:
-        UsageError: its folder is missing, or it is a folder itself.
-    """
-    if path.is_dir():
-        raise UsageError(f"--out: expected the name of a file, got the folder {path}")
-    if not path.parent.is_dir():
-        raise UsageError(f"--out: {path}: no such folder: {path.parent}; make it first")

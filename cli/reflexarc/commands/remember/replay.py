@@ -1,4 +1,4 @@
-"""`reflexarc replay`: a log, decided again."""
+"""`reflexarc replay`: computes the decisions of a log again, and compares them."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,8 +10,8 @@ from reflexarc.terminal.output import console, print_json
 
 
 @dataclass(frozen=True)
-class Replay:
-    """Decide a log again, without bus and clock, and compare.
+class ReplayCommand:
+    """Compute the decisions of a log again, without bus and clock, and compare them.
 
     Level `policy` runs every recorded retina through the policy; level `node` runs every recorded
     message through the controller and compares every field of every decision. By default it does

@@ -1,4 +1,4 @@
-"""`reflexarc worlds`: the worlds there are, and whether one is fair."""
+"""`reflexarc worlds`: lists the worlds, shows one, or checks whether one is fair."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,6 +8,7 @@ import tyro
 from rich.markup import escape
 
 from reflexarc.terminal.output import console, facts, print_json, progress_bar
+from reflexarc_pictures.rendering import check_place
 from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ UNFAIR = 1
 
 
 @dataclass(frozen=True)
-class Worlds:
+class WorldsCommand:
     """List the worlds that have a name, show the file of one, or check whether one is fair.
 
     A world is a small TOML file; wherever another command takes the name of a world it takes a
@@ -46,11 +47,13 @@ class Worlds:
     """Print one JSON object."""
 
     def run(self) -> int:
-        """Do it; the exit status is the answer."""
+        """List, show or check worlds; return the exit status."""
         if self.action != "check" and self.out is not None:
             raise UsageError(f"--out: only check draws, not {self.action}")
         if self.out is not None and self.out.suffix.lower() != ".png":
             raise UsageError(f"--out: expected a name that ends in .png, got {self.out}")
+        if self.out is not None:
+            check_place(self.out)
         if (self.action == "list") != (self.world == ""):
             wanted = "no world" if self.action == "list" else "the name or the file of a world"
             raise UsageError(f"{self.action}: expected {wanted}, got {self.world or 'none'}")
@@ -100,7 +103,7 @@ class Worlds:
 
 
 def _table(rows: list[dict[str, Any]]) -> "Table":
-    """One row a world; of its families the numbers, which the caption spells out."""
+    """A table with one row for each world; the caption says what the numbers of families mean."""
     from rich.table import Table
 
     from reflexarc_sim_bridge.worlds.scenarios import Scenario

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from reflexarc_runtime.contract import RetinaSpec
 from reflexarc_runtime.loop.clock import Clock
+from reflexarc_runtime.loop.throttle import Throttle
 from reflexarc_runtime.messages.codec import Status, encode_retina, encode_status
 from reflexarc_runtime.messages.topics import BODY_NODE, RETINA, STATUS
 from reflexarc_sim_bridge.body.camera.eye import CameraEye, Image
@@ -13,7 +14,6 @@ from reflexarc_sim_bridge.body.camera.eye import CameraEye, Image
 if TYPE_CHECKING:
     from reflexarc_runtime.bus import Bus
 
-_SECOND_NS = 1_000_000_000
 _POLL_NS = 10_000_000
 
 Moment = tuple[Image | None, ...]
@@ -52,7 +52,7 @@ class CameraBridge:
     ) -> None:
         self._retinas = bus.publisher(RETINA)
         self._status = bus.publisher(STATUS)
-        self._status_due_ns = 0
+        self._every_second = Throttle()
         self._eye = eye
         self._spec = spec
         self._robot = robot
@@ -100,8 +100,7 @@ class CameraBridge:
         self._say_every_second(now_ns)
 
     def _say_every_second(self, now_ns: int) -> None:
-        if now_ns < self._status_due_ns:
+        if not self._every_second.is_due(now_ns):
             return
-        self._status_due_ns = now_ns + _SECOND_NS
         status = Status(node=BODY_NODE, ticks=self._retinas.next_sequence)
         self._status.put(encode_status(status), now_ns)

@@ -21,6 +21,7 @@ from reflexarc_runtime.decision import Command
 from reflexarc_runtime.loop.clock import wall_offset_ns
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.pacer import Pacer
+from reflexarc_runtime.loop.throttle import Throttle
 from reflexarc_runtime.loop.watchdog import Watchdog
 from reflexarc_runtime.messages.codec import Status, decode_command, encode_status
 from reflexarc_runtime.messages.topics import BODY_NODE, COMMAND, SCAN, STATUS, Quality
@@ -44,7 +45,6 @@ COMMAND_FRAME = "base_link"
 """Frame of a stamped command: the robot's own (REP 105)."""
 
 _CDR = "application/cdr"
-_SECOND_NS = 1_000_000_000
 _LOG = logging.getLogger(__name__)
 
 
@@ -185,7 +185,7 @@ class RosBridge:
         wheel = bus.publisher_of_key(route.command_key, _CDR, Quality.CONTROL)
         self._commands = CommandRelay(wheel, route.stamped)
         self._status = bus.publisher(STATUS)
-        self._status_due_ns = 0
+        self._every_second = Throttle()
         for token in route.tokens(bus.session_id):
             bus.announce_key(token)
         bus.subscribe([COMMAND], inbox.put)
@@ -217,9 +217,8 @@ class RosBridge:
         )
 
     def _say_every_second(self, now_ns: int) -> None:
-        if now_ns < self._status_due_ns:
+        if not self._every_second.is_due(now_ns):
             return
-        self._status_due_ns = now_ns + _SECOND_NS
         status = Status(node=BODY_NODE, ticks=self._commands.twists)
         self._status.put(encode_status(status), now_ns)
 

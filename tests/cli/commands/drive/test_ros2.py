@@ -1,6 +1,3 @@
-import subprocess
-import sys
-
 import pytest
 
 from reflexarc.main import main
@@ -30,16 +27,3 @@ def test_what_cannot_work_is_said_in_one_line(
     assert status == 2
     assert expected in said
     assert len(said.strip().splitlines()) == 1
-
-
-def test_without_its_extra_it_says_which_one_to_install():
-    code = """
-import sys
-sys.modules["rosbags"] = None
-from reflexarc.main import main
-raise SystemExit(main(["ros2"]))
-"""
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    assert done.returncode == 2
-    assert "reflexarc[ros2]" in done.stderr
-    assert len(done.stderr.strip().splitlines()) == 1

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from reflexarc.commands.learn.train import Train
+from reflexarc.commands.learn.train import TrainCommand
 from reflexarc.main import main
 from reflexarc.terminal.progress import show_progress
 from reflexarc_runtime.errors import UsageError
@@ -14,17 +14,19 @@ from reflexarc_trainer.config.train_config import TrainConfig
 from reflexarc_trainer.run.train import Progress
 
 
-def configured(command: Train) -> TrainConfig:
+def configured(command: TrainCommand) -> TrainConfig:
     return command._config()
 
 
 def test_without_flags_it_is_the_preset() -> None:
-    assert configured(Train()) == preset_named("reflex")
-    assert configured(Train(preset="rover")) == preset_named("rover")
+    assert configured(TrainCommand()) == preset_named("reflex")
+    assert configured(TrainCommand(preset="rover")) == preset_named("rover")
 
 
 def test_flags_change_what_they_name() -> None:
-    config = configured(Train(seed=3, steps=9, worlds=("tier-05:1", "tier-15:3"), stop_at=5.0))
+    config = configured(
+        TrainCommand(seed=3, steps=9, worlds=("tier-05:1", "tier-15:3"), stop_at=5.0)
+    )
     assert (config.seed, config.steps, config.validation.stop_at) == (3, 9, 5.0)
     assert [(world.name, world.share) for world in config.worlds] == [
         ("tier-05", 1),
@@ -44,7 +46,7 @@ def test_flags_change_what_they_name() -> None:
 def test_resumed_run_takes_no_flag_that_it_was_begun_with(flags: dict[str, object]) -> None:
     name = next(iter(flags)).replace("_", "-")
     with pytest.raises(UsageError, match=f"--{name}: a resumed run goes on as it was begun"):
-        configured(Train(resume=True, **flags))  # type: ignore[arg-type]  # one flag each
+        configured(TrainCommand(resume=True, **flags))  # type: ignore[arg-type]  # one flag each
 
 
 def test_presets_are_told_with_what_they_reach(capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,4 +1,4 @@
-"""The importer against a slow one: every line alone, protobuf's messages, the library's writer."""
+"""The importer against a slow one: each line alone, protobuf messages, the library's writer."""
 
 import gzip
 import io
@@ -17,6 +17,7 @@ from mcap_protobuf.schema import register_schema
 
 from reflexarc_logs.importing import text_blocks as text_file
 from reflexarc_logs.importing.lidar_import import import_log
+from reflexarc_runtime.errors import LogError
 from support.lidar import CARMEN, carmen_file, coreslam, coreslam_file, flaser, odom
 
 RATE_HZ = 10
@@ -174,3 +175,17 @@ def test_coreslam_lines_are_whole_whatever_the_blocks(
     lines = [coreslam([k, 20, 0, 5600, *[300 + k] * 678]) for k in range(3)]
     lines.insert(1, coreslam([300] * 680))
     check_the_same(tmp_path, "".join(lines).encode(), "coreslam")
+
+
+def test_a_full_disk_is_an_error_and_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    def full(*_: object, **__: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    source = tmp_path / "in.log"
+    source.write_text(flaser())
+    monkeypatch.setattr("reflexarc_logs.container.writing.LogWriter.add", full)
+    with pytest.raises(LogError, match="cannot be written: No space left on device"):
+        import_log(source, tmp_path / "out.mcap", "carmen")
+    assert [path.name for path in tmp_path.iterdir()] == ["in.log"]

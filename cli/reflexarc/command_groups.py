@@ -1,0 +1,85 @@
+"""All commands in groups, and the help that shows them so."""
+
+from inspect import cleandoc
+from typing import Any, Protocol
+
+from rich.console import Group
+from rich.padding import Padding
+from rich.table import Table
+
+from reflexarc.commands.demo import DemoCommand
+from reflexarc.commands.drive.camera import CameraCommand
+from reflexarc.commands.drive.ros2 import Ros2Command
+from reflexarc.commands.drive.run import RunCommand
+from reflexarc.commands.drive.sim import SimCommand
+from reflexarc.commands.learn.evaluate import EvaluateCommand
+from reflexarc.commands.learn.export import ExportCommand
+from reflexarc.commands.learn.study import StudyCommand
+from reflexarc.commands.learn.train import TrainCommand
+from reflexarc.commands.remember.import_log import ImportCommand
+from reflexarc.commands.remember.info import InfoCommand
+from reflexarc.commands.remember.play import PlayCommand
+from reflexarc.commands.remember.record import RecordCommand
+from reflexarc.commands.remember.recover import RecoverCommand
+from reflexarc.commands.remember.render import RenderCommand
+from reflexarc.commands.remember.replay import ReplayCommand
+from reflexarc.commands.worlds.worlds import WorldsCommand
+
+
+class CliCommand(Protocol):
+    """A command: a dataclass whose fields are its flags."""
+
+    def run(self) -> int:
+        """Run the command; return the exit status."""
+        ...
+
+
+GROUPS: dict[str, tuple[type[CliCommand], ...]] = {
+    "Everything in one go": (DemoCommand,),
+    "Learn and measure": (TrainCommand, ExportCommand, EvaluateCommand, StudyCommand),
+    "Worlds": (WorldsCommand,),
+    "Drive": (SimCommand, Ros2Command, CameraCommand, RunCommand),
+    "Logs": (
+        RecordCommand,
+        PlayCommand,
+        ReplayCommand,
+        RenderCommand,
+        ImportCommand,
+        RecoverCommand,
+        InfoCommand,
+    ),
+}
+"""The title of each group → its commands, in the order in which the help shows them."""
+
+COMMANDS = tuple(command for commands in GROUPS.values() for command in commands)
+
+DESCRIPTION = "A learned reflex for robots: train, export, run, record, replay."
+
+
+def name_of(command: type[CliCommand]) -> str:
+    """The word that starts a command."""
+    return command.__name__.removesuffix("Command").lower()
+
+
+def summary_of(command: type[CliCommand]) -> str:
+    """The first paragraph of a command's description, on one line."""
+    return description_of(command).partition("\n\n")[0].replace("\n", " ")
+
+
+def description_of(command: type[CliCommand]) -> str:
+    """The description of a command, with its examples."""
+    return cleandoc(command.__doc__ or "")
+
+
+def overview() -> Group:
+    """What `reflexarc --help` shows: the commands, group by group."""
+    parts: list[Any] = ["usage: reflexarc COMMAND …", "", DESCRIPTION]
+    width = max(len(name_of(command)) for command in COMMANDS)
+    for title, commands in GROUPS.items():
+        table = Table.grid(padding=(0, 2, 0, 0))
+        table.add_column(style="bold", width=width)
+        table.add_column()
+        for command in commands:
+            table.add_row(name_of(command), summary_of(command))
+        parts += ["", f"{title}:", Padding(table, (0, 0, 0, 2))]
+    return Group(*parts, "", "`reflexarc COMMAND --help` shows flags and examples.")

@@ -1,0 +1,32 @@
+import math
+
+import numpy as np
+
+from reflexarc_pictures.courses.world_course import drive_in_world
+from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
+from reflexarc_sim_bridge.worlds.files import WORLDS
+from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
+
+
+class ConstantPolicy:
+    """Always does the same."""
+
+    def __init__(self, action: int) -> None:
+        self._action = action
+
+    def decide(self, retinas: RetinaBatch) -> tuple[QValues, Actions]:
+        n = len(retinas)
+        return np.zeros((n, 3), np.float32), np.full(n, self._action)
+
+
+def test_where_the_world_begins_anew_the_way_goes_on():
+    source = WORLDS["reference-1"]
+    to_the_left = ConstantPolicy(1)
+    course = drive_in_world(source, reference_contract(), to_the_left, 0, 30.0)
+    assert len(course.snapshots) == 301
+    way_m = np.array([(snapshot.x_m, snapshot.y_m) for snapshot in course.snapshots])
+    steps_m = np.hypot(*np.diff(way_m, axis=0).T)
+    put = np.array([snapshot.put for snapshot in course.snapshots[1:]])
+    np.testing.assert_allclose(steps_m[~put], math.hypot(0.1, 0.1), rtol=1e-6)
+    assert way_m[:, 1].max() > 20.0
+    assert put.sum() == len(course.contacts) > 0
