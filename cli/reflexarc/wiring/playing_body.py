@@ -3,10 +3,9 @@
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from reflexarc_logs.playing.schedule import PLAYED
 from reflexarc_runtime.loop import lockstep
 from reflexarc_runtime.loop.inbox import Inbox
-from reflexarc_runtime.messages.topics import BODY_NODE, COMMAND, RUNTIME_NODE, Topic
+from reflexarc_runtime.messages.topics import BODY_NODE, BODY_TOPICS, COMMAND, RUNTIME_NODE, Topic
 
 if TYPE_CHECKING:
     from reflexarc_runtime.bus import Bus
@@ -26,7 +25,7 @@ class PlayingBody:
         self._sensor = sensor
         self._should_stop = should_stop
         self._inbox = Inbox()
-        self._publishers = {topic.name: bus.publisher(topic) for topic in PLAYED}
+        self._publishers = {topic.name: bus.publisher(topic) for topic in BODY_TOPICS}
         bus.subscribe([COMMAND], self._inbox.put)
         bus.announce(BODY_NODE)
 

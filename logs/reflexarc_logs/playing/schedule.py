@@ -18,19 +18,7 @@ from google.protobuf.message import DecodeError
 from reflexarc_logs.reading.reader import Log, Record
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages.codec import SCHEMAS
-from reflexarc_runtime.messages.topics import (
-    CONTACT,
-    ODOMETRY,
-    POSE,
-    RETINA,
-    SCAN,
-    SCENE,
-    SENSORS,
-    TRANSFORM,
-    Topic,
-)
-
-PLAYED = (RETINA, SCAN, POSE, TRANSFORM, ODOMETRY, CONTACT, SCENE)
+from reflexarc_runtime.messages.topics import BODY_TOPICS, SENSORS, Topic
 
 REORDER_WINDOW_NS = 1_000_000_000
 """A loop records its inputs a tick after they came, and other streams as they come: messages that
@@ -139,7 +127,7 @@ def schedule(
 
 
 def _sensor_records(log: Log) -> Iterator[tuple[Topic, Record]]:
-    topics = {log.topic(topic.name): topic for topic in PLAYED}
+    topics = {log.topic(topic.name): topic for topic in BODY_TOPICS}
     for record in log.records(*topics):
         yield topics[record.topic], record
 

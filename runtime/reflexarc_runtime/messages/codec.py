@@ -4,12 +4,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform
-from foxglove_schemas_protobuf.LaserScan_pb2 import LaserScan
-from foxglove_schemas_protobuf.Log_pb2 import Log
-from foxglove_schemas_protobuf.PoseInFrame_pb2 import PoseInFrame
 from foxglove_schemas_protobuf.RawImage_pb2 import RawImage
-from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 from google.protobuf.message import DecodeError
 from google.protobuf.message import Message as ProtobufMessage
 from google.protobuf.timestamp_pb2 import Timestamp
@@ -18,23 +13,9 @@ from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.arrays import Retina
 from reflexarc_runtime.contract import RetinaSpec
 from reflexarc_runtime.decision import Command, Decision, Input, Timing, Verdict
+from reflexarc_runtime.messages.topics import TOPICS
 
-SCHEMAS: dict[str, type[ProtobufMessage]] = {
-    kind.DESCRIPTOR.full_name: kind
-    for kind in (
-        RawImage,
-        LaserScan,
-        PoseInFrame,
-        FrameTransform,
-        SceneUpdate,
-        Log,
-        pb.Command,
-        pb.Tick,
-        pb.Status,
-        pb.Contact,
-        pb.Rejected,
-    )
-}
+SCHEMAS: dict[str, type[ProtobufMessage]] = {topic.schema: topic.message for topic in TOPICS}
 """Every message of the topic table, by its full name."""
 
 

@@ -7,6 +7,16 @@ one. No other place defines topics.
 from dataclasses import dataclass
 from enum import Enum
 
+from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform
+from foxglove_schemas_protobuf.LaserScan_pb2 import LaserScan
+from foxglove_schemas_protobuf.Log_pb2 import Log
+from foxglove_schemas_protobuf.PoseInFrame_pb2 import PoseInFrame
+from foxglove_schemas_protobuf.RawImage_pb2 import RawImage
+from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
+from google.protobuf.message import Message
+
+from reflexarc_runtime import messages_pb2 as pb
+
 DEFAULT_ROBOT = "robot0"
 
 RUNTIME_NODE = "runtime"
@@ -27,30 +37,36 @@ class Topic:
     """One stream."""
 
     name: str
-    schema: str
-    """Full name of the protobuf message."""
+    message: type[Message]
+    """The protobuf message that it carries."""
     publisher: str
+    """Nodes that publish it: "runtime", "body", "recorder", or several."""
     rate: str
     quality: Quality = Quality.DATA
     recorded: bool = True
+
+    @property
+    def schema(self) -> str:
+        """Full name of the message."""
+        return self.message.DESCRIPTOR.full_name
 
     def key(self, robot: str) -> str:
         """Key on the bus."""
         return f"{robot}/{self.name}"
 
 
-RETINA = Topic("retina", "foxglove.RawImage", "body", "sensor", Quality.CONTROL)
-SCAN = Topic("scan", "foxglove.LaserScan", "body", "sensor", Quality.CONTROL)
-COMMAND = Topic("command", "reflexarc.Command", "runtime", "tick", Quality.CONTROL)
-TICK = Topic("tick", "reflexarc.Tick", "runtime", "tick")
-STATUS = Topic("status", "reflexarc.Status", "runtime, body", "1 Hz")
-POSE = Topic("pose", "foxglove.PoseInFrame", "body", "sensor")
-TRANSFORM = Topic("tf", "foxglove.FrameTransform", "body", "sensor")
-ODOMETRY = Topic("odometry", "foxglove.PoseInFrame", "body", "sensor")
-SCENE = Topic("scene", "foxglove.SceneUpdate", "body", "1 Hz")
-LOG = Topic("log", "foxglove.Log", "runtime, body", "event")
-CONTACT = Topic("contact", "reflexarc.Contact", "body", "event")
-REJECTED = Topic("rejected", "reflexarc.Rejected", "recorder", "event")
+RETINA = Topic("retina", RawImage, "body", "sensor", Quality.CONTROL)
+SCAN = Topic("scan", LaserScan, "body", "sensor", Quality.CONTROL)
+COMMAND = Topic("command", pb.Command, "runtime", "tick", Quality.CONTROL)
+TICK = Topic("tick", pb.Tick, "runtime", "tick")
+STATUS = Topic("status", pb.Status, "runtime, body", "1 Hz")
+POSE = Topic("pose", PoseInFrame, "body", "sensor")
+TRANSFORM = Topic("tf", FrameTransform, "body", "sensor")
+ODOMETRY = Topic("odometry", PoseInFrame, "body", "sensor")
+SCENE = Topic("scene", SceneUpdate, "body", "1 Hz")
+LOG = Topic("log", Log, "runtime, body", "event")
+CONTACT = Topic("contact", pb.Contact, "body", "event")
+REJECTED = Topic("rejected", pb.Rejected, "recorder", "event")
 
 TOPICS: tuple[Topic, ...] = (
     RETINA,
@@ -68,6 +84,15 @@ TOPICS: tuple[Topic, ...] = (
 )
 SENSORS: dict[str, Topic] = {"retina": RETINA, "scan": SCAN}
 """The streams that the runtime can decide on, by the value of `--input`."""
+
+BODY_TOPICS = tuple(topic for topic in TOPICS if topic.publisher == BODY_NODE)
+"""The streams that only a body publishes: `play` sends these out again."""
+OVERHEARD = tuple(
+    topic
+    for topic in TOPICS
+    if topic.recorded and BODY_NODE in topic.publisher and topic not in SENSORS.values()
+)
+"""The streams that `run --record` records beside what its loop receives and decides."""
 
 _BY_NAME = {topic.name: topic for topic in TOPICS}
 

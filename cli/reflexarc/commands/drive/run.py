@@ -131,15 +131,7 @@ class RunCommand:
 
     def _listen_to_the_rest(self, bus: "Bus", sink: "Sink") -> None:
         """Record the streams that the loop does not decide on; they bypass the inbox."""
-        from reflexarc_runtime.messages.topics import (
-            CONTACT,
-            LOG,
-            ODOMETRY,
-            POSE,
-            SCENE,
-            STATUS,
-            TRANSFORM,
-        )
+        from reflexarc_runtime.messages.topics import OVERHEARD
         from reflexarc_runtime.messages.wire import Message, at_source_time
 
         if self.record is None:
@@ -148,7 +140,7 @@ class RunCommand:
         def keep(message: Message) -> None:
             sink.put(at_source_time(message) if self.lockstep else message)
 
-        bus.subscribe([POSE, TRANSFORM, ODOMETRY, SCENE, CONTACT, STATUS, LOG], keep)
+        bus.subscribe(OVERHEARD, keep)
 
     def _wait_for_body(self, command: "Publisher", stop: StopFlag) -> None:
         """Wait for a body: in lockstep, a command without a listener would never be answered."""
