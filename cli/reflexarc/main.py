@@ -23,6 +23,7 @@ from reflexarc.command_groups import (
     overview,
     summary_of,
 )
+from reflexarc.terminal.compilation import show_compilation
 from reflexarc.terminal.output import console
 from reflexarc_runtime.errors import ReflexarcError
 
@@ -58,7 +59,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if words[0] in ("-h", "--help"):
             console.print(overview())
             return 0
-        status: int = _parse(words).run()
+        with show_compilation():
+            status: int = _parse(words).run()
         return status
     except ReflexarcError as error:
         return _refuse(str(error))

@@ -6,7 +6,9 @@ from contextlib import contextmanager
 from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
 from rich.progress import Progress as Bar
 
+from reflexarc.terminal.compilation import saying
 from reflexarc.terminal.output import aside
+from reflexarc_sim_bridge.native.compile_progress import watched_by
 from reflexarc_trainer.run.train import Progress, ProgressCallback
 from reflexarc_trainer.study.study import Progress as StudyProgress
 
@@ -22,12 +24,13 @@ def show_progress() -> Iterator[ProgressCallback]:
         TimeRemainingColumn(),
     )
     with Bar(*columns, console=aside, transient=True) as bar:
-        task = bar.add_task("learning", said="compiling", total=None)
+        task = bar.add_task("learning", said="beginning", total=None)
 
         def tell(progress: Progress) -> None:
             bar.update(task, completed=progress.step, total=progress.steps, said=_said(progress))
 
-        yield tell
+        with watched_by(saying(lambda words: bar.update(task, said=words))):
+            yield tell
 
 
 @contextmanager
