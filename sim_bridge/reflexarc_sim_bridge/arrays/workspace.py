@@ -8,6 +8,7 @@ from numba.core import types
 
 from reflexarc_sim_bridge.arrays.eyes import reciprocals
 from reflexarc_sim_bridge.arrays.layout import (
+    LIST_NAMES,
     MAX_ROWS,
     TILE_RAYS,
     TURNED_ROWS,
@@ -16,7 +17,12 @@ from reflexarc_sim_bridge.arrays.layout import (
     Params,
     WorldTables,
 )
-from reflexarc_sim_bridge.native.function_pointers import FunctionPointer, Signature
+from reflexarc_sim_bridge.native.function_pointers import (
+    FunctionPointer,
+    FunctionTable,
+    Signature,
+    function_table,
+)
 from reflexarc_sim_bridge.native.intrinsics import LANES
 
 Picked = npt.NDArray[np.uint32]
@@ -83,11 +89,25 @@ class Picks(NamedTuple):
     """For places that move: (capacity,)."""
 
 
+class Losses(NamedTuple):
+    """What was near an agent and had no room in a list: never anything, or the step fails.
+
+    Rows as `LIST_NAMES`.
+    """
+
+    counts: npt.NDArray[np.int64]
+    """How many obstacles or parts of them, since it was last looked up: (lists,)."""
+    agents: npt.NDArray[np.int64]
+    """Whose list it was, the last time: (lists,)."""
+
+
 class Workspace(NamedTuple):
     """What an eye needs while it looks, and an agent while it moves."""
 
     parts: "Parts"
     """What they call."""
+    losses: Losses
+    """What had no room in a list."""
     sieve: Sieve
     """For picking what a tile of rays can meet."""
     seen: Floats32
@@ -138,12 +158,8 @@ class Parts(NamedTuple):
     """`vision.sensing.sense_agent`."""
     put: FunctionPointer = FunctionPointer(ON_AGENT)
     """`motion.placing.go_to_free_place`."""
-    belt: FunctionPointer = FunctionPointer(IN_CELL)
-    """`obstacles.gathering.gather_belt`."""
-    scatter: FunctionPointer = FunctionPointer(IN_CELL)
-    """`obstacles.gathering.gather_scatter`."""
-    structure: FunctionPointer = FunctionPointer(IN_CELL)
-    """`obstacles.gathering.gather_structure`."""
+    gatherers: FunctionTable = function_table(IN_CELL, {}, (0, 2))
+    """What lists the obstacles of a kind that are near, without a belt and with one: (kinds, 2)."""
 
 
 def new_workspace(params: Params, parts: Parts) -> Workspace:
@@ -157,6 +173,7 @@ def new_workspace(params: Params, parts: Parts) -> Workspace:
     everything = np.arange(max(columns, faces) + LANES, dtype=np.uint32)
     return Workspace(
         parts=parts,
+        losses=Losses(*np.zeros((2, len(LIST_NAMES)), np.int64)),
         sieve=Sieve(np.empty(len(everything), np.bool_), everything, everything.copy()),
         seen=np.empty((TURNED_ROWS, columns + LANES), np.float32),
         faces=Faces(*np.empty((len(Faces._fields), faces), np.float32)),

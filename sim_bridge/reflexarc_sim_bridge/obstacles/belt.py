@@ -6,8 +6,8 @@ to be drawn. Only where it enters another column of chunks a belt loses one and 
 
 Places on a belt are 32-bit integers that wrap: along x 1/2²⁴ of a chunk, across 1/2³² of the
 period. The difference of two is right whichever way round it is, up to half a period, and the same
-after a metre or a thousand kilometres. What can be seen or met is here as `gather_scatter` lists
-it, but for rounding (0.2 µm); of what lies beyond, a belt has a little more.
+after a metre or a thousand kilometres. What can be seen or met is here as `kinds/scatter.py`
+lists it, but for rounding (0.2 µm); of what lies beyond, a belt has a little more.
 
 All work is in phases over flat arrays, each of which the compiler turns into vector instructions.
 """
@@ -18,6 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_sim_bridge.arrays.layout import (
+    BELT,
     BELT_X,
     BELT_Y,
     BOX,
@@ -39,7 +40,7 @@ from reflexarc_sim_bridge.arrays.layout import (
     Integers32,
     Row,
 )
-from reflexarc_sim_bridge.arrays.workspace import Draws, Picks
+from reflexarc_sim_bridge.arrays.workspace import Picks, Workspace
 from reflexarc_sim_bridge.native.decorators import (
     compiled_disjoint,
     compiled_inline,
@@ -54,7 +55,8 @@ from reflexarc_sim_bridge.obstacles.belt_drawing import (
     turn_boxes,
 )
 from reflexarc_sim_bridge.obstacles.keys import chunks_between, column_key
-from reflexarc_sim_bridge.worlds.layers import CHUNK_M
+from reflexarc_sim_bridge.obstacles.near_lists import note_loss, room_of
+from reflexarc_sim_bridge.worlds.grid import CHUNK_M
 
 WHITE = np.float32(0xFFFFFF)
 
@@ -68,8 +70,8 @@ def move_belt(
     key: np.uint64,
     column: int,
     steps: int,
-    draws: Draws,
-    picks: Picks,
+    work: Workspace,
+    agent: int,
     belt: Belt,
 ) -> None:
     """Let a belt hold what is in reach from a column of chunks.
@@ -82,22 +84,24 @@ def move_belt(
         key: key of the layer.
         column: the agent's.
         steps: how many columns it has gone since it was here last; 1 keeps all but one of them.
-        draws: scratch.
-        picks: scratch.
+        work: scratch.
+        agent: whose belt it is.
         belt: moved.
     """
     reach_m = layer.reach_m
     first, last = chunks_between(
         -plane.behind_m - reach_m, CHUNK_M + plane.ahead_m + reach_m, CHUNK_M
     )
-    columns, kept, end = last + 1 - first, 0, 0
+    columns, kept, end, draws = last + 1 - first, 0, 0, work.draws
     if steps == 1:
         rows = 2 if shape.kind == BOX else 4
-        kept, end = columns - 1, _drop_first(columns, rows, belt, picks)
+        kept, end = columns - 1, _drop_first(columns, rows, belt, work.picks)
     for k in range(kept, columns):
         i, begun = column + first + k, end
         boxes = place_boxes(plane.across, counts, column_key(key, i), draws)
         end = min(begun + boxes, int(belt.places.shape[1]))
+        if end < begun + boxes:
+            note_loss(work.losses, agent, BELT, begun + boxes - end)
         draw_boxes(plane, shape, i, draws, belt, begun, end)
         if shape.kind == TURNED_BOX:
             turn_boxes(shape, draws, belt, begun, end)
@@ -108,26 +112,37 @@ def move_belt(
 
 @compiled_inner
 def pick_near(
-    plane: Row, cell: npt.NDArray[np.int64], picks: Picks, belt: Belt, boxes: Floats32
+    plane: Row,
+    cell: npt.NDArray[np.int64],
+    work: Workspace,
+    agent: int,
+    belt: Belt,
+    boxes: Floats32,
+    kind: int,
 ) -> int:
     """List the boxes of a belt that reach into the box around an agent's cell.
 
     Args:
         plane: row of `PLANE_DTYPE`.
         cell: the agent's: (2,).
-        picks: scratch.
+        work: scratch.
+        agent: which.
         belt: its belt.
         boxes: filled, rows BOX_*, those for turned boxes if there are any: (5 or 7, capacity).
+        kind: which list that is: BOXES or TURNED.
 
     Returns:
         How many.
     """
-    end, is_upright = 0, boxes.shape[0] == BOX_ROWS
+    end, is_upright, picks = 0, boxes.shape[0] == BOX_ROWS, work.picks
     for count in belt.counts:
         end += count
     x_m, y_m, is_near, sizes = picks.x_m, picks.y_m, picks.is_near, belt.sizes
     _judge(plane, cell, x_m, y_m, is_near, belt.places, sizes, end, is_upright)
-    n = _list(is_near, x_m, end, boxes[BOX_X])
+    near, n = _list(is_near, x_m, end, boxes[BOX_X]), room_of(boxes)
+    if near > n:
+        note_loss(work.losses, agent, kind, near - n)
+    n = min(near, n)
     _list(is_near, y_m, end, boxes[BOX_Y])
     _list(is_near, sizes[HALF_LENGTH], end, boxes[BOX_HALF_LENGTH])
     _list(is_near, sizes[HALF_WIDTH], end, boxes[BOX_HALF_WIDTH])
@@ -204,10 +219,19 @@ def _judge(
 
 @compiled_disjoint
 def _list(is_near: npt.NDArray[np.bool_], values: Floats32, end: int, listed: Floats32) -> int:
-    """List a value of the near ones; returns how many."""
+    """List a value of the near ones as far as there is room; returns how many are near."""
     n, room = 0, len(listed) - LANES
     for first in range(0, end, LANES):
-        if n > room:  # never: there is room for the mean and ten standard deviations
-            return room
+        if n > room:
+            return n + _marked(is_near, first, end)
         n = keep(values, is_near, first, listed, n)
-    return min(n, room)
+    return n
+
+
+@compiled_inner
+def _marked(marks: npt.NDArray[np.bool_], first: int, end: int) -> int:
+    """How many are marked from `first` on."""
+    count = 0
+    for k in range(first, end):
+        count += marks[k]
+    return count

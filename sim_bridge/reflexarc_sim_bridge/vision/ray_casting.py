@@ -15,6 +15,7 @@ from reflexarc_sim_bridge.arrays.layout import (
     BOX_PAINT,
     BOXES,
     DISCS,
+    FACES,
     SIDES,
     TILE_RAYS,
     TURNED,
@@ -24,8 +25,9 @@ from reflexarc_sim_bridge.arrays.layout import (
 )
 from reflexarc_sim_bridge.arrays.workspace import Faces, Judged, Picked, Workspace
 from reflexarc_sim_bridge.native.decorators import compiled_disjoint, compiled_inline, compiled_part
+from reflexarc_sim_bridge.native.intrinsics import LANES
 from reflexarc_sim_bridge.obstacles.geometry import meets_box_m, meets_disc_m
-from reflexarc_sim_bridge.obstacles.near_lists import near_of, place_in_layer_m
+from reflexarc_sim_bridge.obstacles.near_lists import near_of, note_loss, place_in_layer_m
 from reflexarc_sim_bridge.vision.faces import (
     face,
     faces_of_boxes,
@@ -75,9 +77,9 @@ def look(params: Params, work: Workspace, i: int, eye_index: int) -> None:
         if near.counts[DISCS]:
             _see_discs(eye, work, near.discs, near.counts[DISCS], view)
         if near.counts[TURNED]:
-            faces = _list_turned(work, near.turned, near.counts[TURNED], view, faces)
+            faces = _list_turned(work, i, near.turned, near.counts[TURNED], view, faces)
         if near.counts[SIDES]:
-            faces = _list_sides(work, near.sides, near.counts[SIDES], view, faces)
+            faces = _list_sides(work, i, near.sides, near.counts[SIDES], view, faces)
     if faces:
         _see_faces(eye, work, faces)
 
@@ -189,11 +191,13 @@ def _meet_discs(
 
 
 @compiled_part
-def _list_turned(work: Workspace, near: Floats32, count: int, view: View, first: int) -> int:
-    """List the turned boxes that the eye can see as faces from `first` on; where they end."""
+def _list_turned(
+    work: Workspace, i: int, near: Floats32, count: int, view: View, first: int
+) -> int:
+    """List the turned boxes that agent i's eye can see as faces from `first` on; where they end."""
     judged, seen = work.sieve.judged, work.seen
     judge_turned(near, count, view, judged)
-    n = copied(near, view, judged, count, seen)
+    n = _fitting(work, i, copied(near, view, judged, count, seen), first)
     if faces_of_boxes(seen, n, work.faces, first, judged):
         work.distance_m[:] = _ZERO
         work.paint[:] = seen[BOX_PAINT, _first_of(judged)]
@@ -209,12 +213,22 @@ def _first_of(marked: Judged) -> int:
 
 
 @compiled_part
-def _list_sides(work: Workspace, near: Floats32, count: int, view: View, first: int) -> int:
+def _list_sides(work: Workspace, i: int, near: Floats32, count: int, view: View, first: int) -> int:
     """The same of sides of polygons."""
     judge_sides(near, count, view, work.sieve.judged)
-    n = copied(near, view, work.sieve.judged, count, work.seen)
+    n = _fitting(work, i, copied(near, view, work.sieve.judged, count, work.seen), first)
     faces_of_sides(work.seen, n, work.faces, first)
     return first + n
+
+
+@compiled_inline
+def _fitting(work: Workspace, i: int, count: int, first: int) -> int:
+    """How many of these faces there is room for from `first` on; counts those that there is not."""
+    room = work.faces.paint.size - LANES - first
+    if count > room:
+        note_loss(work.losses, i, FACES, count - room)
+        return room
+    return count
 
 
 @compiled_part
