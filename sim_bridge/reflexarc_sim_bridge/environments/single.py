@@ -105,7 +105,7 @@ class ReferenceEnv(gymnasium.Env[npt.NDArray[np.uint8], np.int64]):
             raise gymnasium.error.ResetNeeded("call reset() before step()")
         try:
             met, x_m, y_m, distance_m, contacts = self._agent.step_and_sense(index(action))
-        except WorldError:
+        except OverflowError:
             self._agent.require_nothing_lost()
             raise
         if met == REFUSED:

@@ -15,7 +15,6 @@ import numpy as np
 import numpy.typing as npt
 from numba.experimental import structref
 
-from reflexarc_runtime.errors import WorldError
 from reflexarc_sim_bridge.native.decorators import compiled_allocating
 from reflexarc_sim_bridge.native.function_pointers import FunctionPointer
 from reflexarc_sim_bridge.native.struct_pointers import Struct
@@ -27,11 +26,13 @@ from reflexarc_sim_bridge.worlds.layers import CHUNK_M
 REFUSED = -1
 """Outcome of an action that the contract does not have: nothing happened."""
 
+_LOST = (
+    "world: expected room for all obstacles near the agent, got a list that was full; "
+    "`OneAgent.require_nothing_lost` says which"
+)
+
 Outcome: TypeAlias = tuple[int, float, float, float, int]
 """0, or 1 for a contact, or REFUSED; then x_m, y_m, distance_m, contacts."""
-
-
-_LOST = "world: expected room for all obstacles near the agent, got a list that was full"
 
 
 class OneHeldType(numba.types.StructRef):
@@ -65,7 +66,7 @@ def advance_one(held: Any, tasks: int, action: int) -> Outcome:
     y_m = state.cell_y * held.planes[0].chunk_width_m + state.y_m
     for lost in held.losses:
         if lost > 0:
-            raise WorldError(_LOST)
+            raise OverflowError(_LOST)
     return int(held.met[0]), x_m, y_m, state.distance_m, state.contacts
 
 
@@ -109,7 +110,8 @@ class OneAgent:
         self.step_and_sense: Callable[[int], Outcome] = partial(advance, held, MOVE + LOOK)
         """Moves it by an action of the contract, and lets it look.
 
-        Raises a `WorldError` where a list of obstacles was full: see `require_nothing_lost`.
+        Raises an `OverflowError` where a list of obstacles was full; `require_nothing_lost` then
+        says which.
         """
         self._sense = partial(advance, held, LOOK)
 
@@ -121,7 +123,7 @@ class OneAgent:
         """Let it look, once before the first step."""
         try:
             self._sense(0)
-        except WorldError:
+        except OverflowError:
             self.require_nothing_lost()
             raise
 

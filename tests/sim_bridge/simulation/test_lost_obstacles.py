@@ -139,7 +139,7 @@ def test_placing_raises_too() -> None:
 
 def test_the_step_of_one_agent_raises_too() -> None:
     agent = OneAgent(full("discs"))
-    with pytest.raises(WorldError, match="expected room for all obstacles near the agent"):
+    with pytest.raises(OverflowError, match="expected room for all obstacles near the agent"):
         agent.step_and_sense(0)
     with pytest.raises(WorldError, match="seed 7: expected room for all discs near an agent"):
         agent.require_nothing_lost()
