@@ -139,10 +139,10 @@ def pick_near(
         end += count
     x_m, y_m, is_near, sizes = picks.x_m, picks.y_m, picks.is_near, belt.sizes
     _judge(plane, cell, x_m, y_m, is_near, belt.places, sizes, end, is_upright)
-    near, n = _list(is_near, x_m, end, boxes[BOX_X]), room_of(boxes)
-    if near > n:
-        note_loss(work.losses, agent, kind, near - n)
-    n = min(near, n)
+    n, room = _list(is_near, x_m, end, boxes[BOX_X]), room_of(boxes)
+    if n > room:
+        note_loss(work.losses, agent, kind, _marked(is_near, end) - room)
+        n = room
     _list(is_near, y_m, end, boxes[BOX_Y])
     _list(is_near, sizes[HALF_LENGTH], end, boxes[BOX_HALF_LENGTH])
     _list(is_near, sizes[HALF_WIDTH], end, boxes[BOX_HALF_WIDTH])
@@ -219,19 +219,19 @@ def _judge(
 
 @compiled_disjoint
 def _list(is_near: npt.NDArray[np.bool_], values: Floats32, end: int, listed: Floats32) -> int:
-    """List a value of the near ones as far as there is room; returns how many are near."""
+    """List a value of the near ones; returns how many are listed, more than fit if not all are."""
     n, room = 0, len(listed) - LANES
     for first in range(0, end, LANES):
         if n > room:
-            return n + _marked(is_near, first, end)
+            return n
         n = keep(values, is_near, first, listed, n)
     return n
 
 
 @compiled_inner
-def _marked(marks: npt.NDArray[np.bool_], first: int, end: int) -> int:
-    """How many are marked from `first` on."""
+def _marked(marks: npt.NDArray[np.bool_], end: int) -> int:
+    """How many of the first ones are marked."""
     count = 0
-    for k in range(first, end):
+    for k in range(end):
         count += marks[k]
     return count
