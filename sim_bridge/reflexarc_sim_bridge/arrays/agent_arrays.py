@@ -1,4 +1,4 @@
-"""Agents that are nowhere yet, with room for all that can come near them."""
+"""Arrays for new agents, long enough for all obstacles that can be near them."""
 
 import math
 from typing import Any
@@ -30,12 +30,12 @@ def agents_at_zero(
     room: WorldTables,
     contract: PolicyContract,
 ) -> Agents:
-    """Agents that are nowhere yet; a step that places puts them into their worlds.
+    """Agents that have no place yet: the task PLACE of a step puts them into their worlds.
 
     Args:
         seeds: one an agent: (n,).
         tables: one world for all, or one for each agent.
-        room: the fullest of the worlds, which say how much room to make.
+        room: the fullest of the worlds, for which the lists are long enough.
         contract: what the agents see and do.
     """
     spec, n, layers = contract.retina, len(seeds), tables.layers.shape[1]
@@ -82,7 +82,7 @@ def _belt_capacity(tables: WorldTables, w: int) -> tuple[int, int]:
 
 
 def _zeros(shape: tuple[int, ...], dtype: type[np.generic]) -> npt.NDArray[Any]:
-    """An array that begins where a line of the cache does: no vector of it is in two of them."""
+    """Zeros that begin where a line of the cache does, so that no vector crosses two lines."""
     size = math.prod(shape) * np.dtype(dtype).itemsize
     memory = np.zeros(size + _CACHE_LINE, np.uint8)
     start = -memory.ctypes.data % _CACHE_LINE

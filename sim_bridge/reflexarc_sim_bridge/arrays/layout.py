@@ -1,14 +1,16 @@
-"""The world, the eye and the agents as plain numbers and arrays: what compiled code is given.
+"""Arrays of a simulation: the world, the eye and the agents as compiled code reads and writes them.
 
 Worlds are tables: one row a world (a single one, unless its numbers are drawn for each seed), one
-a layer, one a shape. What an agent needs lies in its own row: one agent's work writes to that row
-and to nothing else, so the bits are the same on any number of threads.
+a layer, one a shape. Everything that changes about an agent lies in its own row of `Agents`: the
+work of one agent writes to that row and to nothing else, so the bits are the same on any number of
+threads.
 
 The plane is cut into chunks, which are also the cells in which an agent counts its place: a cell
-(two integers) and an offset within it. Near an agent lies a list of all that it could see or meet
-from anywhere in its cell, relative to the cell's corner in float32: the same precision after a
-metre or a thousand kilometres. The list is a function of seed, cell and time alone and is gathered
-anew when the agent enters another cell; a moving layer has cells of its own.
+(two integers) and an offset within it. An agent has lists of all obstacles that it could see or
+meet from anywhere in its cell (its near lists), with places relative to the cell's corner in
+float32: the same precision after a metre or a thousand kilometres. A list is a function of seed,
+cell and time alone and is made anew when the agent enters another cell; a moving layer has cells of
+its own.
 """
 
 from collections.abc import Iterable
@@ -33,6 +35,7 @@ NOTHING, BOX, DISC, TURNED_BOX, POLYGON, CURVE, WALL = range(7)
 # Rows of the near lists: one obstacle, or one side of one, a column.
 BOX_X, BOX_Y, BOX_HALF_LENGTH, BOX_HALF_WIDTH, BOX_PAINT = range(5)
 BOX_COS, BOX_SIN = 5, 6
+PLACE_X, PLACE_Y = range(2)  # of a box, a disc or a side alike
 DISC_X, DISC_Y, DISC_RADIUS, DISC_PAINT = range(4)
 SIDE_X, SIDE_Y, SIDE_AHEAD, SIDE_LEFT, SIDE_PAINT = range(5)
 BOX_ROWS, TURNED_ROWS, DISC_ROWS, SIDE_ROWS = 5, 7, 4, 5
@@ -52,7 +55,7 @@ MAX_ROWS = 64
 PLANE_DTYPE = np.dtype(
     [
         *((name, np.float64) for name in ("dt_s", "width_m", "chunk_width_m", "reach_m")),
-        # How far ahead of an agent, behind and aside anything can be seen or met.
+        # How far ahead of an agent, behind and aside an obstacle can be seen or met.
         *((name, np.float64) for name in ("ahead_m", "behind_m", "aside_m")),
         *((name, np.float64) for name in ("radius_m", "slip", "follow")),
         *((name, np.float64) for name in ("most_linear_mps", "most_angular_radps")),
@@ -67,8 +70,8 @@ PLANE_DTYPE = np.dtype(
 
 _LAYER_COLUMNS: dict[str, type[np.generic]] = {
     **dict.fromkeys(("kind", "motion", "channels", "is_white"), np.int64),
-    # Whether what is near is kept on a belt (`belt.py`): nothing but white boxes of one kind, even
-    # and unthinned, around a period of which what is near takes up less than half to either side.
+    # Whether its near boxes are picked from a belt (`belt.py`): white boxes of one kind alone, even
+    # and unthinned, where no near obstacle is farther to either side than half the period.
     "has_belt": np.int64,
     "reach_m": np.float64,
     # Drift: metres a second; swing: metres, and the period.
@@ -111,7 +114,7 @@ AGENT_DTYPE = np.dtype(
 
 
 class WorldTables(NamedTuple):
-    """Worlds, compiled: row w is one world."""
+    """Worlds as tables: row w of each is one world."""
 
     planes: Table
     """`PLANE_DTYPE`: (worlds,)."""
@@ -130,7 +133,7 @@ class WorldTables(NamedTuple):
 
 
 class EyeParams(NamedTuple):
-    """The eye, compiled. Arrays over the sub-rays of one eye, float32, the leftmost first.
+    """The eye of all agents. Arrays over the sub-rays of one eye, float32, the leftmost first.
 
     The last sub-ray is repeated until they fill whole tiles.
     """
@@ -147,7 +150,7 @@ class EyeParams(NamedTuple):
     is_wide: bool
     """The rays span half a circle or more: every direction may matter."""
     tile_is_wide: bool
-    """So do the rays of a tile."""
+    """The same of the rays of one tile."""
     is_plain: bool
     """One grey eye, one sample, rays in whole tiles: the common case."""
     turns: bool
@@ -157,7 +160,7 @@ class EyeParams(NamedTuple):
     left: Floats32
     """The same, y part (sine of its bearing)."""
     alive: npt.NDArray[np.bool_]
-    """Whether a ray says anything: (rays,)."""
+    """Whether a ray lies outside of all dead sectors: (rays,)."""
 
 
 class Agents(NamedTuple):
@@ -184,13 +187,14 @@ class Agents(NamedTuple):
     belt_counts: npt.NDArray[np.int64]
     """Boxes in each column of a belt, the hindmost first: (n, layers, columns)."""
     delayed: npt.NDArray[np.uint8]
-    """The last retinas, where seeing takes time: (n, latency + 1, values)."""
+    """The last retinas, oldest first overwritten, for senses with latency:
+    (n, latency_steps + 1, values)."""
     stack: npt.NDArray[np.uint8]
     """What the policy sees, oldest frame first: (n, frames · values)."""
 
 
 class Near(NamedTuple):
-    """What is near one agent in one layer: views of rows of `Agents`."""
+    """The near lists of one agent in one layer: views of rows of `Agents`."""
 
     counts: npt.NDArray[np.int64]
     boxes: Floats32

@@ -1,4 +1,4 @@
-"""Shapes as rows of a table: what compiled code is given of them."""
+"""Shapes of obstacles as rows of a table that compiled code reads."""
 
 import math
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""Worlds as tables: what compiled code is given of them.
+"""Worlds as tables that compiled code reads.
 
 One row a world (a single one, unless its numbers are drawn for each seed), one a layer, one a
 shape.
@@ -119,7 +119,7 @@ def _write_plane(row: Table, world: World, contract: PolicyContract) -> None:
 
 
 def _aside_m(contract: PolicyContract, world: World) -> float:
-    """How far from an agent's cell anything can be seen or met."""
+    """How far from an agent's cell an obstacle can be seen or met."""
     return max(_range_m(contract), _step_m(contract, world))
 
 
@@ -139,7 +139,7 @@ def _step_m(contract: PolicyContract, world: World) -> float:
 
 
 def _write_layer(row: Table, plane: Table, layer: Layer, world: World) -> None:
-    """What every layer has, then what its kind says."""
+    """Fill the columns that all layers have, then those of the layer's kind."""
     row["kind"] = kind_number(layer)
     # With open edges an obstacle may lie beside its chunk, pushed inwards.
     row["reach_m"] = layer.reach_m * (2 if world.edges is Edges.OPEN else 1)
@@ -166,8 +166,9 @@ def _around(plane: Row, layer: Row) -> Around:
 def _crowding(plane: Row, layer: Row) -> float:
     """How much denser centres lie than they are drawn: with open edges, pushed inwards.
 
-    More than fourfold they are in a strip that is narrower than what is near anyway. Where it is
-    just that, a family's widths between its ends may have 5 % more of them than at these.
+    They are more than four times as dense only in a strip that is narrower than the box around an
+    agent. Where it is just that wide, widths within a family's range may have 5 % more of them than
+    its ends.
     """
     if plane["edges"] != OPEN:
         return 1.0
@@ -193,7 +194,7 @@ def _write_motion(row: Table, layer: Layer) -> None:
 
 
 def _has_belt(layer: Layer, world: World, contract: PolicyContract) -> bool:
-    """Nothing but white boxes of one kind, none of them farther than half a period when near."""
+    """Whether it is nothing but white boxes of one kind, near ones within half a period."""
     if not isinstance(layer, Scatter) or world.edges is not Edges.PERIODIC:
         return False
     boxes = len(layer.shapes) == 1 and isinstance(layer.shapes[0], Rectangles)
@@ -211,7 +212,7 @@ def _belt_columns(layer: Layer, world: World, contract: PolicyContract) -> int:
 
 
 def _most_belt_columns(number: int, worlds: Sequence[World], contract: PolicyContract) -> int:
-    """Most that the belts of a layer have; where it has none in the fullest worlds, none has."""
+    """Most columns of chunks of a layer's belts; 0 if it has no belt in any of the worlds."""
     layered = [world for world in worlds if number < len(world.layers)]
     return max((_belt_columns(w.layers[number], w, contract) for w in layered), default=0)
 

@@ -1,13 +1,15 @@
 """A field of white boxes across a periodic world: the common case, in vectors.
 
 An agent's belt holds all boxes of the columns of chunks within its reach, over the whole period.
-What is near it is picked from there: aside, or after a contact, it finds nothing that would have
-to be drawn. Only where it enters another column of chunks a belt loses one and gains one.
+Its near boxes are picked from there. When the agent moves aside, or to another place after a
+contact, no box has to be drawn from a seed; when it enters another column of chunks, the belt loses
+one column and gains one.
 
 Places on a belt are 32-bit integers that wrap: along x 1/2²⁴ of a chunk, across 1/2³² of the
 period. The difference of two is right whichever way round it is, up to half a period, and the same
-after a metre or a thousand kilometres. What can be seen or met is here as `kinds/scatter.py`
-lists it, but for rounding (0.2 µm); of what lies beyond, a belt has a little more.
+after a metre or a thousand kilometres. Boxes that can be seen or met are those that the function
+`gather` of `kinds/scatter.py` lists, but for rounding (0.2 µm); of boxes beyond, a belt lists a few
+more.
 
 All work is in phases over flat arrays, each of which the compiler turns into vector instructions.
 """
@@ -74,11 +76,11 @@ def move_belt(
     agent: int,
     belt: Belt,
 ) -> None:
-    """Let a belt hold what is in reach from a column of chunks.
+    """Have a belt hold the boxes within reach from a column of chunks.
 
     Args:
         plane: row of `PLANE_DTYPE`.
-        layer: row of `LAYER_DTYPE`.
+        layer: row of the table of layers.
         shape: row of `SHAPE_DTYPE`.
         counts: probability of at most so many in a chunk: (counts,).
         key: key of the layer.
@@ -172,7 +174,7 @@ def _drop_first(columns: int, rows: int, belt: Belt, picks: Picks) -> int:
 def _move_down(
     row: npt.NDArray[Any], kept: npt.NDArray[Any], left: int, scratch: npt.NDArray[Any]
 ) -> None:
-    """By way of scratch: a row that is moved within itself is no work for vectors."""
+    """Move a row within itself by way of scratch: copies between two arrays become vectors."""
     _copy(kept, left, scratch)
     _copy(scratch, left, row)
 

@@ -1,4 +1,4 @@
-"""The boxes of a column of chunks, drawn in vectors for a belt: see `belt.py`."""
+"""Drawing the boxes of a column of chunks from their seeds, in vectors, for a belt (`belt.py`)."""
 
 import math
 

@@ -5,7 +5,8 @@ seed, stream, layer, chunk i, chunk j) alone, so chunks can be asked for in any 
 one likes, on any number of threads. Across a periodic world chunk j is chunk j modulo their
 number. An obstacle belongs to the chunk of its centre; walls are cut at the borders of chunks.
 
-A kind of layer says how many obstacles a chunk has, and which is the k-th; the loops are here.
+A kind of layer has two functions, for the count of a chunk's obstacles and for its k-th obstacle;
+the loops over chunks are here.
 """
 
 import math
@@ -79,7 +80,7 @@ def gather_chunks(
     count: Any,
     obstacle_at: Any,
 ) -> None:
-    """List what is near an agent of a layer, anew.
+    """Make the near lists of an agent in a layer anew.
 
     Args:
         params: the simulation.
@@ -89,7 +90,8 @@ def gather_chunks(
         x: cell of the layer's frame that the agent has entered, along x.
         y: the same, along y.
         count: compiled: how many obstacles a `Chunk` has.
-        obstacle_at: compiled: the obstacle of a `Chunk` and a number below that; it may be nothing.
+        obstacle_at: compiled: the obstacle of a `Chunk` with a number below that; its kind may be
+            NOTHING.
     """
     world, state = params.world, params.agents.state[i]
     plane, layer = world.planes[state.world], world.layers[state.world, number]
@@ -177,7 +179,7 @@ def begin_lists(agents: Agents, i: int, number: int, x: int, y: int) -> None:
 
 @compiled_inner
 def drawn_row(chunk: Chunk, obstacle: Obstacle, rows: Table, drawn: int) -> int:
-    """Put an obstacle into the next row, if there is one; returns how many are drawn now."""
+    """Fill the next row with an obstacle, if there is a row; returns how many are drawn now."""
     if obstacle.kind == NOTHING:
         return drawn
     if drawn < len(rows):

@@ -1,7 +1,7 @@
-"""Keeping what is near an agent: its lists are made anew where it has entered another cell.
+"""Keeping an agent's near lists: they are made anew when it enters another cell.
 
-What lists the obstacles of a kind of layer is compiled apart for each kind and called by its
-address (`Parts`): a world of boxes has no use for the code of corridors, and an agent enters
+The function that fills them is another for each kind of layer. It is compiled apart and called by
+its address (`Parts`): a world of boxes need not compile the code of corridors, and an agent enters
 another cell once in ten steps or more.
 """
 
@@ -23,7 +23,7 @@ _ROOMS = ".worlds.kinds.", ".obstacles.kinds."
 
 @compiled_inner
 def keep_near(params: Params, work: Workspace, i: int) -> None:
-    """List anew, layer by layer, what is near an agent where it has entered another cell."""
+    """Make the near lists of an agent anew in those layers where it has entered another cell."""
     world, agents = params.world, params.agents
     state = agents.state[i]
     plane = world.planes[state.world]
@@ -49,7 +49,7 @@ def compiled_kind(number: int) -> ModuleType:
 
 
 def gatherers_for(world: WorldTables, is_family: bool) -> dict[tuple[int, int], Any]:
-    """What lists the near obstacles of all layers of a world, by kind and whether on a belt.
+    """The functions that fill the near lists of a world's layers, by (kind, whether it has a belt).
 
     In a family a layer that may have a belt has one in some worlds and none in others.
 

@@ -1,4 +1,4 @@
-"""Keys of random numbers: what a chunk, a layer or an agent draws follows from its key alone."""
+"""Keys of random numbers: all that a chunk, a layer or an agent draws follows from its key."""
 
 import math
 

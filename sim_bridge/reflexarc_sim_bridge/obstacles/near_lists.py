@@ -1,7 +1,7 @@
 """Lists of the obstacles near an agent: all that it could see or meet from anywhere in its cell.
 
-A list has room for more than there ever is. If it should be full all the same, what it drops is
-counted, and the step that did so raises.
+A list is longer than it ever needs to be (`MostNear`). If one should be full all the same, the
+obstacles that it drops are counted (`Losses`), and whoever called the step raises an error.
 """
 
 import math
@@ -53,7 +53,7 @@ _NOWHERE = -(1 << 62)
 
 
 class Listing(NamedTuple):
-    """The lists of an agent while they are filled."""
+    """The near lists of an agent while they are filled."""
 
     near: Near
     losses: Losses
@@ -62,7 +62,7 @@ class Listing(NamedTuple):
 
 @compiled_inline
 def near_of(agents: Agents, i: int, number: int) -> Near:
-    """What is near agent i in a layer."""
+    """The near lists of agent i in a layer."""
     return Near(
         agents.near_counts[i, number],
         agents.boxes[i, number],
@@ -80,14 +80,14 @@ def listing_of(agents: Agents, work: Workspace, i: int, number: int) -> Listing:
 
 @compiled_inline
 def note_loss(losses: Losses, agent: int, kind: int, lost: int) -> None:
-    """Count what a list, one of `LIST_NAMES`, has no room for."""
+    """Count obstacles for which a list (its number in `LIST_NAMES`) has no room."""
     losses.counts[kind] += lost
     losses.agents[kind] = agent
 
 
 @compiled_inline
 def room_of(rows: Floats32) -> int:
-    """How many columns a list has room for; what writes whole vectors may write beyond them."""
+    """How many columns a list holds at most; whole vectors may be written beyond them."""
     return int(rows.shape[1]) - LANES
 
 
@@ -116,7 +116,7 @@ def place_in_layer_m(
 
 @compiled_inline
 def forget_near(agents: Agents, i: int) -> None:
-    """Let all that is near an agent be gathered anew."""
+    """Have all near lists of an agent made anew at its next step."""
     for number in range(agents.layer_cells.shape[1]):
         agents.layer_cells[i, number, 0] = _NOWHERE
 
@@ -130,7 +130,7 @@ def list_obstacle(
     Args:
         listing: the lists.
         chunk: key of the chunk that its corners are drawn from.
-        obstacle: which; it may be nothing.
+        obstacle: the obstacle; of kind NOTHING it is passed over.
         x_m: its centre, from the corner of the agent's cell.
         y_m: the same.
     """
@@ -154,7 +154,10 @@ def list_obstacle(
 
 @compiled_inline
 def _next_column(listing: Listing, rows: Floats32, kind: int) -> int:
-    """The column to write, which is in the list from now on; a spare one where it is full."""
+    """The column of the next obstacle, which the list counts from now on.
+
+    Where the list is full, it is a spare column, and the obstacle is counted as lost.
+    """
     counts = listing.near.counts
     column = int(counts[kind])
     if column < room_of(rows):

@@ -1,4 +1,4 @@
-"""One obstacle as compiled code has it: its kind of shape, its place, its corners, its colour."""
+"""One obstacle in compiled code: its shape, its place, its corners and its colour."""
 
 import math
 from typing import NamedTuple

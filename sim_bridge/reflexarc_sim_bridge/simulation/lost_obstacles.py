@@ -1,6 +1,6 @@
-"""What had no room in a list of obstacles: never anything, or the step that lost it fails.
+"""Obstacles that had no room in a list: an error, raised after the step that lost them.
 
-Compiled code counts it (`Losses`) and goes on; whoever called that code asks here afterwards.
+Compiled code counts them (`Losses`) and goes on; its caller in Python checks the counts here.
 """
 
 import numpy as np

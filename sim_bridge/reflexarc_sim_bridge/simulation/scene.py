@@ -1,4 +1,4 @@
-"""Obstacles for drawing and for tests: outlines in the world's frame."""
+"""Outlines of obstacles in the world's frame, for drawing and for tests."""
 
 from dataclasses import dataclass
 
@@ -74,7 +74,7 @@ def outlines_of_chunk(world: World, seed: int, i: int, j: int) -> list[Outline]:
 
 
 def outlines_near(params: Params, agent: int) -> list[Outline]:
-    """What is near an agent, as its eye and its body meet it."""
+    """The obstacles in the near lists of an agent, as its eye and its body meet them."""
     state, found = params.agents.state[agent], []
     plane = params.world.planes[state["world"]]
     sides_m = np.array([CHUNK_M, plane["chunk_width_m"]])

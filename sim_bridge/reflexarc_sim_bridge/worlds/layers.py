@@ -1,4 +1,4 @@
-"""What a world is filled with: layers of obstacles, each at rest or moving as a whole.
+"""Layers of obstacles, of which a world is made: each stands still or moves as a whole.
 
 A layer is a grid of chunks in a frame of its own. A frame that drifts keeps one velocity for ever;
 one that swings goes to and fro. So the place of every obstacle is a closed form of the time.

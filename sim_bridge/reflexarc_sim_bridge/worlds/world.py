@@ -1,4 +1,4 @@
-"""What a world is: what fills it, what lies at its sides, what a body in it senses and can do.
+"""A world: its layers of obstacles, its sides, and the senses and the chassis of a body in it.
 
 Frame: x ahead, y to the left, metres. A world is endless along x. In an even Poisson field an agent
 that never steers meets 2ρR obstacles a metre, R being half their mean lateral width plus the

@@ -10,7 +10,7 @@ from reflexarc_sim_bridge.worlds.layer_motion import Motion
 
 
 class AutomatonColumns(NamedTuple):
-    """What compiled code is told of an automaton."""
+    """Columns of the table of layers that an automaton fills."""
 
     cells: int
     """Cells along the side of a chunk."""

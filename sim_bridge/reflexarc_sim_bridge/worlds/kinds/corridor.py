@@ -12,7 +12,7 @@ WALLS, WALL_SIDES = 2, 4
 
 
 class CorridorColumns(NamedTuple):
-    """What compiled code is told of a corridor."""
+    """Columns of the table of layers that a corridor fills."""
 
     half_width_m: float
     meander_m: float

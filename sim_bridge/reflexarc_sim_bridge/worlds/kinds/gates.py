@@ -13,7 +13,7 @@ PIECES = 4
 
 
 class GatesColumns(NamedTuple):
-    """What compiled code is told of gates."""
+    """Columns of the table of layers that gates fill."""
 
     spacing_chunks: int
     """Distance from wall to wall, in chunks."""

@@ -1,4 +1,4 @@
-"""What every kind of layer must say of itself, and what all of them share.
+"""The interface of a kind of layer (`LayerKind`), and checks that all kinds share.
 
 A kind is a frozen dataclass here, whose fields are the keys of its table in a world file, and a
 module of the same name in `obstacles/kinds/`, which draws its obstacles in compiled code.
@@ -47,7 +47,7 @@ class LayerKind(Protocol):
         """
 
     def columns(self, across: Across) -> Any:
-        """What compiled code is told of it, by the names under which it reads a layer's row.
+        """Its columns of the table of layers, which compiled code reads by their names.
 
         Args:
             across: of the world that it is in.

@@ -20,7 +20,7 @@ _DEVIATIONS, _SPARE = 10, 20
 
 
 class ScatterColumns(NamedTuple):
-    """What compiled code is told of a scatter, besides its tables of shapes and of counts."""
+    """Columns of the table of layers that a scatter fills; shapes and counts have other tables."""
 
     shapes: int
     """How many kinds of shapes it has."""
