@@ -36,7 +36,7 @@ typedef struct {
     const float *per_ahead, *per_left; /* (rays): 1 over them */
 } World;
 
-typedef struct { /* AGENT_DTYPE of params.py */
+typedef struct { /* AGENT_DTYPE of arrays/layout.py */
     int64_t world, cell_x, cell_y, steps, contacts;
     uint64_t seed, lane, draws;
     double x_m, y_m, heading_rad, distance_m, linear_mps, lateral_mps, angular_radps;

@@ -1,4 +1,4 @@
-"""The eyes of a contract, as compiled code is given them."""
+"""The eyes of a contract as arrays: directions of their rays, and what kind of eye they are."""
 
 import math
 
@@ -10,15 +10,15 @@ from reflexarc_runtime.sensing.retina import nearest_beam, ray_bearing_rad
 from reflexarc_sim_bridge.arrays.layout import TILE_RAYS, EyeParams, Floats32
 from reflexarc_sim_bridge.worlds.world import Scanner, World
 
-_WIDE_RAD = 0.99 * math.pi
-
-
 STEEPEST = np.float32(1e-9)
 """Components of a direction count as no smaller: their reciprocals stay finite."""
 
+_WIDE_RAD = 0.99 * math.pi
+"""An eye or a tile that spans more has no two edges between which all of its rays lie."""
+
 
 def eye_params(contract: PolicyContract, world: World) -> EyeParams:
-    """The eyes of a contract, in a world.
+    """The eyes of a contract in a world, whose scanner and dead sectors they have.
 
     Behind a scanner a ray looks along the beam nearest to its bearing: what the runtime would take
     from the whole sweep, without casting the other beams.
@@ -62,13 +62,13 @@ def turns(contract: PolicyContract) -> bool:
 
 
 def seen_behind_m(spec: RetinaSpec) -> float:
-    """A ray at bearing φ reaches range · (−cos φ) behind; within ±90° none does."""
+    """How far behind an eye that looks ahead sees: range · (−cos φ) of its outermost bearing φ."""
     outermost_rad = ray_bearing_rad(0, spec.rays * spec.samples, spec.fov_rad)
     return spec.range_m * max(0.0, -math.cos(outermost_rad))
 
 
 def reciprocals(components: Floats32) -> Floats32:
-    """1 / component, finite, as `aim` gives it."""
+    """1 / component, finite, as `vision.ray_directions.aim` computes it."""
     steepest = np.maximum(np.abs(components), STEEPEST)
     return (1.0 / np.copysign(steepest, components)).astype(np.float32)
 

@@ -1,27 +1,33 @@
-"""The world, the eye and the agents as plain numbers and arrays: what compiled code is given.
+"""Arrays of a simulation: the world, the eye and the agents as compiled code reads and writes them.
 
 Worlds are tables: one row a world (a single one, unless its numbers are drawn for each seed), one
-a layer, one a shape. What an agent needs lies in its own row: one agent's work writes to that row
-and to nothing else, so the bits are the same on any number of threads.
+a layer, one a shape. Everything that changes about an agent lies in its own row of `Agents`: the
+work of one agent writes to that row and to nothing else, so the bits are the same on any number of
+threads.
 
 The plane is cut into chunks, which are also the cells in which an agent counts its place: a cell
-(two integers) and an offset within it. Near an agent lies a list of all that it could see or meet
-from anywhere in its cell, relative to the cell's corner in float32: the same precision after a
-metre or a thousand kilometres. The list is a function of seed, cell and time alone and is gathered
-anew when the agent enters another cell; a moving layer has cells of its own.
+(two integers) and an offset within it. An agent has lists of all obstacles that it could see or
+meet from anywhere in its cell (its near lists), with places relative to the cell's corner in
+float32: the same precision after a metre or a thousand kilometres. A list is a function of seed,
+cell and time alone and is made anew when the agent enters another cell; a moving layer has cells of
+its own.
 """
 
-from typing import Any, NamedTuple, TypeAlias
+from collections.abc import Iterable
+from typing import Any, NamedTuple, TypeAlias, get_type_hints
 
 import numpy as np
 import numpy.typing as npt
 
+from reflexarc_sim_bridge.worlds.kinds.layer_kind import LayerKind
+
 Table = npt.NDArray[np.void]
 Floats32 = npt.NDArray[np.float32]
 Integers32 = npt.NDArray[np.int32]
+Row: TypeAlias = Any
+"""A row of one of the tables here; compiled code reads its fields as attributes."""
 
 PERIODIC, UNBOUNDED, OPEN = range(3)
-SCATTER, GATES, CORRIDOR, AUTOMATON = range(4)
 AT_REST, DRIFT, SWING = range(3)
 RESPAWN, GHOST, TERMINATE = range(3)
 NOTHING, BOX, DISC, TURNED_BOX, POLYGON, CURVE, WALL = range(7)
@@ -29,10 +35,13 @@ NOTHING, BOX, DISC, TURNED_BOX, POLYGON, CURVE, WALL = range(7)
 # Rows of the near lists: one obstacle, or one side of one, a column.
 BOX_X, BOX_Y, BOX_HALF_LENGTH, BOX_HALF_WIDTH, BOX_PAINT = range(5)
 BOX_COS, BOX_SIN = 5, 6
+PLACE_X, PLACE_Y = range(2)  # of a box, a disc or a side alike
 DISC_X, DISC_Y, DISC_RADIUS, DISC_PAINT = range(4)
 SIDE_X, SIDE_Y, SIDE_AHEAD, SIDE_LEFT, SIDE_PAINT = range(5)
 BOX_ROWS, TURNED_ROWS, DISC_ROWS, SIDE_ROWS = 5, 7, 4, 5
-BOXES, TURNED, DISCS, SIDES = range(4)
+BOXES, TURNED, DISCS, SIDES, BELT, FACES = range(6)
+LIST_NAMES = "boxes", "turned boxes", "discs", "sides of polygons", "boxes on a belt", "faces"
+"""Lists of limited length, in this order; the first four are the near lists."""
 
 # Rows of a belt: all boxes of a periodic world within reach along x; COS and SIN of turned ones.
 BELT_X, BELT_Y = range(2)
@@ -40,11 +49,13 @@ HALF_LENGTH, HALF_WIDTH, COS, SIN = range(4)
 
 TILE_RAYS = 16
 """Rays that are treated together."""
+MAX_ROWS = 64
+"""Rows of an automaton's chunk with its margins, rounded up."""
 
 PLANE_DTYPE = np.dtype(
     [
         *((name, np.float64) for name in ("dt_s", "width_m", "chunk_width_m", "reach_m")),
-        # How far ahead of an agent, behind and aside anything can be seen or met.
+        # How far ahead of an agent, behind and aside an obstacle can be seen or met.
         *((name, np.float64) for name in ("ahead_m", "behind_m", "aside_m")),
         *((name, np.float64) for name in ("radius_m", "slip", "follow")),
         *((name, np.float64) for name in ("most_linear_mps", "most_angular_radps")),
@@ -57,26 +68,19 @@ PLANE_DTYPE = np.dtype(
 )
 """One world: its plane, its agents' bodies and senses."""
 
-LAYER_DTYPE = np.dtype(
-    [
-        *((name, np.int64) for name in ("kind", "shapes", "sections", "section_chunks", "motion")),
-        *((name, np.float64) for name in ("reach_m", "gap_m")),
-        # Drift: metres a second; swing: metres, and the period.
-        *((name, np.float64) for name in ("moves_ahead", "moves_left", "period_s")),
-        # `is_plain`: one kind of shape, none of them turned at random.
-        # `has_belt`: nothing but white boxes of one kind, even and unthinned, around a period of
-        # which what is near takes up less than half to either side (the common case).
-        ("has_belt", np.int64),
-        *((name, np.int64) for name in ("is_plain", "is_white", "channels", "spacing_chunks")),
-        *((f"{c}_{end}", np.float64) for c in ("red", "green", "blue") for end in ("low", "high")),
-        *((name, np.float64) for name in ("pitch_m", "opening_low_m", "opening_high_m")),
-        *((name, np.float64) for name in ("half_thickness_m", "half_width_m", "meander_m")),
-        *((name, np.float64) for name in ("knot_m", "fill")),
-        *((name, np.int64) for name in ("cells", "smoothings")),
-    ],
-    align=True,
-)
-"""One layer."""
+_LAYER_COLUMNS: dict[str, type[np.generic]] = {
+    **dict.fromkeys(("kind", "motion", "channels", "is_white"), np.int64),
+    # Whether its near boxes are picked from a belt (`belt.py`): white boxes of one kind alone, even
+    # and unthinned, where no near obstacle is farther to either side than half the period.
+    "has_belt": np.int64,
+    "reach_m": np.float64,
+    # Drift: metres a second; swing: metres, and the period.
+    **dict.fromkeys(("moves_ahead", "moves_left", "period_s"), np.float64),
+    **{f"{c}_{end}": np.float64 for c in ("red", "green", "blue") for end in ("low", "high")},
+    # Most of each near list: see `MostNear`.
+    **dict.fromkeys(("most_boxes", "most_turned", "most_discs", "most_sides"), np.int64),
+}
+"""What every layer has, of whatever kind."""
 
 SHAPE_DTYPE = np.dtype(
     [
@@ -110,12 +114,12 @@ AGENT_DTYPE = np.dtype(
 
 
 class WorldTables(NamedTuple):
-    """Worlds, compiled: row w is one world."""
+    """Worlds as tables: row w of each is one world."""
 
     planes: Table
     """`PLANE_DTYPE`: (worlds,)."""
     layers: Table
-    """`LAYER_DTYPE`: (worlds, layers)."""
+    """As `layer_dtype` says: (worlds, layers)."""
     shapes: Table
     """`SHAPE_DTYPE`: (worlds, layers, shapes)."""
     counts: npt.NDArray[np.float64]
@@ -129,7 +133,7 @@ class WorldTables(NamedTuple):
 
 
 class EyeParams(NamedTuple):
-    """The eye, compiled. Arrays over the sub-rays of one eye, float32, the leftmost first.
+    """The eye of all agents. Arrays over the sub-rays of one eye, float32, the leftmost first.
 
     The last sub-ray is repeated until they fill whole tiles.
     """
@@ -146,7 +150,7 @@ class EyeParams(NamedTuple):
     is_wide: bool
     """The rays span half a circle or more: every direction may matter."""
     tile_is_wide: bool
-    """So do the rays of a tile."""
+    """The same of the rays of one tile."""
     is_plain: bool
     """One grey eye, one sample, rays in whole tiles: the common case."""
     turns: bool
@@ -156,7 +160,7 @@ class EyeParams(NamedTuple):
     left: Floats32
     """The same, y part (sine of its bearing)."""
     alive: npt.NDArray[np.bool_]
-    """Whether a ray says anything: (rays,)."""
+    """Whether a ray lies outside of all dead sectors: (rays,)."""
 
 
 class Agents(NamedTuple):
@@ -183,13 +187,14 @@ class Agents(NamedTuple):
     belt_counts: npt.NDArray[np.int64]
     """Boxes in each column of a belt, the hindmost first: (n, layers, columns)."""
     delayed: npt.NDArray[np.uint8]
-    """The last retinas, where seeing takes time: (n, latency + 1, values)."""
+    """The last retinas, oldest first overwritten, for senses with latency:
+    (n, latency_steps + 1, values)."""
     stack: npt.NDArray[np.uint8]
     """What the policy sees, oldest frame first: (n, frames · values)."""
 
 
 class Near(NamedTuple):
-    """What is near one agent in one layer: views of rows of `Agents`."""
+    """The near lists of one agent in one layer: views of rows of `Agents`."""
 
     counts: npt.NDArray[np.int64]
     boxes: Floats32
@@ -207,16 +212,26 @@ class Belt(NamedTuple):
 
 
 class Params(NamedTuple):
-    """What compiled callers hand to `kernel`."""
+    """A simulation, as compiled code is given it."""
 
     world: WorldTables
     eye: EyeParams
     agents: Agents
 
 
-MAX_ROWS = 64
-"""Rows of a chunk with its margins, rounded up."""
+def layer_dtype(kinds: Iterable[type[LayerKind]]) -> np.dtype[np.void]:
+    """One layer: what every layer has, then the columns of each kind.
 
+    Kinds may share a column of one name and type; a layer fills in those of its own kind.
 
-Row: TypeAlias = Any
-"""A row of one of the tables of `params.py`; compiled code reads its fields as attributes."""
+    Raises:
+        TypeError: a column of a kind has the name, but not the meaning or the type, of another.
+    """
+    columns = dict(_LAYER_COLUMNS)
+    for kind in kinds:
+        for name, form in get_type_hints(kind.COLUMNS).items():
+            wanted = np.int64 if form is int else np.float64
+            if name in _LAYER_COLUMNS or columns.setdefault(name, wanted) is not wanted:
+                where = f"{kind.__name__}.COLUMNS: {name}"
+                raise TypeError(f"{where}: expected a name that is not taken; choose another")
+    return np.dtype(list(columns.items()), align=True)

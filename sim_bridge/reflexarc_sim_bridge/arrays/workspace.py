@@ -1,4 +1,4 @@
-"""Scratch of one thread: nothing in it outlives the look or the step that filled it."""
+"""Scratch of one thread: no value in it is used after the look or the step that computed it."""
 
 from typing import NamedTuple
 
@@ -8,6 +8,7 @@ from numba.core import types
 
 from reflexarc_sim_bridge.arrays.eyes import reciprocals
 from reflexarc_sim_bridge.arrays.layout import (
+    LIST_NAMES,
     MAX_ROWS,
     TILE_RAYS,
     TURNED_ROWS,
@@ -16,28 +17,37 @@ from reflexarc_sim_bridge.arrays.layout import (
     Params,
     WorldTables,
 )
-from reflexarc_sim_bridge.native.function_pointers import FunctionPointer, Signature
+from reflexarc_sim_bridge.native.function_pointers import (
+    FunctionPointer,
+    FunctionTable,
+    Signature,
+    function_table,
+)
 from reflexarc_sim_bridge.native.intrinsics import LANES
 
+EIGHT = 8
+"""Belt entries are written so many at a time: no branch predictor foresees a chunk's count."""
+
 Picked = npt.NDArray[np.uint32]
-
-
 Judged = npt.NDArray[np.bool_]
 
 
 class Sieve(NamedTuple):
-    """Scratch for picking."""
+    """Scratch for picking obstacles out of a list: first judged one by one, then listed."""
 
     judged: Judged
-    """Whether an eye or a tile of its rays can see an obstacle: (capacity,)."""
+    """Whether each obstacle passes, for example lies within a view: (capacity,)."""
     numbers: Picked
     """0, 1, 2, …: (capacity,)."""
     picked: Picked
-    """Columns of those that it can: (capacity + LANES,)."""
+    """Columns of those that pass: (capacity + LANES,)."""
 
 
 class Faces(NamedTuple):
-    """What a ray's direction is multiplied with, x with x and y with y: (capacity,)."""
+    """Straight faces of obstacles as coefficients of a ray's direction: see `vision/faces.py`.
+
+    Each is (capacity,); a value is `…_x` · x + `…_y` · y for the direction (x, y).
+    """
 
     one_x: Floats32
     """1 / length of a ray up to a face."""
@@ -54,12 +64,8 @@ class Faces(NamedTuple):
     paint: Floats32
 
 
-EIGHT = 8
-"""Entries are written so many at a time: how many a chunk has, no branch foresees."""
-
-
 class Draws(NamedTuple):
-    """Scratch: the chunks of a column, and one entry for each of their boxes."""
+    """Scratch for drawing one column of chunks of a belt: its chunks, and an entry a box."""
 
     keys: npt.NDArray[np.uint64]
     """Key of each chunk: (chunks,)."""
@@ -73,42 +79,57 @@ class Draws(NamedTuple):
 
 
 class Picks(NamedTuple):
-    """Scratch: the boxes of a belt as an agent's cell has them."""
+    """Scratch for picking near boxes: places of a belt's boxes relative to the agent's cell."""
 
     x_m: Floats32
     """From the corner of the cell: (capacity,)."""
     y_m: Floats32
     is_near: npt.NDArray[np.bool_]
     integers: Integers32
-    """For places that move: (capacity,)."""
+    """For moving rows of integers within themselves: (capacity,)."""
+
+
+class Losses(NamedTuple):
+    """Counts of near obstacles that had no room in a list. Any count above 0 is an error.
+
+    Rows as `LIST_NAMES`.
+    """
+
+    counts: npt.NDArray[np.int64]
+    """Obstacles, or sides or faces of them, since the counts were last reset: (lists,)."""
+    agents: npt.NDArray[np.int64]
+    """The agent whose list it was, the last time: (lists,)."""
 
 
 class Workspace(NamedTuple):
-    """What an eye needs while it looks, and an agent while it moves."""
+    """All scratch of a thread, and the addresses of the functions that the step calls."""
 
     parts: "Parts"
-    """What they call."""
+    """Functions that are called by their address."""
+    losses: Losses
+    """Counts of obstacles that had no room in a list."""
     sieve: Sieve
-    """For picking what a tile of rays can meet."""
+    """For picking the obstacles that a tile of rays can meet."""
     seen: Floats32
-    """What the eye can see of a near list, relative to it, rows as there: (7, capacity)."""
+    """The obstacles of a near list that the eye can see, relative to it, rows as there:
+    (7, capacity)."""
     faces: Faces
-    """What the eye can see of turned boxes and polygons."""
+    """Faces of turned boxes and polygons that the eye can see."""
     ahead: Floats32
     """Direction of each sub-ray in the world's frame: (subrays,); so the three below."""
     left: Floats32
     per_ahead: Floats32
     per_left: Floats32
     per_m: Floats32
-    """1 / distance of what a tile of rays meets: (TILE_RAYS,)."""
+    """1 / distance of the obstacles that a tile of rays meets: (TILE_RAYS,)."""
     distance_m: Floats32
-    """What each sub-ray met, the range where nothing: (subrays,)."""
+    """Distance to the obstacle that each sub-ray met, the range where it met none: (subrays,)."""
     paint: Floats32
     """Its colour, 8 bits each of red, green, blue; below 0 where nothing: (subrays,)."""
     bright: npt.NDArray[np.float64]
-    """How bright each sub-ray is: (subrays,)."""
+    """Brightness of each sub-ray, 0 to 1: (subrays,)."""
     total: npt.NDArray[np.float64]
-    """The sum of a ray's: (rays,)."""
+    """Sum of the brightness of a ray's sub-rays: (rays,)."""
     lists: npt.NDArray[np.uint32]
     """Faces that each tile can meet: (tiles, capacity)."""
     ends: npt.NDArray[np.int64]
@@ -132,18 +153,14 @@ IN_CELL = Signature(
 
 
 class Parts(NamedTuple):
-    """The parts of a step that are compiled apart; nowhere where a world never needs one."""
+    """Functions of a step that are compiled apart; address 0 where a world never calls one."""
 
     look: FunctionPointer = FunctionPointer(ON_AGENT)
     """`vision.sensing.sense_agent`."""
     put: FunctionPointer = FunctionPointer(ON_AGENT)
     """`motion.placing.go_to_free_place`."""
-    belt: FunctionPointer = FunctionPointer(IN_CELL)
-    """`obstacles.gathering.gather_belt`."""
-    scatter: FunctionPointer = FunctionPointer(IN_CELL)
-    """`obstacles.gathering.gather_scatter`."""
-    structure: FunctionPointer = FunctionPointer(IN_CELL)
-    """`obstacles.gathering.gather_structure`."""
+    gatherers: FunctionTable = function_table(IN_CELL, {}, (0, 2))
+    """`gather` of each kind in `obstacles/kinds/`, and its `gather_belt`: (kinds, 2)."""
 
 
 def new_workspace(params: Params, parts: Parts) -> Workspace:
@@ -157,6 +174,7 @@ def new_workspace(params: Params, parts: Parts) -> Workspace:
     everything = np.arange(max(columns, faces) + LANES, dtype=np.uint32)
     return Workspace(
         parts=parts,
+        losses=Losses(*np.zeros((2, len(LIST_NAMES)), np.int64)),
         sieve=Sieve(np.empty(len(everything), np.bool_), everything, everything.copy()),
         seen=np.empty((TURNED_ROWS, columns + LANES), np.float32),
         faces=Faces(*np.empty((len(Faces._fields), faces), np.float32)),

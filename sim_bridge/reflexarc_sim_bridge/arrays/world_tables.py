@@ -1,4 +1,4 @@
-"""Worlds as tables: what compiled code is given of them.
+"""Worlds as tables that compiled code reads.
 
 One row a world (a single one, unless its numbers are drawn for each seed), one a layer, one a
 shape.
@@ -13,40 +13,31 @@ from reflexarc_runtime.contract import PolicyContract
 from reflexarc_runtime.errors import WorldError
 from reflexarc_sim_bridge.arrays.eyes import seen_behind_m, turns
 from reflexarc_sim_bridge.arrays.layout import (
-    AUTOMATON,
-    BOX,
-    CORRIDOR,
-    CURVE,
-    DISC,
     DRIFT,
-    GATES,
-    LAYER_DTYPE,
     OPEN,
     PERIODIC,
     PLANE_DTYPE,
-    POLYGON,
-    SCATTER,
     SHAPE_DTYPE,
     SWING,
-    TURNED_BOX,
     UNBOUNDED,
+    Row,
     Table,
     WorldTables,
+    layer_dtype,
 )
 from reflexarc_sim_bridge.arrays.poisson import cumulative_counts, poisson_quantile
+from reflexarc_sim_bridge.arrays.shape_table import write_shapes
+from reflexarc_sim_bridge.worlds.grid import CHUNK_M, Across, Around
+from reflexarc_sim_bridge.worlds.kinds.scatter import MAX_SECTIONS
 from reflexarc_sim_bridge.worlds.layers import (
-    CHUNK_M,
-    MAX_SECTIONS,
-    Automaton,
-    Corridor,
     Drift,
-    Gates,
     Layer,
     Scatter,
     Swing,
-    chunks_across,
+    kind_number,
+    layer_kinds,
 )
-from reflexarc_sim_bridge.worlds.shapes import Curves, Discs, Polygons, Rectangles, Shape
+from reflexarc_sim_bridge.worlds.shapes import Rectangles
 from reflexarc_sim_bridge.worlds.world import AfterContact, Edges, World
 
 
@@ -64,18 +55,19 @@ def world_tables(
     Raises:
         WorldError: the worlds differ in their layers or shapes.
     """
-    forms = {tuple(_shape_count(layer) for layer in world.layers) for world in worlds}
+    forms = {tuple(map(_form, world.layers)) for world in worlds}
     if len(forms) != 1:
         raise WorldError("worlds: expected the same layers in every world of a family, got others")
-    layers, shapes = max(1, len(worlds[0].layers)), max((*forms.pop(), 1))
+    layers = max(1, len(worlds[0].layers))
+    shapes = max((count for _, count in forms.pop()), default=1)
     all_worlds = (*worlds, *fullest)
     tables = WorldTables(
         np.zeros(len(worlds), PLANE_DTYPE),
-        np.zeros((len(worlds), layers), LAYER_DTYPE),
+        np.zeros((len(worlds), layers), layer_dtype(layer_kinds())),
         np.zeros((len(worlds), layers, shapes), SHAPE_DTYPE),
         np.ones((len(worlds), layers, MAX_SECTIONS, _most_counts(all_worlds))),
         np.array([_most_belt_columns(n, fullest or worlds, contract) for n in range(layers)]),
-        max(_across(world) for world in all_worlds),
+        max(world.chunks_across for world in all_worlds),
     )
     for w, world in enumerate(worlds):
         write_world(tables, w, world, contract)
@@ -84,37 +76,17 @@ def world_tables(
 
 def write_world(tables: WorldTables, w: int, world: World, contract: PolicyContract) -> None:
     """Fill row `w` of the tables."""
-    _write_plane(tables.planes[w : w + 1], world, contract)
+    plane = tables.planes[w : w + 1]
+    _write_plane(plane, world, contract)
     for number, layer in enumerate(world.layers):
         row = tables.layers[w, number : number + 1]
-        # With open edges an obstacle may lie beside its chunk, pushed inwards.
-        row["reach_m"] = layer.reach_m * (2 if world.edges is Edges.OPEN else 1)
-        _write_colour(row, layer)
-        _write_motion(row, layer)
-        match layer:
-            case Scatter():
-                _write_scatter(row, layer)
-                _write_shapes(tables.shapes[w, number], layer.shapes)
-                chunk_m2 = CHUNK_M * chunk_width_m(world)
-                row["has_belt"] = 0 < _belt_columns(layer, world, contract) <= tables.belts[number]
-                most = tables.counts.shape[3]
-                tables.counts[w, number] = cumulative_counts(layer, chunk_m2, most)
-            case Gates():
-                _write_gates(row, layer, world)
-            case Corridor():
-                _write_corridor(row, layer)
-            case Automaton():
-                row["kind"], row["cells"] = AUTOMATON, layer.cells_per_chunk
-                row["fill"], row["smoothings"] = layer.fill, layer.smoothings
-
-
-def chunk_width_m(world: World) -> float:
-    """Side of a chunk across the world."""
-    return CHUNK_M if world.edges is Edges.UNBOUNDED else world.width_m / _across(world)
-
-
-def _across(world: World) -> int:
-    return 0 if world.edges is Edges.UNBOUNDED else chunks_across(world.width_m)
+        _write_layer(row, plane, layer, world)
+        if isinstance(layer, Scatter):
+            write_shapes(tables.shapes[w, number], layer.shapes)
+            chunk_m2, most = CHUNK_M * world.chunk_width_m, tables.counts.shape[3]
+            means = [density * chunk_m2 for density in layer.section_densities_per_m2]
+            tables.counts[w, number] = cumulative_counts(means, most)
+            row["has_belt"] = 0 < _belt_columns(layer, world, contract) <= tables.belts[number]
 
 
 def _write_plane(row: Table, world: World, contract: PolicyContract) -> None:
@@ -123,7 +95,7 @@ def _write_plane(row: Table, world: World, contract: PolicyContract) -> None:
     row["dt_s"], row["width_m"], row["chunk_width_m"] = (
         world.dt_s,
         world.width_m,
-        chunk_width_m(world),
+        world.chunk_width_m,
     )
     row["reach_m"] = world.reach_m
     row["ahead_m"], row["aside_m"] = aside_m, aside_m
@@ -137,13 +109,17 @@ def _write_plane(row: Table, world: World, contract: PolicyContract) -> None:
     row["edges"] = (PERIODIC, UNBOUNDED, OPEN)[
         (Edges.PERIODIC, Edges.UNBOUNDED, Edges.OPEN).index(world.edges)
     ]
-    row["across"], row["stream"], row["layers"] = _across(world), world.stream, len(world.layers)
+    row["across"], row["stream"], row["layers"] = (
+        world.chunks_across,
+        world.stream,
+        len(world.layers),
+    )
     row["corridor"] = world.layers.index(world.corridor) if world.corridor else -1
     row["after_contact"] = list(AfterContact).index(chassis.after_contact)
 
 
 def _aside_m(contract: PolicyContract, world: World) -> float:
-    """How far from an agent's cell anything can be seen or met."""
+    """How far from an agent's cell an obstacle can be seen or met."""
     return max(_range_m(contract), _step_m(contract, world))
 
 
@@ -160,6 +136,44 @@ def _step_m(contract: PolicyContract, world: World) -> float:
     """How far a body reaches within a step, slipping as much as six standard deviations."""
     slipping = 1 + 6 * world.chassis.slip
     return _fastest_mps(contract, world) * world.dt_s * slipping + world.chassis.radius_m
+
+
+def _write_layer(row: Table, plane: Table, layer: Layer, world: World) -> None:
+    """Fill the columns that all layers have, then those of the layer's kind."""
+    row["kind"] = kind_number(layer)
+    # With open edges an obstacle may lie beside its chunk, pushed inwards.
+    row["reach_m"] = layer.reach_m * (2 if world.edges is Edges.OPEN else 1)
+    _write_colour(row, layer)
+    _write_motion(row, layer)
+    columns = layer.columns(Across(world.chunk_width_m, world.period_m))
+    for name, value in columns._asdict().items():
+        row[name] = value
+    for name, most in layer.most_near(_around(plane[0], row[0]))._asdict().items():
+        row[f"most_{name}"] = most
+
+
+def _around(plane: Row, layer: Row) -> Around:
+    """The part of a layer that may be near an agent."""
+    reach_m = 2 * layer["reach_m"]
+    return Around(
+        length_m=CHUNK_M + plane["ahead_m"] + plane["behind_m"] + reach_m,
+        width_m=plane["chunk_width_m"] + 2 * plane["aside_m"] + reach_m,
+        chunk_width_m=plane["chunk_width_m"],
+        crowding=_crowding(plane, layer),
+    )
+
+
+def _crowding(plane: Row, layer: Row) -> float:
+    """How much denser centres lie than they are drawn: with open edges, pushed inwards.
+
+    They are more than four times as dense only in a strip that is narrower than the box around an
+    agent. Where it is just that wide, widths within a family's range may have 5 % more of them than
+    its ends.
+    """
+    if plane["edges"] != OPEN:
+        return 1.0
+    room_m = plane["width_m"] - layer["reach_m"]
+    return float(plane["width_m"] / max(room_m, plane["width_m"] / 4))
 
 
 def _write_colour(row: Table, layer: Layer) -> None:
@@ -179,22 +193,13 @@ def _write_motion(row: Table, layer: Layer) -> None:
             row["period_s"] = period_s
 
 
-def _write_scatter(row: Table, layer: Scatter) -> None:
-    row["kind"], row["shapes"], row["gap_m"] = SCATTER, len(layer.shapes), layer.gap_m
-    only = layer.shapes[0]
-    upright = isinstance(only, Discs) or (isinstance(only, Rectangles) and not only.is_turned)
-    row["is_plain"] = len(layer.shapes) == 1 and upright
-    row["sections"] = max(1, len(layer.sections))
-    row["section_chunks"] = max(1, round(layer.section_m / CHUNK_M))
-
-
 def _has_belt(layer: Layer, world: World, contract: PolicyContract) -> bool:
-    """Nothing but white boxes of one kind, none of them farther than half a period when near."""
+    """Whether it is nothing but white boxes of one kind, near ones within half a period."""
     if not isinstance(layer, Scatter) or world.edges is not Edges.PERIODIC:
         return False
     boxes = len(layer.shapes) == 1 and isinstance(layer.shapes[0], Rectangles)
     even = layer.gap_m == 0.0 and not layer.sections
-    farthest_m = chunk_width_m(world) + _aside_m(contract, world) + layer.reach_m
+    farthest_m = world.chunk_width_m + _aside_m(contract, world) + layer.reach_m
     return boxes and even and _is_white(layer) and farthest_m <= 0.5 * world.width_m
 
 
@@ -207,7 +212,7 @@ def _belt_columns(layer: Layer, world: World, contract: PolicyContract) -> int:
 
 
 def _most_belt_columns(number: int, worlds: Sequence[World], contract: PolicyContract) -> int:
-    """Most that the belts of a layer have; where it has none in the fullest worlds, none has."""
+    """Most columns of chunks of a layer's belts; 0 if it has no belt in any of the worlds."""
     layered = [world for world in worlds if number < len(world.layers)]
     return max((_belt_columns(w.layers[number], w, contract) for w in layered), default=0)
 
@@ -216,50 +221,10 @@ def _is_white(layer: Layer) -> bool:
     return all(span == (1.0, 1.0) for span in layer.colour)
 
 
-def _write_gates(row: Table, layer: Gates, world: World) -> None:
-    row["kind"], row["spacing_chunks"] = GATES, max(1, round(layer.spacing_m / CHUNK_M))
-    row["pitch_m"] = world.pitch_m(layer)
-    row["opening_low_m"], row["opening_high_m"] = layer.opening_m
-    row["half_thickness_m"] = layer.thickness_m / 2
-
-
-def _write_corridor(row: Table, layer: Corridor) -> None:
-    row["kind"], row["half_width_m"] = CORRIDOR, layer.width_m / 2
-    row["meander_m"], row["knot_m"] = layer.meander_m, layer.wavelength_m / 2
-
-
-def _write_shapes(rows: Table, shapes: Sequence[Shape]) -> None:
-    total, up_to = math.fsum(shape.share for shape in shapes), 0.0
-    for number, shape in enumerate(shapes):
-        row = rows[number : number + 1]
-        up_to += shape.share / total
-        row["share_up_to"] = up_to
-        match shape:
-            case Rectangles():
-                row["kind"] = TURNED_BOX if shape.is_turned else BOX
-                row["size_low"], row["size_high"] = shape.width_m
-                row["length_low"], row["length_high"] = shape.length_m
-                row["turned_low"], row["turned_high"] = shape.turned_rad
-            case Discs():
-                row["kind"] = DISC
-                row["size_low"], row["size_high"] = shape.radius_m
-            case Polygons():
-                row["kind"] = POLYGON
-                row["size_low"], row["size_high"] = shape.radius_m
-                row["turned_high"] = math.tau
-                row["dent_low"], row["dent_high"] = shape.dent
-                row["corners_low"], row["corners_high"] = shape.corners
-            case Curves():
-                row["kind"] = CURVE
-                row["size_low"], row["size_high"] = shape.radius_m
-                row["turned_high"] = math.tau
-                row["dent_low"], row["dent_high"] = shape.waviness
-
-
 def _most_counts(worlds: Sequence[World]) -> int:
     """Most obstacles that a chunk of any of the worlds can have."""
     means = [
-        layer.density_per_m2 * max(layer.sections or (1.0,)) * CHUNK_M * chunk_width_m(world)
+        max(layer.section_densities_per_m2) * CHUNK_M * world.chunk_width_m
         for world in worlds
         for layer in world.layers
         if isinstance(layer, Scatter)
@@ -267,19 +232,12 @@ def _most_counts(worlds: Sequence[World]) -> int:
     return max((poisson_quantile(mean) for mean in means), default=1)
 
 
-def _shape_count(layer: Layer) -> int:
-    return len(layer.shapes) if isinstance(layer, Scatter) else 0
+def _form(layer: Layer) -> tuple[type[Layer], int]:
+    """Its kind, and how many rows of shapes it has: at least one."""
+    return type(layer), len(layer.shapes) if isinstance(layer, Scatter) else 1
 
 
 def _fastest_mps(contract: PolicyContract, world: World) -> float:
     own = max(math.hypot(a.linear_mps, a.lateral_mps) for a in contract.actions)
-    return own + max((_layer_speed_mps(layer) for layer in world.layers), default=0.0)
-
-
-def _layer_speed_mps(layer: Layer) -> float:
-    match layer.motion:
-        case Drift(ahead_mps, left_mps):
-            return math.hypot(ahead_mps, left_mps)
-        case Swing(ahead_m, left_m, period_s):
-            return math.tau / period_s * math.hypot(ahead_m, left_m)
-    return 0.0
+    motions = [layer.motion for layer in world.layers if layer.motion is not None]
+    return own + max((motion.fastest_mps for motion in motions), default=0.0)

@@ -91,12 +91,16 @@ class ReferenceEnv(gymnasium.Env[npt.NDArray[np.uint8], np.int64]):
         """Move once, then look.
 
         Raises:
-            WorldError: an action that the contract does not have.
+            WorldError: an action that the contract does not have; or a list of obstacles was full.
             ResetNeeded: before the first reset.
         """
         if not self._has_begun:
             raise gymnasium.error.ResetNeeded("call reset() before step()")
-        met, x_m, y_m, distance_m, contacts = self._agent.step_and_sense(index(action))
+        try:
+            met, x_m, y_m, distance_m, contacts = self._agent.step_and_sense(index(action))
+        except OverflowError:
+            self._agent.require_nothing_lost()
+            raise
         if met == REFUSED:
             known = len(self._contract.actions)
             raise WorldError(f"action: expected 0 to {known - 1}, the contract's, got {action}")

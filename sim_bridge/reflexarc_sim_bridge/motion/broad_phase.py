@@ -1,6 +1,6 @@
-"""Which obstacles a body's step may meet at all: nearly always none, and that is cheap to say.
+"""Broad phase of the contact test: which obstacles touch the upright box around a body's step.
 
-Those that touch the upright box around the way; whether they are met says `contact.py`.
+Nearly always none does, and that is cheap to find out; the others are tested by `contact.py`.
 """
 
 from typing import NamedTuple

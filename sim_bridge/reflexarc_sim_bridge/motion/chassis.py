@@ -1,4 +1,4 @@
-"""How a body moves: it follows its commands as well as its chassis can, in straight steps.
+"""How a body moves: its chassis follows the commands with lag and slip, in straight steps.
 
 Speeds follow a command with a first-order lag and bounded accelerations, and slip: at each step
 every speed is off by a random share of it. Within a step of Δt the heading turns by ω Δt; the body

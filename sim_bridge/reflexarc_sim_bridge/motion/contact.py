@@ -1,4 +1,4 @@
-"""What a moving body runs into, found along the swept step with the geometry that the rays see.
+"""Contacts: the first obstacle that a body meets along its straight step (swept contact test).
 
 A body of radius r meets an obstacle where its middle meets the obstacle grown by r: a box with
 round corners, a larger disc, and about the side of a polygon a stadium.
@@ -54,7 +54,7 @@ _STEEPEST = 1e-12
 
 @compiled_inner
 def free_share(params: Params, work: Workspace, i: int, ahead_m: float, left_m: float) -> float:
-    """Share of a straight step up to the first obstacle that an agent meets, infinity if none.
+    """Share of a straight step up to the first obstacle that is met; infinity if none is.
 
     Obstacles that move do so meanwhile: what counts is the agent's way in their frame.
 
@@ -91,7 +91,7 @@ def free_share(params: Params, work: Workspace, i: int, ahead_m: float, left_m: 
 
 @compiled_inline
 def _box_share(near: Floats32, count: int, way: Way, judged: Judged) -> float:
-    """Nearly always no obstacle meets the step's bounding box, and that is cheap to say."""
+    """Share of a way up to the first box. Nearly always none touches the box around the way."""
     if not boxes_touched(near, count, around(way), judged):
         return math.inf
     return _first_box(near, count, way, judged)

@@ -13,11 +13,11 @@ from reflexarc_sim_bridge.native.decorators import compiled_called, compiled_inl
 from reflexarc_sim_bridge.native.splitmix64 import uniform
 from reflexarc_sim_bridge.obstacles.gathering import keep_near
 from reflexarc_sim_bridge.obstacles.keys import draw, layer_key
-from reflexarc_sim_bridge.obstacles.structures import corridor_line_m
-from reflexarc_sim_bridge.worlds.layers import CHUNK_M
+from reflexarc_sim_bridge.obstacles.kinds.corridor import corridor_line_m
+from reflexarc_sim_bridge.worlds.grid import CHUNK_M
 
-# So many draws miss every free place of a half-covered line once in 1e19; a line that refuses
-# them all is taken for blocked, and the agent goes on a little farther ahead.
+# So many draws miss every free place of a half-covered line once in 1e19. Where all of them miss,
+# the line is taken for blocked, and the agent is put a little farther ahead.
 _PLACE_DRAWS = 64
 _PAST_BLOCKED_M = 0.1
 

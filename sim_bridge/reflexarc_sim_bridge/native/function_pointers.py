@@ -7,10 +7,12 @@ nothing of what it calls; so the address has a type, its signature, and a call w
 fails when it is compiled.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
+import numpy as np
+import numpy.typing as npt
 from llvmlite import ir  # type: ignore[import-untyped]  # it has no stubs
 from numba.core import types
 from numba.core.datamodel import models
@@ -63,6 +65,27 @@ class FunctionPointer:
         return self.address != 0
 
 
+class FunctionTable(NamedTuple):
+    """Addresses of functions with one signature, of which compiled code takes one by its place."""
+
+    nowhere: FunctionPointer
+    """Says what all of them take."""
+    addresses: npt.NDArray[np.int64]
+    """Where they lie; 0 where none is ever called: (rows, columns)."""
+
+
+def function_table(
+    signature: Signature,
+    pointers: Mapping[tuple[int, int], FunctionPointer],
+    shape: tuple[int, int],
+) -> FunctionTable:
+    """A table of functions by their places."""
+    addresses = np.zeros(shape, np.int64)
+    for place, pointer in pointers.items():
+        addresses[place] = pointer.address
+    return FunctionTable(FunctionPointer(signature), addresses)
+
+
 def pointer_to(function: Any, signature: Signature, arguments: tuple[Any, ...]) -> FunctionPointer:
     """Compile a function that returns nothing, unless that is done; returns where it lies.
 
@@ -103,6 +126,18 @@ def _call(_: Any, pointer: Any, arguments: Any) -> Any:
 
 
 call: Any = intrinsic(_call)  # its stub says that a call returns nothing
+
+
+def _at(_: Any, nowhere: Any, address: Any) -> Any:
+    """An address, a number, as one with the signature of another."""
+
+    def emit(_: Any, __: Any, ___: Any, args: Any) -> Any:
+        return args[1]
+
+    return nowhere(nowhere, types.int64), emit
+
+
+at_address: Any = intrinsic(_at)  # the same
 
 
 @register_model(Signature)

@@ -1,13 +1,15 @@
 """A field of white boxes across a periodic world: the common case, in vectors.
 
 An agent's belt holds all boxes of the columns of chunks within its reach, over the whole period.
-What is near it is picked from there: aside, or after a contact, it finds nothing that would have
-to be drawn. Only where it enters another column of chunks a belt loses one and gains one.
+Its near boxes are picked from there. When the agent moves aside, or to another place after a
+contact, no box has to be drawn from a seed; when it enters another column of chunks, the belt loses
+one column and gains one.
 
 Places on a belt are 32-bit integers that wrap: along x 1/2²⁴ of a chunk, across 1/2³² of the
 period. The difference of two is right whichever way round it is, up to half a period, and the same
-after a metre or a thousand kilometres. What can be seen or met is here as `gather_scatter` lists
-it, but for rounding (0.2 µm); of what lies beyond, a belt has a little more.
+after a metre or a thousand kilometres. Boxes that can be seen or met are those that the function
+`gather` of `kinds/scatter.py` lists, but for rounding (0.2 µm); of boxes beyond, a belt lists a few
+more.
 
 All work is in phases over flat arrays, each of which the compiler turns into vector instructions.
 """
@@ -18,6 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_sim_bridge.arrays.layout import (
+    BELT,
     BELT_X,
     BELT_Y,
     BOX,
@@ -39,7 +42,7 @@ from reflexarc_sim_bridge.arrays.layout import (
     Integers32,
     Row,
 )
-from reflexarc_sim_bridge.arrays.workspace import Draws, Picks
+from reflexarc_sim_bridge.arrays.workspace import Picks, Workspace
 from reflexarc_sim_bridge.native.decorators import (
     compiled_disjoint,
     compiled_inline,
@@ -54,7 +57,8 @@ from reflexarc_sim_bridge.obstacles.belt_drawing import (
     turn_boxes,
 )
 from reflexarc_sim_bridge.obstacles.keys import chunks_between, column_key
-from reflexarc_sim_bridge.worlds.layers import CHUNK_M
+from reflexarc_sim_bridge.obstacles.near_lists import note_loss, room_of
+from reflexarc_sim_bridge.worlds.grid import CHUNK_M
 
 WHITE = np.float32(0xFFFFFF)
 
@@ -68,36 +72,38 @@ def move_belt(
     key: np.uint64,
     column: int,
     steps: int,
-    draws: Draws,
-    picks: Picks,
+    work: Workspace,
+    agent: int,
     belt: Belt,
 ) -> None:
-    """Let a belt hold what is in reach from a column of chunks.
+    """Have a belt hold the boxes within reach from a column of chunks.
 
     Args:
         plane: row of `PLANE_DTYPE`.
-        layer: row of `LAYER_DTYPE`.
+        layer: row of the table of layers.
         shape: row of `SHAPE_DTYPE`.
         counts: probability of at most so many in a chunk: (counts,).
         key: key of the layer.
         column: the agent's.
         steps: how many columns it has gone since it was here last; 1 keeps all but one of them.
-        draws: scratch.
-        picks: scratch.
+        work: scratch.
+        agent: whose belt it is.
         belt: moved.
     """
     reach_m = layer.reach_m
     first, last = chunks_between(
         -plane.behind_m - reach_m, CHUNK_M + plane.ahead_m + reach_m, CHUNK_M
     )
-    columns, kept, end = last + 1 - first, 0, 0
+    columns, kept, end, draws = last + 1 - first, 0, 0, work.draws
     if steps == 1:
         rows = 2 if shape.kind == BOX else 4
-        kept, end = columns - 1, _drop_first(columns, rows, belt, picks)
+        kept, end = columns - 1, _drop_first(columns, rows, belt, work.picks)
     for k in range(kept, columns):
         i, begun = column + first + k, end
         boxes = place_boxes(plane.across, counts, column_key(key, i), draws)
         end = min(begun + boxes, int(belt.places.shape[1]))
+        if end < begun + boxes:
+            note_loss(work.losses, agent, BELT, begun + boxes - end)
         draw_boxes(plane, shape, i, draws, belt, begun, end)
         if shape.kind == TURNED_BOX:
             turn_boxes(shape, draws, belt, begun, end)
@@ -108,26 +114,37 @@ def move_belt(
 
 @compiled_inner
 def pick_near(
-    plane: Row, cell: npt.NDArray[np.int64], picks: Picks, belt: Belt, boxes: Floats32
+    plane: Row,
+    cell: npt.NDArray[np.int64],
+    work: Workspace,
+    agent: int,
+    belt: Belt,
+    boxes: Floats32,
+    kind: int,
 ) -> int:
     """List the boxes of a belt that reach into the box around an agent's cell.
 
     Args:
         plane: row of `PLANE_DTYPE`.
         cell: the agent's: (2,).
-        picks: scratch.
+        work: scratch.
+        agent: which.
         belt: its belt.
         boxes: filled, rows BOX_*, those for turned boxes if there are any: (5 or 7, capacity).
+        kind: which list that is: BOXES or TURNED.
 
     Returns:
         How many.
     """
-    end, is_upright = 0, boxes.shape[0] == BOX_ROWS
+    end, is_upright, picks = 0, boxes.shape[0] == BOX_ROWS, work.picks
     for count in belt.counts:
         end += count
     x_m, y_m, is_near, sizes = picks.x_m, picks.y_m, picks.is_near, belt.sizes
     _judge(plane, cell, x_m, y_m, is_near, belt.places, sizes, end, is_upright)
-    n = _list(is_near, x_m, end, boxes[BOX_X])
+    n, room = _list(is_near, x_m, end, boxes[BOX_X]), room_of(boxes)
+    if n > room:
+        note_loss(work.losses, agent, kind, _marked(is_near, end) - room)
+        n = room
     _list(is_near, y_m, end, boxes[BOX_Y])
     _list(is_near, sizes[HALF_LENGTH], end, boxes[BOX_HALF_LENGTH])
     _list(is_near, sizes[HALF_WIDTH], end, boxes[BOX_HALF_WIDTH])
@@ -157,7 +174,7 @@ def _drop_first(columns: int, rows: int, belt: Belt, picks: Picks) -> int:
 def _move_down(
     row: npt.NDArray[Any], kept: npt.NDArray[Any], left: int, scratch: npt.NDArray[Any]
 ) -> None:
-    """By way of scratch: a row that is moved within itself is no work for vectors."""
+    """Move a row within itself by way of scratch: copies between two arrays become vectors."""
     _copy(kept, left, scratch)
     _copy(scratch, left, row)
 
@@ -204,10 +221,19 @@ def _judge(
 
 @compiled_disjoint
 def _list(is_near: npt.NDArray[np.bool_], values: Floats32, end: int, listed: Floats32) -> int:
-    """List a value of the near ones; returns how many."""
+    """List a value of the near ones; returns how many are listed, more than fit if not all are."""
     n, room = 0, len(listed) - LANES
     for first in range(0, end, LANES):
-        if n > room:  # never: there is room for the mean and ten standard deviations
-            return room
+        if n > room:
+            return n
         n = keep(values, is_near, first, listed, n)
-    return min(n, room)
+    return n
+
+
+@compiled_inner
+def _marked(marks: npt.NDArray[np.bool_], end: int) -> int:
+    """How many of the first ones are marked."""
+    count = 0
+    for k in range(end):
+        count += marks[k]
+    return count

@@ -1,4 +1,4 @@
-"""The boxes of a column of chunks, drawn in vectors for a belt: see `belt.py`."""
+"""Drawing the boxes of a column of chunks from their seeds, in vectors, for a belt (`belt.py`)."""
 
 import math
 
@@ -26,8 +26,7 @@ from reflexarc_sim_bridge.native.splitmix64 import (
     second_half,
     uniform,
 )
-from reflexarc_sim_bridge.obstacles.chunks import BLOCK, PLACE
-from reflexarc_sim_bridge.obstacles.keys import chunk_key
+from reflexarc_sim_bridge.obstacles.keys import BLOCK, PLACE, chunk_key
 
 CHUNK_BITS = 24
 """A place along x is so many bits of a chunk."""

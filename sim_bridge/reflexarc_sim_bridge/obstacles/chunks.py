@@ -1,252 +1,202 @@
-"""The endless generator: which obstacles there are, for ever, without remembering one.
+"""Endless worlds: a layer's obstacles are drawn chunk by chunk, and none is remembered.
 
 A chunk is a rectangle of the plane, CHUNK_M along x. Its obstacles follow from (generator version,
 seed, stream, layer, chunk i, chunk j) alone, so chunks can be asked for in any order, as often as
 one likes, on any number of threads. Across a periodic world chunk j is chunk j modulo their
 number. An obstacle belongs to the chunk of its centre; walls are cut at the borders of chunks.
 
-    scatter     a Poisson count, then for each obstacle a block of random numbers
-    others      see `structures.py`
+A kind of layer has two functions, for the count of a chunk's obstacles and for its k-th obstacle;
+the loops over chunks are here.
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_sim_bridge.arrays.layout import (
-    CURVE,
-    DISC,
-    NOTHING,
-    OPEN,
-    POLYGON,
-    WALL,
-    Row,
-    Table,
+from reflexarc_sim_bridge.arrays.layout import NOTHING, Agents, Params, Row, Table, WorldTables
+from reflexarc_sim_bridge.arrays.workspace import Workspace
+from reflexarc_sim_bridge.native.decorators import compiled_inline, compiled_inner, compiled_part
+from reflexarc_sim_bridge.obstacles.keys import chunk_key, chunks_between, column_key, layer_key
+from reflexarc_sim_bridge.obstacles.near_lists import list_obstacle, listing_of
+from reflexarc_sim_bridge.obstacles.obstacle import Obstacle, corner_count, corner_m
+from reflexarc_sim_bridge.worlds.grid import CHUNK_M
+from reflexarc_sim_bridge.worlds.outlines import MAX_CORNERS
+
+DRAWN_DTYPE = np.dtype(
+    [
+        ("kind", np.int64),
+        ("x_m", np.float64),
+        ("y_m", np.float64),
+        # Of a disc.
+        ("radius_m", np.float64),
+        ("paint", np.int64),
+        ("corners", np.int64),
+        ("corner_x_m", np.float64, (MAX_CORNERS,)),
+        ("corner_y_m", np.float64, (MAX_CORNERS,)),
+    ],
+    align=True,
 )
-from reflexarc_sim_bridge.native.decorators import compiled_inline, compiled_inner
-from reflexarc_sim_bridge.native.splitmix64 import (
-    between,
-    first_half,
-    number,
-    second_half,
-    uniform,
-)
-from reflexarc_sim_bridge.obstacles.keys import chunk_key, column_key
-from reflexarc_sim_bridge.worlds import outlines
-from reflexarc_sim_bridge.worlds.layers import CHUNK_M
-from reflexarc_sim_bridge.worlds.outlines import CURVE_CORNERS
-from reflexarc_sim_bridge.worlds.shapes import LOBES
-
-# Number 0 of a chunk is its count; obstacle j has the numbers 1 + 64j to 64 + 64j.
-BLOCK = np.uint64(64)
-PLACE, _SIZE, _KIND, _OUTLINE, _PAINT, _PAINT_BLUE, _MARK, _CORNERS = (
-    np.uint64(k) for k in (1, 2, 3, 4, 5, 6, 7, 8)
-)
-_NEIGHBOURS = 9
-_FULL = 255.0
-_WHITE = 0xFFFFFF
-
-_CURVE_RAD = 2.0 * np.pi * np.arange(CURVE_CORNERS) / CURVE_CORNERS
-_CURVE_COS, _CURVE_SIN = np.cos(_CURVE_RAD), np.sin(_CURVE_RAD)
-
-polygon_angle_rad = compiled_inline(outlines.polygon_angle_rad)
-polygon_share = compiled_inline(outlines.polygon_share)
-wavy_share = compiled_inline(outlines.wavy_share)
+"""An obstacle in the frame of its layer, for drawing."""
 
 
-class Obstacle(NamedTuple):
-    """One obstacle, in compiled code. Its place is relative to the corner of its chunk."""
+class Chunk(NamedTuple):
+    """One chunk of a layer."""
 
-    kind: int
-    x_m: float
-    y_m: float
-    half_length_m: float
-    """Half the side along x, or the radius."""
-    half_width_m: float
-    """Half the side along y, or the radius; of a wall half of its thickness."""
-    turned_rad: float
-    corners: int
-    dent: float
-    """Dent of a polygon, waviness of a curve, half the rise of a wall's piece."""
-    block: np.uint64
-    """Where its random numbers begin."""
-    paint: int
-    """Colour, 8 bits each of red, green and blue."""
+    plane: Row
+    """Row of `PLANE_DTYPE`."""
+    layer: Row
+    """Row of the table of layers."""
+    layer_key: np.uint64
+    """Key of the layer's random numbers."""
+    key: np.uint64
+    """Key of the chunk's own."""
+    i: int
+    """Its number along x."""
+    j: int
+    """Its number along y; beyond a period, too."""
+    cells: npt.NDArray[np.uint64]
+    """Scratch: (MAX_ROWS,)."""
 
 
-@compiled_inline
-def scatter_count(layer: Row, counts: npt.NDArray[np.float64], chunk: np.uint64, i: int) -> int:
-    """How many obstacles of a scatter layer a chunk has.
+class NearBox(NamedTuple):
+    """The box around an agent's cell in which obstacles count as near, from the cell's corner."""
 
-    The Poisson draw is inverted: as many as there are counts whose probability it has passed. All
-    are compared, for no branch foresees where to stop.
+    back_m: float
+    front_m: float
+    right_m: float
+    left_m: float
+
+
+@compiled_part
+def gather_chunks(
+    params: Params,
+    work: Workspace,
+    i: int,
+    number: int,
+    x: int,
+    y: int,
+    count: Any,
+    obstacle_at: Any,
+) -> None:
+    """Make the near lists of an agent in a layer anew.
 
     Args:
-        layer: row of `LAYER_DTYPE`.
-        counts: probability of at most so many, by section: (sections, counts).
-        chunk: key of the chunk.
-        i: the chunk, along x.
+        params: the simulation.
+        work: scratch.
+        i: which agent.
+        number: which layer.
+        x: cell of the layer's frame that the agent has entered, along x.
+        y: the same, along y.
+        count: compiled: how many obstacles a `Chunk` has.
+        obstacle_at: compiled: the obstacle of a `Chunk` with a number below that; its kind may be
+            NOTHING.
     """
-    section = 0 if layer.sections == 1 else (i // layer.section_chunks) % layer.sections
-    draw, count = uniform(number(chunk, np.uint64(0))), 0
-    for k in range(counts.shape[1]):
-        count += draw >= counts[section, k]
-    return count
+    world, state = params.world, params.agents.state[i]
+    plane, layer = world.planes[state.world], world.layers[state.world, number]
+    key = layer_key(plane.stream, state.seed, number)
+    listing = listing_of(params.agents, work, i, number)
+    begin_lists(params.agents, i, number, x, y)
+    first_i, last_i, first_j, last_j = chunks_around(near_box(plane), plane, layer)
+    for di in range(first_i, last_i + 1):
+        for dj in range(first_j, last_j + 1):
+            chunk = _chunk(plane, layer, key, x + di, y + dj, work.cells)
+            for k in range(count(chunk)):
+                obstacle = obstacle_at(chunk, k)
+                x_m, y_m = obstacle.x_m + di * CHUNK_M, obstacle.y_m + dj * plane.chunk_width_m
+                list_obstacle(listing, chunk.key, obstacle, x_m, y_m)
 
 
-@compiled_inline
-def scatter_place_m(
-    plane: Row, chunk: np.uint64, index: int, j: int, half_width_m: float
-) -> tuple[float, float]:
-    """Centre of an obstacle, from the corner of its chunk.
-
-    With open edges the whole obstacle lies between them: a place that is uniform over the width is
-    mapped to one that is uniform over what fits.
-    """
-    bits = number(chunk, np.uint64(index) * BLOCK + PLACE)
-    y_m = second_half(bits) * plane.chunk_width_m
-    if plane.edges == OPEN:
-        corner_m = j * plane.chunk_width_m
-        fits = 1.0 - 2.0 * half_width_m / plane.width_m
-        y_m = half_width_m + (corner_m + y_m) * fits - corner_m
-    return first_half(bits) * CHUNK_M, y_m
-
-
-@compiled_inline
-def scattered(
-    plane: Row, layer: Row, shapes: Table, chunk: np.uint64, j: int, index: int
-) -> Obstacle:
-    """Obstacle `index` of a chunk of a scatter layer, before any thinning.
-
-    Args:
-        plane: row of `PLANE_DTYPE`.
-        layer: row of `LAYER_DTYPE`.
-        shapes: rows of `SHAPE_DTYPE`: (shapes,).
-        chunk: key of the chunk.
-        j: the chunk, along y.
-        index: which of its obstacles.
-    """
-    block = np.uint64(index) * BLOCK
-    which, turn = 0, 0.0
-    if layer.is_plain == 0:
-        bits = number(chunk, block + _KIND)
-        turn, drawn = second_half(bits), first_half(bits)
-        while which < layer.shapes - 1 and drawn >= shapes[which].share_up_to:
-            which += 1
-    shape = shapes[which]
-    size = number(chunk, block + _SIZE)
-    across = between(shape.size_low, shape.size_high, first_half(size))
-    kind, corners, dent = shape.kind, 4, 0.0
-    half_length_m, half_width_m = across, across
-    if kind in (POLYGON, CURVE):
-        corners, dent = _form(shape, number(chunk, block + _OUTLINE))
-    elif kind != DISC:
-        half_width_m = 0.5 * across
-        half_length_m = 0.5 * between(shape.length_low, shape.length_high, second_half(size))
-    x_m, y_m = scatter_place_m(plane, chunk, index, j, half_width_m)
-    turned_rad = between(shape.turned_low, shape.turned_high, turn)
-    paint = _WHITE if layer.is_white else paint_of(layer, chunk, block)
-    return Obstacle(
-        kind, x_m, y_m, half_length_m, half_width_m, turned_rad, corners, dent, block, paint
-    )
-
-
-@compiled_inner
-def is_thinned(
-    plane: Row,
-    layer: Row,
-    counts: npt.NDArray[np.float64],
-    key: np.uint64,
+@compiled_part
+def draw_chunk(
+    world: WorldTables,
+    seed: np.uint64,
+    number: int,
     i: int,
     j: int,
-    index: int,
-) -> bool:
-    """Matérn's second rule: a centre with a lower mark lies within the gap."""
-    chunk = chunk_key(column_key(key, i), j, plane.across)
-    mark = number(chunk, np.uint64(index) * BLOCK + _MARK)
-    x_m, y_m = scatter_place_m(plane, chunk, index, j, 0.0)
-    for neighbour in range(_NEIGHBOURS):
-        di, dj = neighbour // 3 - 1, neighbour % 3 - 1
-        other = chunk_key(column_key(key, i + di), j + dj, plane.across)
-        for k in range(scatter_count(layer, counts, other, i + di)):
-            if number(other, np.uint64(k) * BLOCK + _MARK) < mark:
-                other_x_m, other_y_m = scatter_place_m(plane, other, k, j + dj, 0.0)
-                dx_m = other_x_m + di * CHUNK_M - x_m
-                dy_m = other_y_m + dj * plane.chunk_width_m - y_m
-                if dx_m * dx_m + dy_m * dy_m < layer.gap_m * layer.gap_m:
-                    return True
-    return False
-
-
-@compiled_inner
-def paint_of(layer: Row, key: np.uint64, block: np.uint64) -> int:
-    """Colour of an obstacle: 8 bits each of red, green and blue."""
-    bits = number(key, block + _PAINT)
-    draw_red = draw_green = draw_blue = first_half(bits)
-    if layer.channels == 3:
-        draw_green, draw_blue = second_half(bits), first_half(number(key, block + _PAINT_BLUE))
-    red = int(_FULL * between(layer.red_low, layer.red_high, draw_red) + 0.5)
-    green = int(_FULL * between(layer.green_low, layer.green_high, draw_green) + 0.5)
-    blue = int(_FULL * between(layer.blue_low, layer.blue_high, draw_blue) + 0.5)
-    return (red << 16) | (green << 8) | blue
-
-
-@compiled_inline
-def corner_m(
-    key: np.uint64, obstacle: Obstacle, corner: int, cos: float, sin: float
-) -> tuple[float, float]:
-    """A corner of an outline, relative to its centre; counter-clockwise.
+    cells: npt.NDArray[np.uint64],
+    rows: Table,
+    count: Any,
+    obstacle_at: Any,
+) -> int:
+    """Draw the obstacles of a chunk.
 
     Args:
-        key: the chunk's.
-        obstacle: whose.
-        corner: which.
-        cos: of the angle by which the obstacle is turned; the same for all of its corners.
-        sin: the same.
+        world: its tables, of which the first row counts.
+        seed: the world's.
+        number: which layer.
+        i: the chunk, along x.
+        j: the chunk, along y.
+        cells: scratch: (MAX_ROWS,).
+        rows: filled as far as it goes: `DRAWN_DTYPE`: (n,).
+        count: see `gather_chunks`.
+        obstacle_at: the same.
+
+    Returns:
+        How many there are; more than there are rows if these are too few.
     """
-    x_m, y_m = _upright_corner_m(key, obstacle, corner)
-    return x_m * cos - y_m * sin, x_m * sin + y_m * cos
+    chunk, drawn = chunk_of(world, seed, number, i, j, cells), 0
+    for k in range(count(chunk)):
+        drawn = drawn_row(chunk, obstacle_at(chunk, k), rows, drawn)
+    return drawn
 
 
-@compiled_inner
-def _upright_corner_m(key: np.uint64, obstacle: Obstacle, corner: int) -> tuple[float, float]:
-    """A corner before the obstacle is turned. See `outlines`."""
-    if obstacle.kind == CURVE:
-        lobe = obstacle.corners * corner % CURVE_CORNERS
-        radius_m = obstacle.half_length_m * wavy_share(_CURVE_COS[lobe], obstacle.dent)
-        return radius_m * _CURVE_COS[corner], radius_m * _CURVE_SIN[corner]
-    if obstacle.kind == POLYGON:
-        jitter = first_half(number(key, obstacle.block + _CORNERS + np.uint64(corner)))
-        angle_rad = polygon_angle_rad(corner, obstacle.corners, jitter)
-        radius_m = obstacle.half_length_m * polygon_share(corner, obstacle.dent)
-        return radius_m * math.cos(angle_rad), radius_m * math.sin(angle_rad)
-    right, upper = corner in (0, 3), corner in (0, 1)
-    x_m = obstacle.half_length_m if right else -obstacle.half_length_m
-    y_m = obstacle.half_width_m if upper else -obstacle.half_width_m
-    if obstacle.kind == WALL:
-        y_m += obstacle.dent if right else -obstacle.dent
-    return x_m, y_m
+@compiled_part  # numba can hand on a row of a table within a tuple, but not return it
+def chunk_of(
+    world: WorldTables, seed: np.uint64, number: int, i: int, j: int, cells: npt.NDArray[np.uint64]
+) -> Chunk:
+    """A chunk of the first world of the tables; arguments as of `draw_chunk`."""
+    plane, layer = world.planes[0], world.layers[0, number]
+    return _chunk(plane, layer, layer_key(plane.stream, seed, number), i, j, cells)
 
 
 @compiled_inline
-def corner_count(obstacle: Obstacle) -> int:
-    """How many corners an outline has; the field holds the lobes of a curve."""
-    return CURVE_CORNERS if obstacle.kind == CURVE else obstacle.corners
+def near_box(plane: Row) -> NearBox:
+    """The box around an agent's cell."""
+    side_m = plane.chunk_width_m
+    return NearBox(-plane.behind_m, CHUNK_M + plane.ahead_m, -plane.aside_m, side_m + plane.aside_m)
 
 
 @compiled_inline
-def nothing() -> Obstacle:
-    """An obstacle that is none."""
-    return Obstacle(NOTHING, 0.0, 0.0, 0.0, 0.0, 0.0, 4, 0.0, np.uint64(0), 0)
+def chunks_around(box: NearBox, plane: Row, layer: Row) -> tuple[int, int, int, int]:
+    """First and last chunk, along x and along y, of which an obstacle may reach into a box."""
+    reach_m = layer.reach_m
+    along = chunks_between(box.back_m - reach_m, box.front_m + reach_m, CHUNK_M)
+    side_m = plane.chunk_width_m
+    across = chunks_between(box.right_m - reach_m, box.left_m + reach_m, side_m)
+    return along[0], along[1], across[0], across[1]
+
+
+@compiled_inline
+def begin_lists(agents: Agents, i: int, number: int, x: int, y: int) -> None:
+    """Note the cell that an agent has entered in a layer, and empty its near lists."""
+    cell, counts = agents.layer_cells[i, number], agents.near_counts[i, number]
+    cell[0], cell[1] = x, y
+    for kind in range(counts.size):
+        counts[kind] = 0
 
 
 @compiled_inner
-def _form(shape: Row, bits: np.uint64) -> tuple[int, float]:
-    """Corners and dent of a polygon, lobes and waviness of a curve."""
-    dent = between(shape.dent_low, shape.dent_high, second_half(bits))
-    if shape.kind == CURVE:
-        return LOBES[0] + int((LOBES[1] + 1 - LOBES[0]) * first_half(bits)), dent
-    span = shape.corners_high + 1 - shape.corners_low
-    return shape.corners_low + int(span * first_half(bits)), dent
+def drawn_row(chunk: Chunk, obstacle: Obstacle, rows: Table, drawn: int) -> int:
+    """Fill the next row with an obstacle, if there is a row; returns how many are drawn now."""
+    if obstacle.kind == NOTHING:
+        return drawn
+    if drawn < len(rows):
+        row = rows[drawn]
+        row.kind, row.radius_m, row.paint = obstacle.kind, obstacle.half_length_m, obstacle.paint
+        row.x_m = obstacle.x_m + chunk.i * CHUNK_M
+        row.y_m = obstacle.y_m + chunk.j * chunk.plane.chunk_width_m
+        row.corners = corner_count(obstacle)
+        cos, sin = math.cos(obstacle.turned_rad), math.sin(obstacle.turned_rad)
+        for corner in range(row.corners):
+            dx_m, dy_m = corner_m(chunk.key, obstacle, corner, cos, sin)
+            row.corner_x_m[corner], row.corner_y_m[corner] = row.x_m + dx_m, row.y_m + dy_m
+    return drawn + 1
+
+
+@compiled_part
+def _chunk(
+    plane: Row, layer: Row, key: np.uint64, i: int, j: int, cells: npt.NDArray[np.uint64]
+) -> Chunk:
+    return Chunk(plane, layer, key, chunk_key(column_key(key, i), j, plane.across), i, j, cells)

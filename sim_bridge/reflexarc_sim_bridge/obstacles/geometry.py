@@ -1,7 +1,8 @@
 """Where a straight path first meets an obstacle: the one geometry of eyes and of bodies.
 
 The path starts at the origin and goes along a unit vector (ahead, left); the obstacle lies at
-(x, y). All lengths in metres. A path that starts inside has met at 0. Nothing met is infinity.
+(x, y). All lengths in metres. A path that starts inside meets it at 0. Where the path does not meet
+it, the length is infinity.
 Rays come in float32, motion in float64; the functions are compiled for either. Many rays meet the
 faces of turned boxes and polygons in a form of their own: `faces.py`.
 

@@ -1,28 +1,24 @@
-"""Keys of random numbers: what a chunk, a layer or an agent draws follows from its key alone."""
+"""Keys of random numbers: all that a chunk, a layer or an agent draws follows from its key."""
 
 import math
 
 import numpy as np
 
-from reflexarc_sim_bridge.arrays.layout import (
-    Row,
-)
+from reflexarc_sim_bridge.arrays.layout import Row
 from reflexarc_sim_bridge.native.decorators import compiled_inline
-from reflexarc_sim_bridge.native.splitmix64 import (
-    joined,
-    number,
-)
+from reflexarc_sim_bridge.native.splitmix64 import joined, number
 
 GENERATOR_VERSION = 2
 """Part of every key. Any change to what a seed means takes a new one."""
 
+BLOCK = np.uint64(64)
+"""Numbers of one obstacle. Number 0 of a chunk is its count; obstacle k has the numbers from
+1 + 64k to 64 + 64k."""
+PLACE, SIZE, KIND, OUTLINE, PAINT, PAINT_BLUE, MARK, CORNERS = map(np.uint64, range(1, 9))
+"""What each number of an obstacle is for, from the beginning of its block."""
 
 _VERSION = np.uint64(GENERATOR_VERSION)
-
-
 _OBSTACLES, _AGENTS = np.uint64(0), np.uint64(1)
-
-
 _S8, _S16 = np.uint64(8), np.uint64(16)
 
 

@@ -1,6 +1,5 @@
-"""Obstacles for drawing and for tests: outlines in the world's frame."""
+"""Outlines of obstacles in the world's frame, for drawing and for tests."""
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,28 +12,26 @@ from reflexarc_sim_bridge.arrays.layout import (
     DISC,
     DISCS,
     MAX_ROWS,
-    NOTHING,
-    SCATTER,
     SIDES,
     TURNED,
     Params,
     Row,
+    Table,
     WorldTables,
 )
 from reflexarc_sim_bridge.arrays.world_tables import world_tables
-from reflexarc_sim_bridge.native.decorators import compiled, compiled_allocating
-from reflexarc_sim_bridge.obstacles import chunks
-from reflexarc_sim_bridge.obstacles.keys import chunk_key, column_key, layer_key
+from reflexarc_sim_bridge.native.decorators import compiled
+from reflexarc_sim_bridge.obstacles.chunks import DRAWN_DTYPE
+from reflexarc_sim_bridge.obstacles.gathering import compiled_kind
 from reflexarc_sim_bridge.obstacles.near_lists import displacement_m
-from reflexarc_sim_bridge.obstacles.structures import structure_at, structure_count
-from reflexarc_sim_bridge.worlds.layers import CHUNK_M
+from reflexarc_sim_bridge.worlds.grid import CHUNK_M
 from reflexarc_sim_bridge.worlds.world import World
 
 _SIGNS = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)], np.float64)
 """Corners of a box of half sides 1, counter-clockwise."""
 
-_MAX_CORNERS = 32
-_ROW = 8 + 2 * _MAX_CORNERS
+_FEW = 64
+"""Obstacles that few chunks have more of."""
 
 
 @dataclass(frozen=True)
@@ -72,13 +69,12 @@ def outlines_of_chunk(world: World, seed: int, i: int, j: int) -> list[Outline]:
     tables = world_tables([world], PolicyContract())
     found = []
     for layer in range(len(world.layers)):
-        rows = _listed(tables, np.uint64(seed), layer, i, j)
-        found += [_outline(row, layer) for row in rows]
+        found += [_outline(row, layer) for row in _drawn(tables, seed, layer, i, j)]
     return found
 
 
 def outlines_near(params: Params, agent: int) -> list[Outline]:
-    """What is near an agent, as its eye and its body meet it."""
+    """The obstacles in the near lists of an agent, as its eye and its body meet them."""
     state, found = params.agents.state[agent], []
     plane = params.world.planes[state["world"]]
     sides_m = np.array([CHUNK_M, plane["chunk_width_m"]])
@@ -127,13 +123,13 @@ def _closed_polygons(sides: npt.NDArray[np.float64]) -> list[npt.NDArray[np.floa
     return polygons
 
 
-def _outline(row: npt.NDArray[np.float64], layer: int) -> Outline:
-    kind, x_m, y_m, radius_m, count, paint = row[:6]
-    if kind == DISC:
+def _outline(row: Row, layer: int) -> Outline:
+    x_m, y_m, paint, corners = row["x_m"], row["y_m"], row["paint"], int(row["corners"])
+    if row["kind"] == DISC:
         none = np.empty((0, 2))
-        return Outline(x_m, y_m, float(radius_m), none, False, _colour(paint), layer)
-    corners_m = row[8 : 8 + 2 * int(count)].reshape(-1, 2)
-    return _polygon(corners_m, kind == BOX, paint, layer)
+        return Outline(x_m, y_m, float(row["radius_m"]), none, False, _colour(paint), layer)
+    corners_m = np.stack([row["corner_x_m"][:corners], row["corner_y_m"][:corners]], axis=1)
+    return _polygon(corners_m, row["kind"] == BOX, paint, layer)
 
 
 def _polygon(corners_m: npt.NDArray[np.float64], is_box: bool, paint: float, layer: int) -> Outline:
@@ -151,37 +147,13 @@ def _displacement_m(layer: Row, time_s: float) -> tuple[float, float]:
     return displacement_m(layer, time_s)
 
 
-@compiled_allocating
-def _listed(
-    world: WorldTables, seed: np.uint64, number: int, i: int, j: int
-) -> npt.NDArray[np.float64]:
-    """A chunk's obstacles as rows: kind, x, y, radius, corners, paint, two spare, corners."""
-    plane, layer, cells = world.planes[0], world.layers[0, number], np.empty(MAX_ROWS, np.uint64)
-    shapes, counts = world.shapes[0, number], world.counts[0, number]
-    key = layer_key(plane.stream, seed, number)
-    chunk = chunk_key(column_key(key, i), j, plane.across)
-    if layer.kind == SCATTER:
-        count = chunks.scatter_count(layer, counts, chunk, i)
-    else:
-        count = structure_count(plane, layer, key, i, j, cells)
-    rows, n = np.zeros((count, _ROW)), 0
-    for index in range(count):
-        if layer.kind != SCATTER:
-            obstacle = structure_at(plane, layer, key, i, j, index, cells)
-        else:
-            obstacle = chunks.scattered(plane, layer, shapes, chunk, j, index)
-            if layer.gap_m > 0.0 and chunks.is_thinned(plane, layer, counts, key, i, j, index):
-                continue
-        if obstacle.kind == NOTHING:
-            continue
-        x_m = obstacle.x_m + i * CHUNK_M
-        y_m = obstacle.y_m + j * plane.chunk_width_m
-        corners = chunks.corner_count(obstacle)
-        rows[n, 0], rows[n, 1], rows[n, 2] = obstacle.kind, x_m, y_m
-        rows[n, 3], rows[n, 4], rows[n, 5] = obstacle.half_length_m, corners, obstacle.paint
-        cos, sin = math.cos(obstacle.turned_rad), math.sin(obstacle.turned_rad)
-        for corner in range(corners):
-            dx_m, dy_m = chunks.corner_m(chunk, obstacle, corner, cos, sin)
-            rows[n, 8 + 2 * corner], rows[n, 9 + 2 * corner] = x_m + dx_m, y_m + dy_m
-        n += 1
-    return rows[:n]
+def _drawn(tables: WorldTables, seed: int, number: int, i: int, j: int) -> Table:
+    """The obstacles of a layer in a chunk: `DRAWN_DTYPE`: (n,)."""
+    draw = compiled_kind(int(tables.layers[0, number]["kind"])).draw
+    chunk, cells = (tables, np.uint64(seed), number, i, j), np.empty(MAX_ROWS, np.uint64)
+    rows = np.zeros(_FEW, DRAWN_DTYPE)
+    count = draw(*chunk, cells, rows)
+    if count > len(rows):
+        rows = np.zeros(count, DRAWN_DTYPE)
+        draw(*chunk, cells, rows)
+    return rows[:count]

@@ -19,6 +19,7 @@ from reflexarc_sim_bridge.native.struct_pointers import Struct
 from reflexarc_sim_bridge.native.threads import shared
 from reflexarc_sim_bridge.simulation import step as kernel
 from reflexarc_sim_bridge.simulation.array_checks import check_actions, check_same_form, check_seeds
+from reflexarc_sim_bridge.simulation.lost_obstacles import require_nothing_lost
 from reflexarc_sim_bridge.simulation.scene import Outline, outlines_near
 from reflexarc_sim_bridge.simulation.step_compilation import cast_for, cover_for, step_for
 from reflexarc_sim_bridge.simulation.step_pointer import new_held
@@ -55,6 +56,7 @@ def covered(
     at = cover_for(simulation.params, motions_of(contract))
     held = simulation.held_step()[1]
     kernel.call_cover(at, held, np.ascontiguousarray(places_m, np.float64), found)
+    simulation.require_nothing_lost(held)
     return found
 
 
@@ -182,11 +184,16 @@ class Simulation:
             tasks: sum of `kernel.PLACE`, `MOVE` and `LOOK`.
             first: first agent.
             end: agent behind the last.
+
+        Raises:
+            WorldError: see `require_nothing_lost`.
         """
         thread = get_ident()
         if thread not in self._held:
             self._held[thread] = self._new_held(self._motions)
-        self._call_step(self._step.advance, self._held[thread], actions, met, tasks, first, end)
+        held = self._held[thread]
+        self._call_step(self._step.advance, held, actions, met, tasks, first, end)
+        self.require_nothing_lost(held)
 
     def _new_held(self, motions: npt.NDArray[np.float64]) -> Struct:
         return new_held(self.params, motions, self._step.parts)
@@ -194,6 +201,17 @@ class Simulation:
     def held_step(self) -> tuple[FunctionPointer, Struct]:
         """For other compiled functions: `step.advance`, and what one thread holds."""
         return self._step.advance, self._new_held(self._motions)
+
+    def require_nothing_lost(self, held: Struct) -> None:
+        """For who calls the step from compiled code: to be asked when that has returned.
+
+        Args:
+            held: what the step was called with.
+
+        Raises:
+            WorldError: a list of obstacles was full, so that some could not be seen or met.
+        """
+        require_nothing_lost(self.world.name, self.params, held.value.work)
 
     def sense(self) -> npt.NDArray[np.uint8]:
         """Let every agent look, once a step: (n, eyes, rays, channels), a new array."""
@@ -245,6 +263,7 @@ class Simulation:
         action, met = np.zeros(1, np.int64), np.empty(1, np.bool_)
         held = self._new_held(motions)
         self._call_step(self._step.advance, held, action, met, kernel.MOVE, 0, 1)
+        self.require_nothing_lost(held)
         return bool(met[0])
 
     def place(self, agents: npt.NDArray[np.int64], seeds: npt.NDArray[np.uint64]) -> None:
@@ -277,6 +296,7 @@ class Simulation:
         """
         held, spec = self._new_held(self._motions), self.contract.retina
         kernel.call_cast(cast_for(self.params, self._motions), held)
+        self.require_nothing_lost(held)
         distance_m: npt.NDArray[np.float32] = held.value.work.distance_m
         return distance_m[: spec.rays * spec.samples]
 

@@ -26,6 +26,11 @@ from reflexarc_sim_bridge.worlds.layers import CHUNK_M
 REFUSED = -1
 """Outcome of an action that the contract does not have: nothing happened."""
 
+_LOST = (
+    "world: expected room for all obstacles near the agent, got a list that was full; "
+    "`OneAgent.require_nothing_lost` says which"
+)
+
 Outcome: TypeAlias = tuple[int, float, float, float, int]
 """0, or 1 for a contact, or REFUSED; then x_m, y_m, distance_m, contacts."""
 
@@ -34,7 +39,7 @@ class OneHeldType(numba.types.StructRef):
     """Type of `OneHeld` in compiled code."""
 
 
-_FIELDS = ["step", "world", "actions", "met", "states", "planes", "known"]
+_FIELDS = ["step", "world", "actions", "met", "states", "planes", "losses", "known"]
 
 
 class OneHeld(structref.StructRefProxy):
@@ -59,6 +64,9 @@ def advance_one(held: Any, tasks: int, action: int) -> Outcome:
     state = held.states[0]
     x_m = state.cell_x * CHUNK_M + state.x_m
     y_m = state.cell_y * held.planes[0].chunk_width_m + state.y_m
+    for lost in held.losses:
+        if lost > 0:
+            raise OverflowError(_LOST)
     return int(held.met[0]), x_m, y_m, state.distance_m, state.contacts
 
 
@@ -68,6 +76,7 @@ def hold(
     world: Struct,
     states: npt.NDArray[np.void],
     planes: npt.NDArray[np.void],
+    losses: npt.NDArray[np.int64],
     known: int,
 ) -> Any:
     """Hand an agent over.
@@ -77,10 +86,11 @@ def hold(
         world: a `step_pointer.Held`, to be put into `kept`.
         states: `AGENT_DTYPE`: (1,).
         planes: `PLANE_DTYPE`: (1,).
+        losses: what the step counts as lost: see `Losses`.
         known: how many actions there are.
     """
     actions, met = np.zeros(1, np.int64), np.zeros(1, np.bool_)
-    return OneHeld(step, world, actions, met, states, planes, known)  # type: ignore[no-untyped-call]  # numba's
+    return OneHeld(step, world, actions, met, states, planes, losses, known)  # type: ignore[no-untyped-call]  # numba's
 
 
 class OneAgent:
@@ -90,14 +100,19 @@ class OneAgent:
         step, self._world = simulation.held_step()
         world, _, agents = simulation.params
         known = len(simulation.contract.actions)
-        held = hold(step, self._world, agents.state, world.planes, known)
+        losses = self._world.value.work.losses.counts
+        held = hold(step, self._world, agents.state, world.planes, losses, known)
         held.kept = self._world  # whoever can still call needs it, though `self` may be gone
         self.simulation = simulation
         self.stack = agents.stack[0]
         """What it sees: uint8 (frames · eyes · rays · channels,). Changes with every look."""
         advance = _compiled_for(held)
         self.step_and_sense: Callable[[int], Outcome] = partial(advance, held, MOVE + LOOK)
-        """Moves it by an action of the contract, and lets it look."""
+        """Moves it by an action of the contract, and lets it look.
+
+        Raises an `OverflowError` where a list of obstacles was full; `require_nothing_lost` then
+        says which.
+        """
         self._sense = partial(advance, held, LOOK)
 
     def __reduce__(self) -> tuple[type["OneAgent"], tuple[Simulation]]:
@@ -106,7 +121,19 @@ class OneAgent:
 
     def sense(self) -> None:
         """Let it look, once before the first step."""
-        self._sense(0)
+        try:
+            self._sense(0)
+        except OverflowError:
+            self.require_nothing_lost()
+            raise
+
+    def require_nothing_lost(self) -> None:
+        """Say which list it was where a step raised because one was full.
+
+        Raises:
+            WorldError: a list of obstacles was full, so that some could not be seen or met.
+        """
+        self.simulation.require_nothing_lost(self._world)
 
 
 def _compiled_for(held: OneHeld) -> Callable[[OneHeld, int, int], Outcome]:

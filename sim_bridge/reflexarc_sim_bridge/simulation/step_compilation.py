@@ -6,24 +6,31 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_sim_bridge.arrays.layout import SCATTER, Params, WorldTables
+from reflexarc_sim_bridge.arrays.layout import Params
 from reflexarc_sim_bridge.arrays.workspace import IN_CELL, ON_AGENT, Parts
 from reflexarc_sim_bridge.motion.placing import go_to_free_place
 from reflexarc_sim_bridge.native.cache import compiling_alone, is_kept
 from reflexarc_sim_bridge.native.compile_progress import compilation
-from reflexarc_sim_bridge.native.function_pointers import FunctionPointer, Signature, pointer_to
+from reflexarc_sim_bridge.native.function_pointers import (
+    FunctionPointer,
+    Signature,
+    function_table,
+    pointer_to,
+)
 from reflexarc_sim_bridge.native.helper_process import compiled_meanwhile, has_room
 from reflexarc_sim_bridge.native.numba_compiler import without_garbage_collection
-from reflexarc_sim_bridge.obstacles.gathering import gather_belt, gather_scatter, gather_structure
+from reflexarc_sim_bridge.obstacles.gathering import gatherers_for
 from reflexarc_sim_bridge.simulation.step import advance, cast, cover
 from reflexarc_sim_bridge.simulation.step_pointer import CAST, COVER, STEP, type_of_held
 from reflexarc_sim_bridge.vision.sensing import sense_agent
+from reflexarc_sim_bridge.worlds.layers import layer_kinds
 from reflexarc_sim_bridge.worlds.world import World, WorldSource
 
 PUTTING, GATHERING = "where agents are put", "the drawing of obstacles"
 STEPPING, LOOKING = "how agents move", "what agents see"
 
 Motions = npt.NDArray[np.float64]
+Gatherers = dict[tuple[int, int], Any]
 
 
 class Step(NamedTuple):
@@ -43,11 +50,11 @@ def step_for(source: WorldSource, params: Params, motions: Motions) -> Step:
         params: its simulation's.
         motions: linear, lateral and angular speed of each action: (actions, 3).
     """
-    ways = _ways(source, params.world)
-    form = _form(params), _form(motions), ways
+    gatherers = gatherers_for(params.world, not isinstance(source, World))
+    form = _form(params), _form(motions), tuple(gatherers.items())
     if form not in _steps:
         with compiling_alone("world"), without_garbage_collection():
-            _steps[form] = _compile(params, motions, ways)
+            _steps[form] = _compile(params, motions, gatherers)
     return _steps[form]
 
 
@@ -72,19 +79,7 @@ def _pointer_to(
     return _others[form]
 
 
-def _ways(source: WorldSource, world: WorldTables) -> frozenset[str]:
-    """How layers are gathered; in a family a scatter may have a belt in one world of many."""
-    scattered, is_family = world.layers["kind"] == SCATTER, not isinstance(source, World)
-    has_belt = world.layers["has_belt"][scattered] == 1
-    needed = {
-        "belt": has_belt.any() or (is_family and (world.belts > 0).any()),
-        "scatter": not has_belt.all() or (is_family and scattered.any()),
-        "structure": not scattered.all(),
-    }
-    return frozenset(way for way, is_needed in needed.items() if is_needed)
-
-
-def _compile(params: Params, motions: Motions, ways: frozenset[str]) -> Step:
+def _compile(params: Params, motions: Motions, gatherers: Gatherers) -> Step:
     held = type_of_held(params, motions)
     pointed = held.field("params"), held.field("work")
     on_agent, in_cell = (*pointed, *ON_AGENT.arguments[2:]), (*pointed, *IN_CELL.arguments[2:])
@@ -94,12 +89,13 @@ def _compile(params: Params, motions: Motions, ways: frozenset[str]) -> Step:
             with compiling.part(PUTTING):
                 put = pointer_to(go_to_free_place, ON_AGENT, on_agent)
             with compiling.part(GATHERING):
-                gathered = {way: pointer_to(_GATHERERS[way], IN_CELL, in_cell) for way in ways}
+                gathered = {k: pointer_to(one, IN_CELL, in_cell) for k, one in gatherers.items()}
+                table = function_table(IN_CELL, gathered, (len(layer_kinds()), 2))
             with compiling.part(STEPPING):  # the last: where it is kept, a world is compiled
                 stepped = pointer_to(advance, STEP, (held, *STEP.arguments[1:]))
         with compiling.part(LOOKING):
             look = pointer_to(sense_agent, ON_AGENT, on_agent)
-    return Step(stepped, Parts(look, put, **gathered))
+    return Step(stepped, Parts(look, put, table))
 
 
 def _form(value: Any) -> Any:
@@ -111,6 +107,5 @@ def _form(value: Any) -> Any:
     return type(value)
 
 
-_GATHERERS = {"belt": gather_belt, "scatter": gather_scatter, "structure": gather_structure}
 _steps: dict[Any, Step] = {}
 _others: dict[Any, FunctionPointer] = {}

@@ -1,4 +1,4 @@
-"""Straight faces of obstacles, as an eye has them: numbers to multiply a ray's direction with.
+"""Straight faces of obstacles as coefficients that a ray's direction is multiplied with.
 
 A ray goes from the eye along a unit vector d. A face with normal n at distance c is met after
 s = c / (n·d): 1 / s is linear in d, as depth is in a picture. The ray passes between two ends r and
@@ -46,7 +46,7 @@ _SLIGHT_M = np.float32(1e-5)
 
 
 class Face(NamedTuple):
-    """One of them."""
+    """The coefficients of one face: a row of `Faces`."""
 
     one_x: np.float32
     one_y: np.float32
@@ -89,7 +89,7 @@ def met_per_m(met: Face, ahead: np.float32, left: np.float32) -> np.float32:
 
 @compiled_disjoint
 def faces_of_boxes(boxes: Floats32, count: int, faces: Faces, first: int, inside: Judged) -> bool:
-    """What an eye at the origin has of turned boxes.
+    """The faces of turned boxes that an eye at the origin sees.
 
     Args:
         boxes: rows BOX_*: (7, capacity).

@@ -1,10 +1,9 @@
-"""What an eye sees: each ray takes the first thing that it meets.
+"""Ray casting: the distance and the colour of the first obstacle that each ray of an eye meets.
 
 Obstacles are the outer loop, four at a time, and the rays of a tile the inner one, without
-branches: the compiler then treats 16 rays at once. Upright boxes and discs are met as they are;
-what has faces in any direction, turned boxes and polygons, as faces (`faces.py`), all layers'
-together. Distances are float32, good to about a micrometre within a field of metres; a step of the
-8-bit nearness is 2 cm at 5 m.
+branches: the compiler then treats 16 rays at once. Upright boxes and discs have formulas of their
+own; turned boxes and polygons are cut into faces (`face_casting.py`). Distances are float32, good
+to about a micrometre within a field of metres; a step of the 8-bit nearness is 2 cm at 5 m.
 """
 
 import math
@@ -12,8 +11,16 @@ import math
 import numpy as np
 
 from reflexarc_sim_bridge.arrays.layout import (
+    BOX_HALF_LENGTH,
+    BOX_HALF_WIDTH,
     BOX_PAINT,
+    BOX_X,
+    BOX_Y,
     BOXES,
+    DISC_PAINT,
+    DISC_RADIUS,
+    DISC_X,
+    DISC_Y,
     DISCS,
     SIDES,
     TILE_RAYS,
@@ -22,18 +29,11 @@ from reflexarc_sim_bridge.arrays.layout import (
     Floats32,
     Params,
 )
-from reflexarc_sim_bridge.arrays.workspace import Faces, Judged, Picked, Workspace
+from reflexarc_sim_bridge.arrays.workspace import Picked, Workspace
 from reflexarc_sim_bridge.native.decorators import compiled_disjoint, compiled_inline, compiled_part
 from reflexarc_sim_bridge.obstacles.geometry import meets_box_m, meets_disc_m
 from reflexarc_sim_bridge.obstacles.near_lists import near_of, place_in_layer_m
-from reflexarc_sim_bridge.vision.faces import (
-    face,
-    faces_of_boxes,
-    faces_of_sides,
-    fill_up,
-    judge_faces,
-    met_per_m,
-)
+from reflexarc_sim_bridge.vision.face_casting import list_sides, list_turned, see_faces
 from reflexarc_sim_bridge.vision.ray_directions import aim
 from reflexarc_sim_bridge.vision.visible import (
     FOUR,
@@ -41,8 +41,6 @@ from reflexarc_sim_bridge.vision.visible import (
     copied,
     judge_boxes,
     judge_discs,
-    judge_sides,
-    judge_turned,
     listed,
 )
 
@@ -75,11 +73,11 @@ def look(params: Params, work: Workspace, i: int, eye_index: int) -> None:
         if near.counts[DISCS]:
             _see_discs(eye, work, near.discs, near.counts[DISCS], view)
         if near.counts[TURNED]:
-            faces = _list_turned(work, near.turned, near.counts[TURNED], view, faces)
+            faces = list_turned(work, i, near.turned, near.counts[TURNED], view, faces)
         if near.counts[SIDES]:
-            faces = _list_sides(work, near.sides, near.counts[SIDES], view, faces)
+            faces = list_sides(work, i, near.sides, near.counts[SIDES], view, faces)
     if faces:
-        _see_faces(eye, work, faces)
+        see_faces(eye, work, faces)
 
 
 @compiled_inline
@@ -132,10 +130,10 @@ def _meet_boxes(
 ) -> None:
     """Let a tile of rays meet boxes, four at a time."""
     for n in range(0, end, FOUR):
-        a = _column5(near, picked[n], x, y)
-        b = _column5(near, picked[n + 1], x, y)
-        c = _column5(near, picked[n + 2], x, y)
-        d = _column5(near, picked[n + 3], x, y)
+        a = _box(near, picked[n], x, y)
+        b = _box(near, picked[n + 1], x, y)
+        c = _box(near, picked[n + 2], x, y)
+        d = _box(near, picked[n + 3], x, y)
         for ray in range(TILE_RAYS):
             pa, pl, best, tint = per_ahead[ray], per_left[ray], distance_m[ray], paint[ray]
             best, tint = _nearer(meets_box_m(*a[1:], pa, pl), a[0], best, tint)
@@ -175,10 +173,10 @@ def _meet_discs(
 ) -> None:
     """Let a tile of rays meet discs, four at a time."""
     for n in range(0, end, FOUR):
-        a = _column4(near, picked[n], x, y)
-        b = _column4(near, picked[n + 1], x, y)
-        c = _column4(near, picked[n + 2], x, y)
-        d = _column4(near, picked[n + 3], x, y)
+        a = _disc(near, picked[n], x, y)
+        b = _disc(near, picked[n + 1], x, y)
+        c = _disc(near, picked[n + 2], x, y)
+        d = _disc(near, picked[n + 3], x, y)
         for ray in range(TILE_RAYS):
             ra, rl, best, tint = ahead[ray], left[ray], distance_m[ray], paint[ray]
             best, tint = _nearer(meets_disc_m(*a[1:], ra, rl), a[0], best, tint)
@@ -186,91 +184,6 @@ def _meet_discs(
             best, tint = _nearer(meets_disc_m(*c[1:], ra, rl), c[0], best, tint)
             best, tint = _nearer(meets_disc_m(*d[1:], ra, rl), d[0], best, tint)
             distance_m[ray], paint[ray] = best, tint
-
-
-@compiled_part
-def _list_turned(work: Workspace, near: Floats32, count: int, view: View, first: int) -> int:
-    """List the turned boxes that the eye can see as faces from `first` on; where they end."""
-    judged, seen = work.sieve.judged, work.seen
-    judge_turned(near, count, view, judged)
-    n = copied(near, view, judged, count, seen)
-    if faces_of_boxes(seen, n, work.faces, first, judged):
-        work.distance_m[:] = _ZERO
-        work.paint[:] = seen[BOX_PAINT, _first_of(judged)]
-    return first + n
-
-
-@compiled_inline
-def _first_of(marked: Judged) -> int:
-    k = 0
-    while not marked[k]:
-        k += 1
-    return k
-
-
-@compiled_part
-def _list_sides(work: Workspace, near: Floats32, count: int, view: View, first: int) -> int:
-    """The same of sides of polygons."""
-    judge_sides(near, count, view, work.sieve.judged)
-    n = copied(near, view, work.sieve.judged, count, work.seen)
-    faces_of_sides(work.seen, n, work.faces, first)
-    return first + n
-
-
-@compiled_part
-def _see_faces(eye: EyeParams, work: Workspace, count: int) -> None:
-    """Let all rays meet the faces that are listed."""
-    sieve, tiles = work.sieve, work.distance_m.size // TILE_RAYS
-    fill_up(work.faces, count)
-    for tile in range(tiles):
-        ahead, left = work.ahead[tile * TILE_RAYS :], work.left[tile * TILE_RAYS :]
-        if tiles == 1 or eye.tile_is_wide:
-            work.ends[tile] = count
-        else:
-            judge_faces(work.faces, count, ahead, left, sieve.judged)
-            work.ends[tile] = listed(sieve.numbers, sieve.judged, count, work.lists[tile])
-    for tile in range(tiles):
-        first = tile * TILE_RAYS
-        ahead, left = work.ahead[first:], work.left[first:]
-        distance_m, paint = work.distance_m[first:], work.paint[first:]
-        picked, end = work.lists[tile], work.ends[tile]
-        _meet_faces(work.faces, picked, end, ahead, left, work.per_m, distance_m, paint)
-
-
-@compiled_disjoint
-def _meet_faces(
-    faces: Faces,
-    picked: Picked,
-    end: int,
-    ahead: Floats32,
-    left: Floats32,
-    per_m: Floats32,
-    distance_m: Floats32,
-    paint: Floats32,
-) -> None:
-    """Let a tile of rays meet faces, four at a time; `per_m` is scratch: (TILE_RAYS,)."""
-    for ray in range(per_m.size):
-        per_m[ray] = _ONE / distance_m[ray]
-    for n in range(0, end, FOUR):
-        a, b = face(faces, picked[n]), face(faces, picked[n + 1])
-        c, d = face(faces, picked[n + 2]), face(faces, picked[n + 3])
-        for ray in range(TILE_RAYS):
-            ra, rl, most, tint = ahead[ray], left[ray], per_m[ray], paint[ray]
-            most, tint = _larger(met_per_m(a, ra, rl), a.paint, most, tint)
-            most, tint = _larger(met_per_m(b, ra, rl), b.paint, most, tint)
-            most, tint = _larger(met_per_m(c, ra, rl), c.paint, most, tint)
-            most, tint = _larger(met_per_m(d, ra, rl), d.paint, most, tint)
-            per_m[ray], paint[ray] = most, tint
-    for ray in range(per_m.size):
-        before_m, met_m = distance_m[ray], _ONE / per_m[ray]
-        distance_m[ray] = met_m if met_m < before_m else before_m
-
-
-@compiled_inline
-def _larger(
-    per_m: np.float32, paint: np.float32, most: np.float32, tint: np.float32
-) -> tuple[np.float32, np.float32]:
-    return (per_m if per_m > most else most), (paint if per_m > most else tint)
 
 
 @compiled_inline
@@ -281,16 +194,17 @@ def _nearer(
 
 
 @compiled_inline
-def _column4(
+def _disc(
     near: Floats32, k: np.uint32, x: np.float32, y: np.float32
 ) -> tuple[np.float32, np.float32, np.float32, np.float32]:
     """Paint of a disc, and itself seen from (x, y)."""
-    return near[3, k], near[0, k] - x, near[1, k] - y, near[2, k]
+    return near[DISC_PAINT, k], near[DISC_X, k] - x, near[DISC_Y, k] - y, near[DISC_RADIUS, k]
 
 
 @compiled_inline
-def _column5(
+def _box(
     near: Floats32, k: np.uint32, x: np.float32, y: np.float32
 ) -> tuple[np.float32, np.float32, np.float32, np.float32, np.float32]:
-    """The same of an upright box, or of a side."""
-    return near[4, k], near[0, k] - x, near[1, k] - y, near[2, k], near[3, k]
+    """The same of an upright box."""
+    dx, dy = near[BOX_X, k] - x, near[BOX_Y, k] - y
+    return near[BOX_PAINT, k], dx, dy, near[BOX_HALF_LENGTH, k], near[BOX_HALF_WIDTH, k]

@@ -1,4 +1,4 @@
-"""Where the rays of an eye point, in the world's frame."""
+"""Directions of an eye's rays in the world's frame."""
 
 import numpy as np
 

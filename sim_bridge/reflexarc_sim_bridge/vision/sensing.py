@@ -1,4 +1,4 @@
-"""From what the eyes see to what the policy sees: disturbed, delayed, stacked.
+"""From the retinas of the eyes to the stack that the policy sees: disturbed, delayed, stacked.
 
 Noise is added to every value and clipped, a lost ray says nothing; both are drawn anew at every
 look from the agent's own stream. With latency the newest retina of the stack is an older one.
@@ -50,7 +50,7 @@ def _disturb(
     channels: int,
     retina: npt.NDArray[np.uint8],
 ) -> None:
-    """Noise on every value, and rays that say nothing, both drawn anew at every look."""
+    """Add noise to every value and silence lost rays, both drawn anew at every look."""
     for ray in range(retina.size // channels):
         lost = plane.dropout > 0.0 and uniform(draw(plane, state)) < plane.dropout
         silent = lost or not alive[ray % alive.size]

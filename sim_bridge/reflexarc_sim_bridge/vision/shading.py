@@ -1,4 +1,4 @@
-"""From what the sub-rays of an eye met to the values of its rays.
+"""Values of an eye's rays, from the distance and the colour that its sub-rays met.
 
 The formula is `reflexarc_runtime.sensing.retina`'s, compiled; the share of the range that it takes
 is made without a division, to the same bit (`quotient`). A simulated eye and a real scan cannot
@@ -25,7 +25,6 @@ _RED, _GREEN, _BLUE, _GREY = 299.0, 587.0, 114.0, 255_000.0
 """Shares of the colours in a grey value (ITU-R BT.601), in thousandths, and what white adds up to.
 """
 _PER_FULL, _PER_GREY = 1.0 / _FULL, 1.0 / _GREY
-
 
 brightness = compiled_inline(retina.brightness)
 value = compiled_inline(retina.value)

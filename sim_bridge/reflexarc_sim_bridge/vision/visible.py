@@ -19,6 +19,8 @@ from reflexarc_sim_bridge.arrays.layout import (
     DISC_RADIUS,
     DISC_X,
     DISC_Y,
+    PLACE_X,
+    PLACE_Y,
     SIDE_AHEAD,
     SIDE_LEFT,
     SIDE_X,
@@ -59,7 +61,7 @@ def judge_boxes(
     view: View,
     judged: Judged,
 ) -> None:
-    """Say which boxes can be seen.
+    """Mark the boxes that a view can see.
 
     Args:
         near: rows BOX_*: (5, capacity).
@@ -172,7 +174,7 @@ def judge_sides(
 
 @compiled_disjoint
 def copied(near: Floats32, view: View, judged: Judged, count: int, seen: Floats32) -> int:
-    """Copy those that passed, relative to the eye.
+    """Copy the obstacles that are marked, relative to the eye.
 
     Args:
         near: as for picking.
@@ -190,13 +192,13 @@ def copied(near: Floats32, view: View, judged: Judged, count: int, seen: Floats3
         for first in range(0, count, LANES):
             n = keep(near[row], judged, first, seen[row], n)
     for k in range(n):
-        seen[0, k], seen[1, k] = seen[0, k] - view.x, seen[1, k] - view.y
+        seen[PLACE_X, k], seen[PLACE_Y, k] = seen[PLACE_X, k] - view.x, seen[PLACE_Y, k] - view.y
     return n
 
 
 @compiled_disjoint
 def listed(numbers: Picked, judged: Judged, count: int, picked: Picked) -> int:
-    """List what passed.
+    """List the numbers of the obstacles that are marked.
 
     Args:
         numbers: 0, 1, 2, …: (capacity,).

@@ -67,7 +67,7 @@ class WorldFamily:
     @cached_property
     def fullest(self) -> tuple[World, ...]:
         """Worlds with all that is drawn large, many and fast, in the widths that matter."""
-        # Where no width is drawn, one that nobody asks for.
+        # Where the width is no range, any: the number is not asked for.
         widths_m = telling_widths_m(*self.ranges.get(world_ranges.WIDTH, (0.0, 0.0)))
         return tuple(_world(self._source, world_ranges.farthest_at(w)) for w in widths_m)
 

@@ -1,6 +1,6 @@
 """Which of the scenario families of obstacle avoidance a world belongs to; many mix several.
 
-F9 to F11 are not about what stands in the world but about the agent in it. F13, real buildings from
+F9 to F11 are not about the obstacles but about the agent. F13, real buildings from
 lidar logs, is no world that could be driven in.
 """
 

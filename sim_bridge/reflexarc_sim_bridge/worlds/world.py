@@ -1,10 +1,10 @@
-"""What a world is: what fills it, what lies at its sides, what a body in it senses and can do.
+"""A world: its layers of obstacles, its sides, and the senses and the chassis of a body in it.
 
 Frame: x ahead, y to the left, metres. A world is endless along x. In an even Poisson field an agent
 that never steers meets 2ρR obstacles a metre, R being half their mean lateral width plus the
 agent's radius, so such a world says what a blind agent must score.
 
-Worlds that have a name are in `world_files.py`.
+Worlds that have a name are in `files.py`.
 """
 
 import math
@@ -13,6 +13,7 @@ from enum import StrEnum
 from typing import Protocol
 
 from reflexarc_sim_bridge.worlds.checks import Span, require, require_within
+from reflexarc_sim_bridge.worlds.grid import CHUNK_M, chunks_across
 from reflexarc_sim_bridge.worlds.layers import Corridor, Gates, Layer, Scatter
 
 MAX_LAYERS = 5
@@ -162,11 +163,20 @@ class World:
         """The walls that hold the agent, if there are any."""
         return next((layer for layer in self.layers if isinstance(layer, Corridor)), None)
 
-    def pitch_m(self, gates: Gates) -> float:
-        """Lateral distance of the openings of gates, so that it divides the width."""
-        if self.edges is not Edges.PERIODIC:
-            return gates.pitch_m
-        return self.width_m / max(1, round(self.width_m / gates.pitch_m))
+    @property
+    def period_m(self) -> float | None:
+        """Width after which the world repeats; None: it does not."""
+        return self.width_m if self.edges is Edges.PERIODIC else None
+
+    @property
+    def chunks_across(self) -> int:
+        """How many chunks lie from side to side; 0 where there are no sides."""
+        return 0 if self.edges is Edges.UNBOUNDED else chunks_across(self.width_m)
+
+    @property
+    def chunk_width_m(self) -> float:
+        """Side of a chunk along y."""
+        return self.width_m / self.chunks_across if self.chunks_across else CHUNK_M
 
     @property
     def blind_contacts_per_100m(self) -> float | None:
@@ -231,7 +241,7 @@ class World:
     def _check_gates(self) -> None:
         for number, layer in enumerate(self.layers):
             if isinstance(layer, Gates):
-                pitch_m = self.pitch_m(layer)
+                pitch_m = layer.fitted_pitch_m(self.period_m)
                 fits = layer.opening_m[1] < pitch_m
                 expected = f"below the pitch, which is {pitch_m:g} m in this width"
                 require(fits, f"layers[{number}].opening_m", expected, layer.opening_m)

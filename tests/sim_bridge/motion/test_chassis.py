@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from reflexarc_runtime.contract import Action, PolicyContract, RetinaSpec
-from reflexarc_sim_bridge.obstacles.structures import WALL_THICKNESS_M
+from reflexarc_sim_bridge.obstacles.kinds.corridor import WALL_THICKNESS_M
 from reflexarc_sim_bridge.simulation.scene import Outline
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.layers import Corridor, Scatter

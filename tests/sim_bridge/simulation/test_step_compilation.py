@@ -24,7 +24,15 @@ from reflexarc_sim_bridge.simulation import step_compilation as compiled_step
 from reflexarc_sim_bridge.simulation.simulation import Simulation, motions_of
 from reflexarc_sim_bridge.simulation.step_compilation import Step, step_for
 from reflexarc_sim_bridge.worlds.files import parse_world
-from reflexarc_sim_bridge.worlds.layers import Automaton, Corridor, Drift, Gates, Layer, Scatter
+from reflexarc_sim_bridge.worlds.layers import (
+    Automaton,
+    Corridor,
+    Drift,
+    Gates,
+    Layer,
+    Scatter,
+    layer_kinds,
+)
 from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
 from reflexarc_sim_bridge.worlds.shapes import Discs, Rectangles
 from reflexarc_sim_bridge.worlds.world import Edges, World, WorldSource
@@ -133,8 +141,10 @@ def step_of(source: WorldSource) -> Step:
 
 
 def gathered(source: WorldSource) -> set[str]:
-    parts = step_of(source).parts
-    return {way for way in ("belt", "scatter", "structure") if getattr(parts, way)}
+    """Kinds of layers that are gathered; on a belt with that word behind it."""
+    names = [kind.__name__.lower() for kind in layer_kinds()]
+    addresses = step_of(source).parts.gatherers.addresses
+    return {f"{names[kind]}{' belt' * belt}" for kind, belt in np.argwhere(addresses != 0)}
 
 
 THINNED = Scatter(gap_m=0.5)
@@ -145,13 +155,13 @@ GATES, DISCS = Gates(), Scatter(density_per_m2=0.1, shapes=(Discs(),))
     ("layers", "needed"),
     [
         ((), {"scatter"}),  # a row of zeros is an empty scatter, which is never gathered
-        ((Scatter(),), {"belt"}),
-        ((Scatter(shapes=(Rectangles(turned_rad=(0.0, 1.0)),)),), {"belt"}),
+        ((Scatter(),), {"scatter belt"}),
+        ((Scatter(shapes=(Rectangles(turned_rad=(0.0, 1.0)),)),), {"scatter belt"}),
         ((THINNED,), {"scatter"}),
-        ((DISCS, Scatter(motion=Drift(-1.0, 0.0))), {"belt", "scatter"}),
-        ((GATES,), {"structure"}),
-        ((GATES, Scatter(density_per_m2=0.05)), {"belt", "structure"}),
-        ((Automaton(), THINNED), {"scatter", "structure"}),
+        ((DISCS, Scatter(motion=Drift(-1.0, 0.0))), {"scatter", "scatter belt"}),
+        ((GATES,), {"gates"}),
+        ((GATES, Scatter(density_per_m2=0.05)), {"gates", "scatter belt"}),
+        ((Automaton(), THINNED), {"automaton", "scatter"}),
     ],
 )
 def test_a_world_has_the_parts_that_its_layers_need(
@@ -164,8 +174,8 @@ def test_where_there_is_no_period_there_is_no_belt() -> None:
     assert gathered(World("lane", width_m=6.0, edges=Edges.OPEN)) == {"scatter"}
     layers = Corridor(), Scatter(density_per_m2=0.05)
     assert gathered(World("canyon", edges=Edges.UNBOUNDED, layers=layers)) == {
+        "corridor",
         "scatter",
-        "structure",
     }
 
 
@@ -183,7 +193,7 @@ def test_in_a_family_one_world_may_have_a_belt_and_the_next_none() -> None:
     together = Simulation(family, reference_contract(), seeds)
     belts = together.params.world.layers["has_belt"][:, 0]
     assert set(belts.tolist()) == {0, 1}
-    assert gathered(family) == {"belt", "scatter"}
+    assert gathered(family) == {"scatter", "scatter belt"}
     alone = [
         Simulation(family.drawn(int(s)), reference_contract(), seeds[s : s + 1]) for s in seeds
     ]

@@ -121,6 +121,7 @@ class BatchedLearner:
             step, held = self._simulation.held_step()
             place = Place(step, held, self._simulation.params.agents.stack)
             learn(learning, place, gate, threads, first, end, updates)
+            self._simulation.require_nothing_lost(held)
 
         together(learn_part, shards)
         check_finite(learning.sums.weights, self.step, self.config)

@@ -166,6 +166,7 @@ class OnlineLearner:
         step, held = self._simulation.held_step()
         stack = self._simulation.params.agents.stack[0]
         drive(self._rules, self._state, self._scratch, step, held, stack, begins, steps)
+        self._simulation.require_nothing_lost(held)
 
 
 def sizes_of(config: TrainConfig) -> tuple[int, int, int]:

@@ -1,22 +1,70 @@
-"""Worlds of cells: full at random, then smoothed by a cellular automaton, a chunk at a time.
+"""Cells that are full at random, then smoothed by a cellular automaton, a chunk at a time.
 
 A row of cells is a number of 64 bits, one bit a cell, so that one operation treats a whole row.
 The neighbours of all cells of a row are counted at once, with adders made of bit operations. A
 chunk is computed with a margin of as many cells as there are smoothings, out of which no cell
-beyond can be felt: neighbouring chunks agree about their borders.
+beyond can be felt: neighbouring chunks agree about their borders. A run of
+full cells in a row is one box.
 """
 
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_sim_bridge.native.decorators import compiled_inner
+from reflexarc_sim_bridge.arrays.layout import BOX, Params, Table, WorldTables
+from reflexarc_sim_bridge.arrays.workspace import Workspace
+from reflexarc_sim_bridge.native.decorators import compiled, compiled_called, compiled_inner
 from reflexarc_sim_bridge.native.splitmix64 import joined, number, uniform
+from reflexarc_sim_bridge.obstacles.chunks import Chunk, draw_chunk, gather_chunks
+from reflexarc_sim_bridge.obstacles.obstacle import Obstacle, paint_of
+from reflexarc_sim_bridge.worlds.grid import CHUNK_M
 
 _ONE = np.uint64(1)
 
 
+@compiled_called
+def gather(params: Params, work: Workspace, i: int, number: int, x: int, y: int) -> None:
+    """List the runs of full cells near an agent: see `chunks.gather_chunks`."""
+    gather_chunks(params, work, i, number, x, y, _count, _obstacle_at)
+
+
+@compiled
+def draw(
+    world: WorldTables,
+    seed: np.uint64,
+    number: int,
+    i: int,
+    j: int,
+    cells: npt.NDArray[np.uint64],
+    rows: Table,
+) -> int:
+    """Draw the runs of full cells of a chunk: see `chunks.draw_chunk`."""
+    return draw_chunk(world, seed, number, i, j, cells, rows, _count, _obstacle_at)
+
+
 @compiled_inner
-def full_cells(
+def _count(chunk: Chunk) -> int:
+    layer, across = chunk.layer, chunk.plane.across
+    fill, smoothings = layer.fill, layer.smoothings
+    _fill_cells(
+        chunk.layer_key, layer.cells, fill, smoothings, chunk.i, chunk.j, across, chunk.cells
+    )
+    return int(_run_count(chunk.cells, layer.cells))
+
+
+@compiled_inner
+def _obstacle_at(chunk: Chunk, index: int) -> Obstacle:
+    """Run `index` of the full cells that `_count` has found."""
+    plane, layer = chunk.plane, chunk.layer
+    row, first, last = _find_run(chunk.cells, layer.cells, index)
+    length_m, width_m = CHUNK_M / layer.cells, plane.chunk_width_m / layer.cells
+    half_m, y_m = 0.5 * (last + 1 - first) * width_m, 0.5 * (first + last + 1) * width_m
+    x_m, half_length_m = (row + 0.5) * length_m, 0.5 * length_m
+    paint = paint_of(layer, chunk.key, np.uint64(index))
+    return Obstacle(BOX, x_m, y_m, half_length_m, half_m, 0.0, 4, 0.0, np.uint64(0), paint)
+
+
+@compiled_inner
+def _fill_cells(
     key: np.uint64,
     count: int,
     fill: float,
@@ -52,7 +100,7 @@ def full_cells(
 
 
 @compiled_inner
-def run_count(cells: npt.NDArray[np.uint64], count: int) -> int:
+def _run_count(cells: npt.NDArray[np.uint64], count: int) -> int:
     """How many rows of neighbouring full cells a chunk has."""
     runs = 0
     for row in range(count):
@@ -64,7 +112,7 @@ def run_count(cells: npt.NDArray[np.uint64], count: int) -> int:
 
 
 @compiled_inner
-def find_run(cells: npt.NDArray[np.uint64], count: int, index: int) -> tuple[int, int, int]:
+def _find_run(cells: npt.NDArray[np.uint64], count: int, index: int) -> tuple[int, int, int]:
     """Row, first and last cell of run `index`."""
     runs = 0
     for row in range(count):

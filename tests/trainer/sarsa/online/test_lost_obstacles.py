@@ -1,0 +1,15 @@
+import pytest
+
+from reflexarc_runtime.errors import WorldError
+from reflexarc_trainer.config.train_config import TrainConfig
+from reflexarc_trainer.sarsa.online.learner import OnlineLearner
+from support.short_lists import shorten
+
+
+def test_a_learner_does_not_go_on_in_a_world_that_loses_obstacles(
+    small_config: TrainConfig,
+) -> None:
+    learner = OnlineLearner(small_config)
+    shorten(learner._simulation, 16, "boxes")
+    with pytest.raises(WorldError, match=r"seed \d+: expected room for all boxes near an agent"):
+        learner.run(160)
