@@ -3,14 +3,13 @@
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
-from rich.progress import Progress as Bar
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from reflexarc.terminal.compilation import saying
 from reflexarc.terminal.output import aside
 from reflexarc_sim_bridge.native.compile_progress import watched_by
-from reflexarc_trainer.run.train import Progress, ProgressCallback
-from reflexarc_trainer.study.study import Progress as StudyProgress
+from reflexarc_trainer.run.train import ProgressCallback, TrainingProgress
+from reflexarc_trainer.study.study import StudyProgress
 
 
 @contextmanager
@@ -23,10 +22,10 @@ def show_progress() -> Iterator[ProgressCallback]:
         TextColumn("{task.fields[said]}"),
         TimeRemainingColumn(),
     )
-    with Bar(*columns, console=aside, transient=True) as bar:
+    with Progress(*columns, console=aside, transient=True) as bar:
         task = bar.add_task("learning", said="beginning", total=None)
 
-        def tell(progress: Progress) -> None:
+        def tell(progress: TrainingProgress) -> None:
             bar.update(task, completed=progress.step, total=progress.steps, said=_said(progress))
 
         with watched_by(saying(lambda words: bar.update(task, said=words))):
@@ -43,7 +42,7 @@ def show_study_progress() -> Iterator[Callable[[StudyProgress], None]]:
         TextColumn("runs  {task.fields[said]}"),
         TimeRemainingColumn(),
     )
-    with Bar(*columns, console=aside, transient=True, speed_estimate_period=600.0) as bar:
+    with Progress(*columns, console=aside, transient=True, speed_estimate_period=600.0) as bar:
         task = bar.add_task("studying", said="", total=None)
 
         def tell(progress: StudyProgress) -> None:
@@ -53,7 +52,7 @@ def show_study_progress() -> Iterator[Callable[[StudyProgress], None]]:
         yield tell
 
 
-def _said(progress: Progress) -> str:
+def _said(progress: TrainingProgress) -> str:
     rate = f"{progress.steps_per_s / 1e3:.0f} k steps/s"
     said = f"{rate}  ε {progress.epsilon:.2f}  error {progress.mean_abs_error:.3f}"
     if progress.last is None:

@@ -25,7 +25,7 @@ Operator: TypeAlias = Callable[..., Tensor]
 
 
 @dataclass(frozen=True)
-class Step:
+class GraphStep:
     """One node of the graph: an operator, where its inputs lie and where its output goes."""
 
     operator: Operator
@@ -65,7 +65,7 @@ def _constant(tensor: onnx.TensorProto) -> Tensor:
     return array.astype(np.float64) if array.dtype.kind == "f" else array
 
 
-def _compile(node: onnx.NodeProto) -> Step:
+def _compile(node: onnx.NodeProto) -> GraphStep:
     if node.op_type not in _OPERATORS or node.domain not in ("", "ai.onnx"):
         raise PolicyError(
             f"operator {node.op_type} (node {node.name or node.output[0]!r}) is not in the NumPy "
@@ -76,7 +76,7 @@ def _compile(node: onnx.NodeProto) -> Step:
         operator = _OPERATORS[node.op_type](attributes)
     except KeyError as error:
         raise PolicyError(f"operator {node.op_type}: attribute {error} is missing") from None
-    return Step(operator, tuple(name for name in node.input if name), node.output[0])
+    return GraphStep(operator, tuple(name for name in node.input if name), node.output[0])
 
 
 def _cast(attributes: Attributes) -> Operator:

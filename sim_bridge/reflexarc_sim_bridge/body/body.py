@@ -13,7 +13,7 @@ from reflexarc_sim_bridge.worlds.world import World
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class BodyPose:
     """Position and heading of the robot, in the world's frame."""
 
     x_m: float
@@ -58,7 +58,7 @@ class Body:
         """Take a command; the newest counts."""
         self._watchdog = self._watchdog.heard(command)
 
-    def move(self, now_ns: int) -> Place | None:
+    def move(self, now_ns: int) -> BodyPose | None:
         """Move for one period by the command that still holds, else by the safe command.
 
         Returns:
@@ -90,7 +90,7 @@ class Body:
         return retina
 
     @property
-    def place(self) -> Place:
+    def place(self) -> BodyPose:
         """Its position and heading now."""
         here = self.simulation
-        return Place(float(here.x_m[0]), float(here.y_m[0]), float(here.heading_rad[0]))
+        return BodyPose(float(here.x_m[0]), float(here.y_m[0]), float(here.heading_rad[0]))

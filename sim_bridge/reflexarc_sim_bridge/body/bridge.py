@@ -32,7 +32,7 @@ from reflexarc_runtime.messages.topics import (
     TRANSFORM,
     Topic,
 )
-from reflexarc_sim_bridge.body.body import Body, Place
+from reflexarc_sim_bridge.body.body import Body, BodyPose
 from reflexarc_sim_bridge.body.faults.delayed_sender import Courier
 from reflexarc_sim_bridge.body.faults.faulty_stream import Sending
 from reflexarc_sim_bridge.body.faults.script import FaultScript
@@ -88,7 +88,7 @@ class Voice:
         """Whether anyone listens to a topic."""
         return self._publishers[topic].has_listener
 
-    def say(self, contact: Place | None, now_ns: int) -> None:
+    def say(self, contact: BodyPose | None, now_ns: int) -> None:
         """Publish the state of the body: the retina first, because the runtime waits for it."""
         retina = encode_retina(self._body.see(), self._body.contract.retina, now_ns, self._robot)
         self._retinas.put(retina, now_ns)

@@ -18,14 +18,14 @@ from foxglove_schemas_protobuf.TriangleListPrimitive_pb2 import TriangleListPrim
 from foxglove_schemas_protobuf.Vector3_pb2 import Vector3
 
 from reflexarc_runtime.messages.codec import timestamp
-from reflexarc_sim_bridge.body.body import Place
+from reflexarc_sim_bridge.body.body import BodyPose
 from reflexarc_sim_bridge.simulation.scene import Outline
 
 WORLD_FRAME = "world"
 OBSTACLE_HEIGHT_M = 0.5
 
 
-def encode_pose(place: Place, time_ns: int) -> bytes:
+def encode_pose(place: BodyPose, time_ns: int) -> bytes:
     """`foxglove.PoseInFrame` in the world's frame."""
     pose = Pose(
         position=_point(place.x_m, place.y_m, 0.0), orientation=_rotation(place.heading_rad)
@@ -34,7 +34,7 @@ def encode_pose(place: Place, time_ns: int) -> bytes:
     return message.SerializeToString()
 
 
-def encode_transform(place: Place, robot: str, time_ns: int) -> bytes:
+def encode_transform(place: BodyPose, robot: str, time_ns: int) -> bytes:
     """`foxglove.FrameTransform` from the world to the robot."""
     message = FrameTransform(
         timestamp=timestamp(time_ns),

@@ -43,7 +43,7 @@ class Way(NamedTuple):
     """Of the body."""
 
 
-class Around(NamedTuple):
+class WayBounds(NamedTuple):
     """An upright box, by its middle and half its sides."""
 
     x: np.float32
@@ -53,16 +53,16 @@ class Around(NamedTuple):
 
 
 @compiled_inline
-def around(way: Way) -> Around:
+def around(way: Way) -> WayBounds:
     """The box that holds a body on its way."""
     x, y = np.float32(way.x_m + 0.5 * way.ahead_m), np.float32(way.y_m + 0.5 * way.left_m)
     reach_x = np.float32(0.5 * abs(way.ahead_m) + way.radius_m + TOUCHING_M)
     reach_y = np.float32(0.5 * abs(way.left_m) + way.radius_m + TOUCHING_M)
-    return Around(x, y, reach_x, reach_y)
+    return WayBounds(x, y, reach_x, reach_y)
 
 
 @compiled_disjoint
-def boxes_touched(near: Floats32, count: int, box: Around, judged: Judged) -> bool:
+def boxes_touched(near: Floats32, count: int, box: WayBounds, judged: Judged) -> bool:
     """Note in `judged` which boxes touch the box around a way; whether any does."""
     touched = False
     for k in range(whole(count)):
@@ -74,7 +74,7 @@ def boxes_touched(near: Floats32, count: int, box: Around, judged: Judged) -> bo
 
 
 @compiled_disjoint
-def turned_touched(near: Floats32, count: int, box: Around, judged: Judged) -> bool:
+def turned_touched(near: Floats32, count: int, box: WayBounds, judged: Judged) -> bool:
     """The same of turned boxes, by the upright boxes around them."""
     touched = False
     for k in range(whole(count)):
@@ -88,7 +88,7 @@ def turned_touched(near: Floats32, count: int, box: Around, judged: Judged) -> b
 
 
 @compiled_disjoint
-def discs_touched(near: Floats32, count: int, box: Around, judged: Judged) -> bool:
+def discs_touched(near: Floats32, count: int, box: WayBounds, judged: Judged) -> bool:
     """The same of discs."""
     touched = False
     for k in range(whole(count)):
@@ -101,7 +101,7 @@ def discs_touched(near: Floats32, count: int, box: Around, judged: Judged) -> bo
 
 
 @compiled_disjoint
-def sides_touched(near: Floats32, count: int, box: Around, judged: Judged) -> bool:
+def sides_touched(near: Floats32, count: int, box: WayBounds, judged: Judged) -> bool:
     """The same of the sides of polygons."""
     touched, half = False, np.float32(0.5)
     for k in range(whole(count)):

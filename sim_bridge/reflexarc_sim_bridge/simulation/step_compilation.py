@@ -33,7 +33,7 @@ Motions = npt.NDArray[np.float64]
 Gatherers = dict[tuple[int, int], Any]
 
 
-class Step(NamedTuple):
+class CompiledStep(NamedTuple):
     """A step, ready to be called."""
 
     advance: FunctionPointer
@@ -42,7 +42,7 @@ class Step(NamedTuple):
     """What that calls."""
 
 
-def step_for(source: WorldSource, params: Params, motions: Motions) -> Step:
+def step_for(source: WorldSource, params: Params, motions: Motions) -> CompiledStep:
     """The step of such a world, compiled unless that is done.
 
     Args:
@@ -79,7 +79,7 @@ def _pointer_to(
     return _others[form]
 
 
-def _compile(params: Params, motions: Motions, gatherers: Gatherers) -> Step:
+def _compile(params: Params, motions: Motions, gatherers: Gatherers) -> CompiledStep:
     held = type_of_held(params, motions)
     pointed = held.field("params"), held.field("work")
     on_agent, in_cell = (*pointed, *ON_AGENT.arguments[2:]), (*pointed, *IN_CELL.arguments[2:])
@@ -95,7 +95,7 @@ def _compile(params: Params, motions: Motions, gatherers: Gatherers) -> Step:
                 stepped = pointer_to(advance, STEP, (held, *STEP.arguments[1:]))
         with compiling.part(LOOKING):
             look = pointer_to(sense_agent, ON_AGENT, on_agent)
-    return Step(stepped, Parts(look, put, table))
+    return CompiledStep(stepped, Parts(look, put, table))
 
 
 def _form(value: Any) -> Any:
@@ -107,5 +107,5 @@ def _form(value: Any) -> Any:
     return type(value)
 
 
-_steps: dict[Any, Step] = {}
+_steps: dict[Any, CompiledStep] = {}
 _others: dict[Any, FunctionPointer] = {}

@@ -22,7 +22,7 @@ from reflexarc_sim_bridge.native.function_pointers import (
 from reflexarc_sim_bridge.native.struct_pointers import Struct, StructPointer
 from reflexarc_sim_bridge.simulation import step_compilation as compiled_step
 from reflexarc_sim_bridge.simulation.simulation import Simulation, motions_of
-from reflexarc_sim_bridge.simulation.step_compilation import Step, step_for
+from reflexarc_sim_bridge.simulation.step_compilation import CompiledStep, step_for
 from reflexarc_sim_bridge.worlds.files import parse_world
 from reflexarc_sim_bridge.worlds.layers import (
     Automaton,
@@ -134,7 +134,7 @@ def test_a_function_that_does_not_fit_a_signature_has_no_pointer() -> None:
         pointer_to(note_nothing, THREE, (kind, types.int64, types.int64))
 
 
-def step_of(source: WorldSource) -> Step:
+def step_of(source: WorldSource) -> CompiledStep:
     contract = reference_contract()
     simulation = Simulation(source, contract, np.arange(4, dtype=np.uint64))
     return step_for(source, simulation.params, motions_of(contract))

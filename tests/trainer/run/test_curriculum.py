@@ -14,7 +14,7 @@ from reflexarc_sim_bridge.worlds.files import WorldFamily, world_text
 from reflexarc_trainer.config.train_config import TrainConfig, TrainingWorld
 from reflexarc_trainer.config.training_world import parse_training_world, stage_at, stage_ends
 from reflexarc_trainer.run import checkpoint, train
-from reflexarc_trainer.run.train import Progress
+from reflexarc_trainer.run.train import TrainingProgress
 from reflexarc_trainer.sarsa.forms import new_learner
 
 WORLDS = (TrainingWorld("tier-05", 1.0), TrainingWorld("tier-30", 3.0))
@@ -81,7 +81,7 @@ def test_run_resumed_in_either_world_equals_an_uninterrupted_one(
     monkeypatch.setattr(train, "CHUNK_STEPS", 100)
     seen = [0]
 
-    def listen(progress: Progress) -> None:
+    def listen(progress: TrainingProgress) -> None:
         seen[0] = progress.step
 
     config = dataclasses.replace(

@@ -24,7 +24,7 @@ from reflexarc_trainer.config.train_config import (
 from reflexarc_trainer.policy.weights import NetworkPolicy, network_of
 from reflexarc_trainer.run import checkpoint, train
 from reflexarc_trainer.run.delivery import export_checkpoint
-from reflexarc_trainer.run.train import Progress
+from reflexarc_trainer.run.train import TrainingProgress
 from reflexarc_trainer.sarsa.forms import new_learner
 from reflexarc_trainer.sarsa.learner import Learner
 
@@ -57,11 +57,11 @@ def names(folder: Path) -> set[str]:
     return {path.name for path in folder.iterdir()}
 
 
-def stop_after(steps: int) -> tuple[Callable[[Progress], None], Callable[[], bool]]:
+def stop_after(steps: int) -> tuple[Callable[[TrainingProgress], None], Callable[[], bool]]:
     """A progress listener and a `should_stop` that says yes once `steps` are done."""
     seen = [0]
 
-    def listen(progress: Progress) -> None:
+    def listen(progress: TrainingProgress) -> None:
         seen[0] = progress.step
 
     return listen, lambda: seen[0] >= steps
@@ -240,7 +240,7 @@ def test_run_killed_before_its_first_point_leaves_no_earlier_checkpoint(
 
 
 def test_progress_says_rate_and_error(config: TrainConfig, tmp_path: Path) -> None:
-    seen: list[Progress] = []
+    seen: list[TrainingProgress] = []
     result = train.train(config, tmp_path, progress=seen.append)
     assert all(where.steps_per_s > 0.0 and where.mean_abs_error > 0.0 for where in seen)
     # The last look before a validation point is at the error that the point reports.
@@ -249,7 +249,7 @@ def test_progress_says_rate_and_error(config: TrainConfig, tmp_path: Path) -> No
 
 
 def test_ctrl_c_leaves_a_policy_of_what_was_learned(config: TrainConfig, tmp_path: Path) -> None:
-    def interrupt(progress: Progress) -> None:
+    def interrupt(progress: TrainingProgress) -> None:
         if progress.step >= 900:
             raise KeyboardInterrupt
 

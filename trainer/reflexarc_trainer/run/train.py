@@ -26,7 +26,7 @@ CHUNK_STEPS = 20_000
 
 
 @dataclass(frozen=True)
-class Progress:
+class TrainingProgress:
     """Where a run stands."""
 
     step: int
@@ -63,7 +63,7 @@ class TrainResult:
         return RunFolder(self.policy_path.parent).best_policy
 
 
-ProgressCallback = Callable[[Progress], None]
+ProgressCallback = Callable[[TrainingProgress], None]
 RowCallback = Callable[[Row], None]
 
 
@@ -197,8 +197,8 @@ class _Run:
             self.measured(row)
         self.folder.save(self.learner, self.history, self.best)
 
-    def _where(self, steps_per_s: float) -> Progress:
-        return Progress(
+    def _where(self, steps_per_s: float) -> TrainingProgress:
+        return TrainingProgress(
             step=self.learner.step,
             steps=self.config.steps,
             epsilon=self.learner.epsilon,

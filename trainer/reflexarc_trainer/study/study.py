@@ -34,7 +34,7 @@ virtual core: for an estimate before anything has run."""
 
 
 @dataclass(frozen=True)
-class Progress:
+class StudyProgress:
     """Where a study stands."""
 
     done: int
@@ -110,7 +110,7 @@ def run_study(
     jobs: int,
     *,
     any_code: bool = False,
-    progress: Callable[[Progress], None] = lambda _: None,
+    progress: Callable[[StudyProgress], None] = lambda _: None,
     should_stop: Callable[[], bool] = lambda: False,
 ) -> StudyResult:
     """Do what is to do, and write the page of what there is.
@@ -132,7 +132,7 @@ def run_study(
         write_atomically(out / STUDY, study.text.encode())
         todo = plan(study, out, any_code)
         there, before = dict(todo.there), len(todo.there)
-        progress(Progress(before, len(todo.units), None))
+        progress(StudyProgress(before, len(todo.units), None))
         with Crew(todo.pending, jobs) as crew:
             for outcome in crew.outcomes(should_stop):
                 if isinstance(outcome, Failure):
@@ -140,7 +140,7 @@ def run_study(
                     continue
                 file.append(outcome)
                 there[outcome.unit] = outcome
-                progress(Progress(len(there), len(todo.units), outcome))
+                progress(StudyProgress(len(there), len(todo.units), outcome))
         summaries = summarise(study, there)
         _write(study, out, summaries)
     is_whole = len(there) + len(failures) == len(todo.units)

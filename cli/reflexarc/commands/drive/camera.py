@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
     from reflexarc_runtime.bus import Bus
     from reflexarc_runtime.contract import PolicyContract
-    from reflexarc_sim_bridge.body.camera.bridge import Account, Moment
+    from reflexarc_sim_bridge.body.camera.bridge import CameraBridgeReport, Moment
     from reflexarc_sim_bridge.body.camera.calibration import Calibration
-    from reflexarc_sim_bridge.body.camera.sources import Source
+    from reflexarc_sim_bridge.body.camera.sources import ImageSource
 
 MAX_RATE_HZ = 1000.0
 
@@ -71,7 +71,7 @@ class CameraCommand:
             self._tell(account)
         return 0
 
-    def _sources(self) -> "tuple[Source, ...]":
+    def _sources(self) -> "tuple[ImageSource, ...]":
         # FFmpeg within OpenCV would tell standard error about every flaw of a file.
         os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
         from reflexarc_sim_bridge.body.camera.sources import source_named
@@ -87,11 +87,11 @@ class CameraCommand:
     def _show(
         self,
         bus: "Bus",
-        sources: "tuple[Source, ...]",
+        sources: "tuple[ImageSource, ...]",
         calibration: "Calibration",
         contract: "PolicyContract",
         stop: StopFlag,
-    ) -> "Account":
+    ) -> "CameraBridgeReport":
         from reflexarc_runtime.loop.clock import MonotonicClock
         from reflexarc_runtime.loop.inbox import Inbox
         from reflexarc_runtime.loop.pacer import RatePacer
@@ -112,7 +112,7 @@ class CameraCommand:
         with _progress(min(totals)) as progress:
             return bridge.show(moments, stop, RatePacer(rate_hz, clock, Inbox()), progress)
 
-    def _tell(self, account: "Account") -> None:
+    def _tell(self, account: "CameraBridgeReport") -> None:
         if self.json:
             print_json(account)
             return

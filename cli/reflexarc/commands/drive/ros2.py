@@ -10,7 +10,7 @@ from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:
     from reflexarc_runtime.bus import Bus
-    from reflexarc_sim_bridge.body.ros2.bridge import Account, Route
+    from reflexarc_sim_bridge.body.ros2.bridge import RosBridgeReport, Route
 
 MAX_RATE_HZ = 1000.0
 
@@ -78,7 +78,7 @@ class Ros2Command:
                 )
         return route
 
-    def _serve(self, bus: "Bus", route: "Route", stop: StopFlag) -> "Account":
+    def _serve(self, bus: "Bus", route: "Route", stop: StopFlag) -> "RosBridgeReport":
         from reflexarc_runtime.loop.clock import MonotonicClock
         from reflexarc_runtime.loop.inbox import Inbox
         from reflexarc_runtime.loop.pacer import RatePacer
@@ -91,7 +91,7 @@ class Ros2Command:
         )
         return bridge.serve(RatePacer(self.rate, MonotonicClock(), inbox), stop)
 
-    def _tell(self, account: "Account") -> None:
+    def _tell(self, account: "RosBridgeReport") -> None:
         if self.json:
             print_json(account)
             return

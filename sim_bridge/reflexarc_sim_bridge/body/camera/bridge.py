@@ -20,7 +20,7 @@ Moment = tuple[Image | None, ...]
 """One image for each eye, taken at one moment; None where one cannot be decoded."""
 
 
-class Pace(Protocol):
+class FramePace(Protocol):
     """Decides when the next image is published."""
 
     def wait(self, should_stop: Callable[[], bool]) -> object | None:
@@ -29,7 +29,7 @@ class Pace(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Account:
+class CameraBridgeReport:
     """How many images were published, or could not be."""
 
     retinas: int
@@ -68,9 +68,9 @@ class CameraBridge:
         self,
         moments: Iterable[Moment],
         should_stop: Callable[[], bool],
-        pace: Pace | None = None,
+        pace: FramePace | None = None,
         progress: Callable[[int], None] = lambda done: None,
-    ) -> Account:
+    ) -> CameraBridgeReport:
         """Publish one moment after another.
 
         Args:
@@ -90,7 +90,7 @@ class CameraBridge:
             else:
                 undecodable += 1
             progress(retinas + undecodable)
-        return Account(retinas, undecodable)
+        return CameraBridgeReport(retinas, undecodable)
 
     def _show(self, images: tuple[Image, ...]) -> None:
         # The time of exposure is unknown here; that of arrival is the nearest one.

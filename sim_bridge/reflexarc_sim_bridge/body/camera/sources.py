@@ -19,7 +19,7 @@ IMAGE_SUFFIXES = frozenset(
 _GLOB_SIGNS = "*?["
 
 
-class Source(Protocol):
+class ImageSource(Protocol):
     """A stream of images."""
 
     @property
@@ -48,7 +48,7 @@ class Device:
     total = None
 
     def frames(self) -> Iterator[Image | None]:
-        """See `Source.frames`.
+        """See `ImageSource.frames`.
 
         Raises:
             WorldError: the camera gives no more images.
@@ -74,7 +74,7 @@ class Video:
     """As the file says; some estimate it."""
 
     def frames(self) -> Iterator[Image | None]:
-        """See `Source.frames`."""
+        """See `ImageSource.frames`."""
         capture = cv2.VideoCapture(str(self.path))
         try:
             yield from _captured(capture)
@@ -91,17 +91,17 @@ class Images:
 
     @property
     def total(self) -> int:
-        """See `Source.total`."""
+        """See `ImageSource.total`."""
         return len(self.paths)
 
     def frames(self) -> Iterator[Image | None]:
-        """See `Source.frames`."""
+        """See `ImageSource.frames`."""
         for path in self.paths:
             image = cv2.imread(str(path), cv2.IMREAD_COLOR)
             yield None if image is None else _red_first(image)
 
 
-def source_named(name: str, wanted_hz: float | None = None) -> Source:
+def source_named(name: str, wanted_hz: float | None = None) -> ImageSource:
     """A device by its number, a video file, an image, a folder of images, or a glob of them.
 
     Raises:

@@ -15,7 +15,7 @@ from foxglove_schemas_protobuf.RawImage_pb2 import RawImage
 
 from reflexarc_runtime.messages.topics import RETINA
 from reflexarc_runtime.messages.wire import Stamp, pack_stamp, protobuf_encoding
-from reflexarc_sim_bridge.body.faults.malformed import Parts, malformed
+from reflexarc_sim_bridge.body.faults.malformed import MessageParts, malformed
 from reflexarc_sim_bridge.body.faults.script import (
     ClockStep,
     Delay,
@@ -198,7 +198,9 @@ def _frozen(retina: _Retina, held: _Retina, what: Frozen) -> _Retina:
 
 
 def _spoilt(sending: Sending, fault: Malformed) -> Sending:
-    parts = malformed(Parts(sending.payload, sending.attachment, sending.encoding), fault.how)
+    parts = malformed(
+        MessageParts(sending.payload, sending.attachment, sending.encoding), fault.how
+    )
     return Sending(sending.due_ns, parts.payload, parts.attachment, parts.encoding, None)
 
 

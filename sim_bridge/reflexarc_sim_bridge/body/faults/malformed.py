@@ -12,7 +12,7 @@ _ALMOST_TOO_LARGE = MAX_PAYLOAD_BYTES - 4096
 
 
 @dataclass(frozen=True, slots=True)
-class Parts:
+class MessageParts:
     """What a message on the bus is made of."""
 
     payload: bytes
@@ -20,7 +20,7 @@ class Parts:
     encoding: str
 
 
-def malformed(parts: Parts, how: Malformation) -> Parts:
+def malformed(parts: MessageParts, how: Malformation) -> MessageParts:
     """A good retina, damaged in one way, so that no receiver can use it."""
     payload, attachment, encoding = parts.payload, parts.attachment, parts.encoding
     match how:
@@ -36,7 +36,7 @@ def malformed(parts: Parts, how: Malformation) -> Parts:
             encoding = protobuf_encoding("foxglove.LaserScan")
         case _:
             payload = _payload(payload, how)
-    return Parts(payload, attachment, encoding)
+    return MessageParts(payload, attachment, encoding)
 
 
 def _payload(payload: bytes, how: Malformation) -> bytes:

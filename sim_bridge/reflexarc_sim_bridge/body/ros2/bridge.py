@@ -82,7 +82,7 @@ class Route:
 
 
 @dataclass(frozen=True, slots=True)
-class Account:
+class RosBridgeReport:
     """How many messages the bridge passed on or refused."""
 
     scans: int
@@ -192,7 +192,7 @@ class RosBridge:
         bus.subscribe_to_key(route.scan_key, self._scans.hear)
         bus.announce(BODY_NODE)
 
-    def serve(self, pacer: Pacer, should_stop: Callable[[], bool]) -> Account:
+    def serve(self, pacer: Pacer, should_stop: Callable[[], bool]) -> RosBridgeReport:
         """Serve until asked to stop; the robot's last command is to stand."""
         try:
             while (wakeup := pacer.wait(should_stop)) is not None:
@@ -205,9 +205,9 @@ class RosBridge:
         return self.account
 
     @property
-    def account(self) -> Account:
+    def account(self) -> RosBridgeReport:
         """The counts until now."""
-        return Account(
+        return RosBridgeReport(
             scans=self._scans.scans,
             refused_scans=dict(self._scans.refused),
             commands=self._commands.commands,

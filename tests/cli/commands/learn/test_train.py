@@ -11,7 +11,7 @@ from reflexarc.terminal.progress import show_progress
 from reflexarc_runtime.errors import UsageError
 from reflexarc_trainer.config.presets import HELP, preset_named
 from reflexarc_trainer.config.train_config import TrainConfig
-from reflexarc_trainer.run.train import Progress
+from reflexarc_trainer.run.train import TrainingProgress
 
 
 def configured(command: TrainCommand) -> TrainConfig:
@@ -71,7 +71,7 @@ def test_progress_says_rate_exploration_error_and_contacts(
 ) -> None:
     from reflexarc.terminal.progress import _said
 
-    said = _said(Progress(10, 100, 0.5, 1.0, 250_000.0, 0.125, None))
+    said = _said(TrainingProgress(10, 100, 0.5, 1.0, 250_000.0, 0.125, None))
     assert said == "250 k steps/s  ε 0.50  error 0.125"
     with show_progress() as tell:
-        tell(Progress(10, 100, 0.5, 1.0, 250_000.0, 0.125, None))
+        tell(TrainingProgress(10, 100, 0.5, 1.0, 250_000.0, 0.125, None))

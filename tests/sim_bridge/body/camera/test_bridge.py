@@ -4,7 +4,7 @@ from foxglove_schemas_protobuf.RawImage_pb2 import RawImage
 
 from reflexarc_runtime.contract import RetinaSpec, Shading
 from reflexarc_runtime.loop.clock import ManualClock
-from reflexarc_sim_bridge.body.camera.bridge import Account, CameraBridge
+from reflexarc_sim_bridge.body.camera.bridge import CameraBridge, CameraBridgeReport
 from reflexarc_sim_bridge.body.camera.calibration import Calibration
 from reflexarc_sim_bridge.body.camera.eye import CameraEye
 from support.images import bar
@@ -74,7 +74,7 @@ def test_moments_become_retinas_with_the_time_at_which_they_were_taken():
     ]
     assert [time_ns for _, time_ns in said] == [6_000_000_000, 7_000_000_000, 8_000_000_000]
     assert (images[0].width, images[0].height, images[0].encoding) == (4, 1, "mono8")
-    assert account == Account(retinas=3, undecodable=0)
+    assert account == CameraBridgeReport(retinas=3, undecodable=0)
     assert told == [1, 2, 3]
     assert len(bus.publishers["status"].said) == 3
     assert bus.announced == ["body"]
@@ -83,7 +83,7 @@ def test_moments_become_retinas_with_the_time_at_which_they_were_taken():
 def test_a_moment_that_one_eye_missed_is_counted_and_not_shown():
     camera, bus, _ = bridge()
     account = camera.show([(None,), (bar(0),), (bar(0), None)], lambda: False)
-    assert account == Account(retinas=1, undecodable=2)
+    assert account == CameraBridgeReport(retinas=1, undecodable=2)
     assert len(bus.publishers["retina"].said) == 1
 
 
@@ -91,9 +91,9 @@ def test_it_ends_when_it_is_asked_to():
     camera, _, clock = bridge()
     endless = iter(lambda: (bar(0),), None)
     asked = iter([False, False, True])
-    assert camera.show(endless, lambda: next(asked)) == Account(2, 0)
+    assert camera.show(endless, lambda: next(asked)) == CameraBridgeReport(2, 0)
     late = iter([False, True])  # asked to stop while it waits
-    assert camera.show(endless, lambda: next(late), EverySecond(clock)) == Account(0, 0)
+    assert camera.show(endless, lambda: next(late), EverySecond(clock)) == CameraBridgeReport(0, 0)
 
 
 def test_it_waits_for_a_listener():
