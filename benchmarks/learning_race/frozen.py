@@ -15,7 +15,7 @@ import numpy.typing as npt
 from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
 from reflexarc_runtime.sensing.retina import FULL_SCALE
 from reflexarc_trainer.config.train_config import TrainConfig
-from reflexarc_trainer.sarsa.learner import Learner
+from reflexarc_trainer.sarsa.learner_interface import Learner
 
 Floats = npt.NDArray[np.float32]
 Layer = tuple[Floats, Floats]

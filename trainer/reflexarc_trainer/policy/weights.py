@@ -13,7 +13,7 @@ from reflexarc_runtime.contract import PolicyContract
 from reflexarc_runtime.policy.policy import Policy
 from reflexarc_trainer.config.learner_config import NetworkConfig
 from reflexarc_trainer.policy.q_network import QNetwork, empty_network
-from reflexarc_trainer.sarsa.learner import Learner
+from reflexarc_trainer.sarsa.learner_interface import Learner
 
 Weights = npt.NDArray[np.float64]
 """Of a whole network: (parameters,)."""

@@ -18,9 +18,10 @@ from reflexarc_runtime.files import write_atomically
 from reflexarc_trainer.config.train_config import TrainConfig
 from reflexarc_trainer.run.history import Row, from_table
 from reflexarc_trainer.sarsa.forms import new_learner
-from reflexarc_trainer.sarsa.learner import Arrays, Learner
+from reflexarc_trainer.sarsa.learner_interface import Arrays, Learner
 
-FORMAT = 3
+FORMAT = 4
+"""Version of the file's arrays: 4 has named fields for the learner's single numbers."""
 
 _FORMAT, _CONFIG, _HISTORY, _BEST = "format", "config", "history", "best"
 _LEARNER = "learner."

@@ -25,7 +25,7 @@ from reflexarc_trainer.run.delivery import deliver
 from reflexarc_trainer.run.history import Row, best_of, to_csv
 from reflexarc_trainer.run.plots import draw_curve, draw_occupancy
 from reflexarc_trainer.run.report import write_report
-from reflexarc_trainer.sarsa.learner import Learner
+from reflexarc_trainer.sarsa.learner_interface import Learner
 
 POLICY, BEST, CONFIG, METRICS = "policy.onnx", "policy-best.onnx", "config.json", "metrics.csv"
 CURVE, CHECKPOINT = "curve.png", "checkpoint.npz"

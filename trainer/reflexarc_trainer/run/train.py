@@ -19,7 +19,7 @@ from reflexarc_trainer.run.history import Row, best_of, has_reached
 from reflexarc_trainer.run.run_folder import RunFolder
 from reflexarc_trainer.run.validation import validate
 from reflexarc_trainer.sarsa.forms import new_learner
-from reflexarc_trainer.sarsa.learner import Learner
+from reflexarc_trainer.sarsa.learner_interface import Learner
 
 CHUNK_STEPS = 20_000
 """Transitions between two looks at `should_stop`."""

@@ -15,7 +15,7 @@ from reflexarc_trainer.config.train_config import TrainConfig
 from reflexarc_trainer.policy.q_network import QNetwork
 from reflexarc_trainer.policy.weights import NetworkPolicy, pack
 from reflexarc_trainer.sarsa.batched.network_pass import forward_from_python
-from reflexarc_trainer.sarsa.learner import driven_m
+from reflexarc_trainer.sarsa.learner_interface import driven_m
 from reflexarc_trainer.sarsa.network_shape import input_curve, layers_for
 
 RECORDED_AGENTS = 64

@@ -6,7 +6,7 @@ import numpy.typing as npt
 from reflexarc_trainer.config.train_config import TrainConfig
 from reflexarc_trainer.sarsa.batched.learner import BatchedLearner
 from reflexarc_trainer.sarsa.compile_ahead import compile_side_by_side
-from reflexarc_trainer.sarsa.learner import Learner
+from reflexarc_trainer.sarsa.learner_interface import Learner
 from reflexarc_trainer.sarsa.online.learner import OnlineLearner
 
 

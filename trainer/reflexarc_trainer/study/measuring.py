@@ -28,7 +28,7 @@ from reflexarc_trainer.policy.weights import network_of
 from reflexarc_trainer.run.train import CHUNK_STEPS
 from reflexarc_trainer.run.validation import GreedyPolicy
 from reflexarc_trainer.sarsa.forms import new_learner
-from reflexarc_trainer.sarsa.learner import Learner
+from reflexarc_trainer.sarsa.learner_interface import Learner
 from reflexarc_trainer.study.unit import Evaluation, Measure, Result, Unit, code_key
 
 
