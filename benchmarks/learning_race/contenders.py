@@ -15,7 +15,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, get_args
 
-from reflexarc_trainer.config.learner_config import Target
+from reflexarc_trainer.config.learner_config import TdTarget
 from reflexarc_trainer.config.presets import PRESETS
 from reflexarc_trainer.config.train_config import TrainConfig
 
@@ -174,7 +174,7 @@ _LAST_LEVEL = 3.5
 
 def _ablations() -> tuple[Contender, ...]:
     """Batched Q(λ): the value of the best action in place of the chosen one's."""
-    if "greedy" not in get_args(Target):
+    if "greedy" not in get_args(TdTarget):
         return ()
     greedy = _reflex(target="greedy", averaged_weights=0.995)
     return (Contender("q-lambda-3s", "ablation", greedy, _SHORT_S),)

@@ -8,7 +8,7 @@ from rich.progress import Progress as Bar
 
 from reflexarc.terminal.output import aside
 from reflexarc_trainer.run.train import Progress, ProgressCallback
-from reflexarc_trainer.study.study import Progress as StudyProgress
+from reflexarc_trainer.study.study import StudyProgress
 
 
 @contextmanager

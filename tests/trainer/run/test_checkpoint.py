@@ -3,6 +3,7 @@
 import dataclasses
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from reflexarc_runtime.errors import UsageError
@@ -27,6 +28,16 @@ def test_file_that_is_no_checkpoint_is_refused_in_one_line(content: bytes, tmp_p
     with pytest.raises(UsageError, match=r"checkpoint\.npz: expected a checkpoint") as refusal:
         train.resume(tmp_path)
     assert "\n" not in str(refusal.value)
+
+
+def test_checkpoint_of_another_format_is_refused_in_one_line(
+    whole_run: train.TrainResult, tmp_path: Path
+) -> None:
+    with np.load(whole_run.policy_path.parent / "checkpoint.npz") as saved:
+        np.savez(tmp_path / "checkpoint.npz", **{**saved, "format": np.array(3)})
+    with pytest.raises(UsageError, match="expected a checkpoint of format 4, got format 3") as no:
+        train.resume(tmp_path)
+    assert "\n" not in str(no.value)
 
 
 def test_missing_checkpoint_is_refused(tmp_path: Path) -> None:

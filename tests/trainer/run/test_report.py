@@ -7,7 +7,7 @@ from reflexarc_trainer.config.presets import preset_named
 from reflexarc_trainer.config.train_config import TrainConfig
 from reflexarc_trainer.policy.q_network import new_network
 from reflexarc_trainer.run.history import Row
-from reflexarc_trainer.run.report import telling_ones, write_report
+from reflexarc_trainer.run.report import examples, write_report
 
 ROWS = [Row(100, 1.0, 0.5, 0.2, 40.0, 9.0), Row(200, 2.0, 0.1, 0.1, 20.0, 7.0)]
 
@@ -36,7 +36,7 @@ def test_page_of_other_eyes_and_motions_has_a_value_for_every_action(name: str) 
     assert all(line.count("**") == 2 for line in table[2:])
 
 
-def test_telling_decisions_are_the_surest_of_each_action_and_the_closest_call() -> None:
+def test_examples_are_the_surest_decision_of_each_action_and_the_closest_call() -> None:
     q_values = np.array([[3.0, 0, 0], [5, 4, 4], [0, 1, 0.9], [2, 9, 0], [7, 1, 0]], np.float32)
     actions = np.argmax(q_values, axis=1)
-    assert telling_ones(q_values, actions) == [4, 3, 2]
+    assert examples(q_values, actions) == [4, 3, 2]
