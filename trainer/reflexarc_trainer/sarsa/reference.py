@@ -109,20 +109,7 @@ class SarsaLambda:
         contact: bool,
         epsilon: float = 0.0,
     ) -> float:
-        """Learn from one transition.
-
-        Args:
-            s: state, as the network takes it.
-            a: the action done there.
-            reward: r.
-            s_next: s′.
-            a_next: a′, the action chosen in s′.
-            contact: whether a ended in a contact.
-            epsilon: ε with which a′ was chosen.
-
-        Returns:
-            The TD error δ.
-        """
+        """Learn from (s, a, r, s′, a′), a′ chosen with `epsilon`; returns the TD error δ."""
         config = self.config
         q, gradient = self._value_and_gradient(s, a)
         repeat = config.exploration.action_repeat

@@ -12,7 +12,7 @@ code, stay in the file and are not used.
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -128,12 +128,11 @@ def run_study(
         UsageError: another process runs a study in this folder, or no worker can start.
         OSError: the folder cannot be written.
     """
-    failures: list[str] = []
     with ResultsFile(out / RESULTS) as file:
         write_atomically(out / STUDY, study.text.encode())
         todo = plan(study, out, any_code)
-        there, before = dict(todo.there), len(todo.there)
-        progress(StudyProgress(before, len(todo.units), None))
+        there, failures = dict(todo.there), list[str]()
+        progress(StudyProgress(len(there), len(todo.units), None))
         with Crew(todo.pending, jobs) as crew:
             for outcome in crew.outcomes(should_stop):
                 if isinstance(outcome, Failure):
@@ -144,13 +143,25 @@ def run_study(
                 progress(StudyProgress(len(there), len(todo.units), outcome))
         summaries = summarise(study, there)
         _write(study, out, summaries)
+    return _result(study, out, todo, there, failures, summaries)
+
+
+def _result(
+    study: Study,
+    out: Path,
+    todo: Plan,
+    there: Mapping[str, Result],
+    failures: Sequence[str],
+    summaries: list[CellSummary],
+) -> StudyResult:
+    """The outcome of a study that had a plan, and now has these results and failures."""
     is_whole = len(there) + len(failures) == len(todo.units)
     return StudyResult(
         out=out,
         summaries=tuple(summaries),
         done=len(there),
         units=len(todo.units),
-        before=before,
+        before=len(todo.there),
         unused=todo.unused,
         failures=tuple(failures),
         interrupted=not is_whole,

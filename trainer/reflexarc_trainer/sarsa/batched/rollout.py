@@ -51,20 +51,13 @@ def roll_out(
         epsilon: ε.
         average_reward: subtracted from the reward of every world step.
     """
-    steps, columns = rollout.rewards.shape[1], rollout.rewards.shape[2]
-    first, end = shard * columns, (shard + 1) * columns
+    _, steps, columns = rollout.rewards.shape
+    first = shard * columns
     _begin(layers, weights, rules, agents, rollout, shard, epsilon)
     for t in range(steps):
-        contacts, rewards = rollout.contacts[shard, t], rollout.rewards[shard, t]
-        contacts[:], rewards[:] = False, 0
-        for repeated in range(1, rules.action_repeat + 1):
-            tasks = MOVE + LOOK if repeated == rules.action_repeat else MOVE
-            step_world(world.step, world.held, agents.action, agents.met, tasks, first, end)
-            _add_rewards(rules, agents.met[first:end], average_reward, contacts, rewards)
-        for c in range(columns):
-            _encode(rules.curve, world.stack[first + c], rollout.inputs[shard, t + 1], c)
+        _act(rules, world, agents, rollout, shard, t, average_reward)
         choose_all(layers, weights, rules, agents, rollout, shard, t + 1, epsilon)
-    for i in range(first, end):
+    for i in range(first, first + columns):
         _copy(world.stack[i], agents.seen[i])
     lambda_returns(
         rollout.rewards[shard],
@@ -126,6 +119,28 @@ def _begin(
         actions[c] = agents.action[first + c]
     if agents.held_actions[first] == NOT_CHOSEN:
         choose_all(layers, weights, rules, agents, rollout, shard, 0, epsilon)
+
+
+@fused
+def _act(
+    rules: RolloutRules,
+    world: WorldAccess,
+    agents: AgentStates,
+    rollout: Rollout,
+    shard: int,
+    t: int,
+    average_reward: float,
+) -> None:
+    """Do the actions a_t; fill in their rewards and contacts, and the inputs of s_{t+1}."""
+    contacts, rewards = rollout.contacts[shard, t], rollout.rewards[shard, t]
+    first, end = shard * len(rewards), (shard + 1) * len(rewards)
+    contacts[:], rewards[:] = False, 0
+    for repeated in range(1, rules.action_repeat + 1):
+        tasks = MOVE + LOOK if repeated == rules.action_repeat else MOVE
+        step_world(world.step, world.held, agents.action, agents.met, tasks, first, end)
+        _add_rewards(rules, agents.met[first:end], average_reward, contacts, rewards)
+    for c in range(len(rewards)):
+        _encode(rules.curve, world.stack[first + c], rollout.inputs[shard, t + 1], c)
 
 
 @fused

@@ -62,19 +62,10 @@ def learn(
     layers, rollout_rules, rules, agents, rollout, state, moments = learning
     parts = rules.epochs * rules.minibatches
     for _ in range(updates):
-        epsilon, average_reward = epsilon_now(rules, state), state.progress[0].average_reward
+        epsilon, reward = epsilon_now(rules, state), state.progress[0].average_reward
         for shard in range(first, end):
-            roll_out(
-                layers,
-                state.weights,
-                rollout_rules,
-                world,
-                agents,
-                rollout,
-                shard,
-                epsilon,
-                average_reward,
-            )
+            weights = state.weights
+            roll_out(layers, weights, rollout_rules, world, agents, rollout, shard, epsilon, reward)
         for part in range(parts):
             for shard in range(first, end):
                 shard_gradient(layers, rules, rollout, state, shard, part)
