@@ -1,20 +1,20 @@
-"""Who learns to avoid obstacles sooner, and better: ours against Stable-Baselines3.
+"""A race in learning to avoid obstacles: our learners against those of Stable-Baselines3.
 
     python benchmarks/learning.py --out runs/learning          everything: runs, table, figure
-    ... --contenders reflex-short,ppo-tuned --seeds 3          some of it
-    ... --quick                                                a minute's check that it works
-    ... --plan                                                 what would run, and for how long
-    ... --report                                               table and figure of what there is
+    ... --contenders reflex-short,ppo-tuned --seeds 3          some contenders, fewer seeds
+    ... --quick                                                a test run of about a minute
+    ... --plan                                                 list the runs and their durations
+    ... --report                                               table and figure of existing runs
 
-The reference field with its eye, the same compiled world for everybody. A run is a process of its
-own, pinned to the same cores, and seed by seed all contenders take turns. The clock runs from the
-first weights on, caches filled and everything loaded (warm), or from the start of the process with
-no cache at all (cold); it stands while the frozen greedy policy is looked at on validation worlds.
-A level counts from the first of two looks in a row that pass it; the time to the first level is
-measured once more without looks, which disturb short runs. The policy that a run ends with is
-measured on test worlds as `reflexarc evaluate` does. Runs that are there already are not repeated.
-Needs `pip install stable-baselines3 sb3-contrib`. `learning_race/contenders.py` says who races,
-`learning_race/tuning.md` what was tried to tune them.
+All contenders learn in the same compiled world, the reference field with its eye. Each run is a
+process of its own, pinned to the same cores; for each seed all contenders run in turn. The clock
+starts with the first weights, when all code is loaded and compiled (warm), or with the process and
+an empty compilation cache (cold). It is stopped while the frozen greedy policy is measured on
+validation worlds (a look). A contender reaches a level at the first of two looks in a row that pass
+it. The time to the first level is measured once more without looks, which slow short runs down. The
+final policy of a run is measured on test worlds, as `reflexarc evaluate` does. Existing runs are
+not repeated. Needs `pip install stable-baselines3 sb3-contrib`. The contenders are defined in
+`learning_race/contenders.py`; `learning_race/tuning.md` lists how they were tuned.
 """
 
 import argparse
@@ -33,7 +33,7 @@ LEAST_COLD_SEEDS = 3
 
 
 def main() -> None:
-    """Run what is missing, then print table and comparisons; or be the child of such a run."""
+    """Do the missing runs, then print table and comparisons; or do one run, as a child process."""
     options = _options()
     if options.child:
         _be_a_child(options)
@@ -62,7 +62,7 @@ def _refuse(reason: str) -> NoReturn:
 
 
 def _be_a_child(options: argparse.Namespace) -> None:
-    """One run; its record goes to standard output as one line."""
+    """Do one run, and write its record to standard output as one line."""
     from learning_race.one_run import cold_record, warm_record
 
     contender, scale = named(options.child), _scale(options)

@@ -1,1 +1,1 @@
-"""What `benchmarks/learning.py` is made of."""
+"""The modules of `benchmarks/learning.py`."""

@@ -1,4 +1,4 @@
-"""Where Stable-Baselines3 lets the judge in: after every step of its worlds."""
+"""The callback by which the judge measures and stops a run of Stable-Baselines3."""
 
 from stable_baselines3.common.callbacks import BaseCallback
 
@@ -8,15 +8,15 @@ from learning_race.judge import Judge
 
 
 class Looks(BaseCallback):
-    """Looks when it is time, and ends the run."""
+    """Looks at the policy when the judge says so, and ends the run."""
 
     def __init__(self, judge: Judge, theirs: Theirs) -> None:
-        """Look for `judge`."""
+        """Call `judge` after every step of the worlds."""
         super().__init__()
         self._judge, self._theirs = judge, theirs
 
     def _on_step(self) -> bool:
-        """Whether to go on."""
+        """Look if it is time; returns whether the run continues."""
         if self._judge.is_due:
             steps = self.model.num_timesteps * self._theirs.held_steps
             self._judge.look(lambda: of_theirs(self.model, self._theirs.input_power), steps)

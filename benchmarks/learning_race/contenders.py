@@ -1,12 +1,13 @@
-"""Who races, with which settings; `tuning.md` says what was tried to find them.
+"""The contenders of the race and their settings; `tuning.md` lists the trials that led to them.
 
-Everybody has the reference field's eye and worlds. Ours have one hidden layer of 64 units, or 63,
-but for `reflex-deep-60s`, which has two as the rivals have by default. The tuned rivals have our
-input curve (the square), our repeated actions (while learning, three steps of the world an action),
-our discount (`online-3s` has a longer one; so has `reflex-60s`, which repeats each action twice and
-ends the count at a contact), a falling learning rate and one thread of torch: two were no faster in
-the one trial. The matched ones are the tuned ones with our 16–10–3. The default ones have their
-library's settings; how many worlds at once is not among these, and four served PPO best.
+All have the reference field's eye and worlds. Our learners have one hidden layer of 64 or 63 units,
+except `reflex-deep-60s`, which has two, as the rivals have by default. The tuned rivals have our
+input curve (the square), our repeated actions (three world steps per action while learning), our
+discount, a falling learning rate and one thread of torch (two were not faster in the one trial).
+`online-3s` and `reflex-60s` have a larger discount; `reflex-60s` repeats each action twice and
+takes contacts as terminal. The matched rivals are the tuned ones with the paper's network, 16–10–3.
+The default rivals have their library's settings, which do not include the number of worlds; with
+four, PPO was best.
 """
 
 import hashlib
@@ -15,7 +16,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, get_args
 
-from reflexarc_trainer.config.learner_config import Target
+from reflexarc_trainer.config.learner_config import TdTarget
 from reflexarc_trainer.config.presets import PRESETS
 from reflexarc_trainer.config.train_config import TrainConfig
 
@@ -24,7 +25,7 @@ WORLDS_OF_DEFAULTS = 4
 
 @dataclass(frozen=True)
 class Ours:
-    """A learner of ours."""
+    """One of our learners."""
 
     config: TrainConfig
 
@@ -36,52 +37,54 @@ class Theirs:
     algorithm: str
     """Name of its class."""
     agents: int = WORLDS_OF_DEFAULTS
-    """Worlds at once."""
+    """Number of worlds that run at once."""
     settings: Mapping[str, Any] = field(default_factory=dict)
-    """What differs from the library's defaults."""
+    """Settings that differ from the library's defaults."""
     falling_rate: float | None = None
-    """A learning rate that falls to 0 over the run; the library's constant one if None."""
+    """First learning rate, which falls to 0 over the run; None: the library's constant one."""
     input_power: int = 1
     held_steps: int = 1
-    """Steps of the world for each action."""
+    """World steps per action."""
     torch_threads: int = 1
 
 
-Learner = Ours | Theirs
+AnyLearner = Ours | Theirs
 
 
 @dataclass(frozen=True)
 class Contender:
-    """A learner and its time."""
+    """A learner with its time limit."""
 
     name: str
     group: str
-    """ours, ablation, tuned, default or matched."""
-    learner: Learner
+    """One of ours, ablation, tuned, default, matched."""
+    learner: AnyLearner
     budget_s: float
     is_paced: bool = True
-    """Whether steps of ours are set so as to fill the time; else their configuration says them."""
+    """Whether our learner's number of steps is set to fill the time; else its configuration's."""
     cores: int = 2
     stops_at: float | None = None
-    """A level where the run may end."""
+    """A level at which the run ends, if any."""
 
     @property
     def settings_hash(self) -> str:
-        """Changes with any setting."""
+        """Hash of all settings."""
         return hashlib.sha256(repr(self).encode()).hexdigest()[:16]
 
 
 def named(name: str) -> Contender:
-    """The contender of that name.
+    """The contender of a name.
 
     Raises:
-        SystemExit: there is none.
+        SystemExit: no contender has this name.
     """
     for contender in CONTENDERS:
         if contender.name == name:
             return contender
     known = ", ".join(contender.name for contender in CONTENDERS)
-    print(f"learning: --contenders: nobody is named {name!r}; known: {known}", file=sys.stderr)
+    print(
+        f"learning: --contenders: no contender is named {name!r}; known: {known}", file=sys.stderr
+    )
     raise SystemExit(2)
 
 
@@ -94,7 +97,7 @@ def _reflex(
     target: str = "sampled",
     **batched: Any,
 ) -> Ours:
-    """Preset `reflex` with other numbers."""
+    """The preset `reflex` with some settings changed."""
     preset = PRESETS["reflex"]
     exploration = replace(preset.learner.exploration, epsilon_start=epsilon_start)
     learner = replace(
@@ -109,7 +112,7 @@ def _reflex(
 
 
 def _changed(ours: Ours, action_repeat: int, **learner: Any) -> Ours:
-    """The same with another learner, each action repeated so often."""
+    """The same with some of the learner's settings and the repetition of actions changed."""
     config = ours.config
     exploration = replace(config.learner.exploration, action_repeat=action_repeat)
     changed = replace(config.learner, exploration=exploration, **learner)
@@ -173,8 +176,8 @@ _LAST_LEVEL = 3.5
 
 
 def _ablations() -> tuple[Contender, ...]:
-    """Batched Q(λ): the value of the best action in place of the chosen one's."""
-    if "greedy" not in get_args(Target):
+    """Batched Q(λ), whose targets take the value of the best action, not of the chosen one."""
+    if "greedy" not in get_args(TdTarget):
         return ()
     greedy = _reflex(target="greedy", averaged_weights=0.995)
     return (Contender("q-lambda-3s", "ablation", greedy, _SHORT_S),)
@@ -202,4 +205,4 @@ CONTENDERS = (
 )
 
 COLD = ("reflex-short", "online-3s", "ppo-tuned-short", "ppo-default")
-"""Who starts cold as well."""
+"""Names of the contenders that also run cold."""

@@ -1,8 +1,8 @@
-"""The reference field as Stable-Baselines3 wants its worlds: a thin adapter over the simulation.
+"""The reference field as a vector environment of Stable-Baselines3: an adapter of the simulation.
 
-An observation is a retina / 255 to the input power, float32 (agents, 16). Nothing ever ends: a
-contact pays −1 instead of +0.1 and puts the agent elsewhere, as for our learners, and the value of
-the new place counts. An action can be held for several steps of the world, whose rewards are added.
+An observation is a retina / 255 to the input power, float32 (agents, 16). There are no episodes: a
+contact pays −1 instead of +0.1 and moves the agent elsewhere, as for our learners, and the value of
+the next state counts. An action can be held for several world steps, whose rewards are added.
 """
 
 from typing import Any
@@ -27,7 +27,7 @@ class FieldVecEnv(VecEnv):
     def __init__(
         self, agents: int, seed: int, *, input_power: int = 1, held_steps: int = 1
     ) -> None:
-        """Put the agents where those of our batched learner with this seed begin."""
+        """Put the agents into the worlds of our batched learner with the same seed."""
         contract = reference_contract()
         numbers = (seed * agents + np.arange(agents)) % len(TRAINING_SEEDS)
         seeds = np.array(TRAINING_SEEDS, np.uint64)[numbers]
@@ -38,7 +38,7 @@ class FieldVecEnv(VecEnv):
         super().__init__(agents, inputs, spaces.Discrete(len(contract.actions)))
 
     def reset(self) -> Floats:
-        """Look."""
+        """Sense; returns the observations (agents, inputs)."""
         self.simulation.sense()
         return seen(self.simulation.stacks, self._input_power)
 
@@ -47,7 +47,7 @@ class FieldVecEnv(VecEnv):
         self._actions: Actions = actions.astype(np.int64)
 
     def step_wait(self) -> tuple[Floats, Floats, npt.NDArray[np.bool_], list[dict[str, Any]]]:
-        """Move, and look once."""
+        """Move for the held steps, and sense once."""
         contacts = np.zeros(self.num_envs)
         for _ in range(self._held_steps - 1):
             contacts += self.simulation.step(self._actions)
@@ -57,10 +57,10 @@ class FieldVecEnv(VecEnv):
         return observations, rewards.astype(np.float32), self._never.copy(), self._infos
 
     def close(self) -> None:
-        """There is nothing to close."""
+        """Do nothing: the simulation holds no resources."""
 
     def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
-        """An attribute, once an agent."""
+        """An attribute, repeated for each agent."""
         return [getattr(self, attr_name, None)] * self.num_envs
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
@@ -68,9 +68,9 @@ class FieldVecEnv(VecEnv):
         setattr(self, attr_name, value)
 
     def env_method(self, method_name: str, *args: Any, indices: Any = None, **kwargs: Any) -> Any:
-        """There are no environments within."""
+        """Refuse: there are no single environments to call."""
         raise NotImplementedError(method_name)
 
     def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
-        """Nothing is wrapped."""
+        """No environment is wrapped."""
         return [False] * self.num_envs

@@ -1,4 +1,4 @@
-"""Contacts per 100 m against wall-clock time, as a picture: one panel for each kind of rival."""
+"""The figure of the race: contacts per 100 m over time, with one panel per group of contenders."""
 
 import io
 
@@ -19,15 +19,15 @@ PANELS = {
     "Stable-Baselines3: defaults, and 16–10–3": ("default", "matched"),
 }
 REFERENCE = "reflex-short"
-"""Shown in the other panels too."""
+"""Contender that is shown in every panel."""
 COLOURS = ("#0b6e4f", "#c9a227", "#a23b3b", "#2d5d9f", "#7a4fa3", "#777777")
 LOOKED_AT = 0.8
-"""A line begins where so many of the seeds have been looked at."""
+"""A line begins when this share of the seeds has had a look."""
 TIMES_S = np.geomspace(0.002, 60.0, 200)
 
 
 def draw(runs: dict[str, list[Run]]) -> bytes:
-    """Interquartile means over seeds with 95 % bands, as PNG; validation worlds."""
+    """The figure as PNG: interquartile means over seeds with 95 % bands, on validation worlds."""
     shown = {title: groups for title, groups in PANELS.items() if _names(runs, groups)} or PANELS
     figure = Figure(figsize=(4.5 * len(shown), 5.0), dpi=140, layout="constrained")
     FigureCanvasAgg(figure)
@@ -63,7 +63,7 @@ def _line(axes: Axes, name: str, runs: list[Run], colour: str) -> None:
 
 
 def _at(run: Run, times_s: Floats) -> Floats:
-    """What the last look before each time saw; before the first one, what that saw."""
+    """Result of the last look before each time; before the first look, the first result."""
     seen_s = np.array([look.seconds for look in run.looks])
     rates = np.array([look.contacts_per_100m for look in run.looks])
     last = np.searchsorted(seen_s, times_s, side="right") - 1

@@ -1,7 +1,7 @@
-"""A policy at one moment of its learning, as the same few lines of NumPy for every contender.
+"""A frozen policy: a contender's weights at one moment, computed by the same NumPy code for all.
 
-Layers with biases, hidden units, and the largest value wins; of equal ones the first, stay. Output
-units that only bend the values are left out: they do not change who wins.
+The greedy action is the one with the largest output; of equal ones the first, stay. A monotonic
+activation function of the output units is left out, as it does not change the greedy action.
 """
 
 from collections.abc import Callable, Sequence
@@ -15,7 +15,7 @@ import numpy.typing as npt
 from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
 from reflexarc_runtime.sensing.retina import FULL_SCALE
 from reflexarc_trainer.config.train_config import TrainConfig
-from reflexarc_trainer.sarsa.learner import Learner
+from reflexarc_trainer.sarsa.learner_interface import Learner
 
 Floats = npt.NDArray[np.float32]
 Layer = tuple[Floats, Floats]
@@ -38,7 +38,7 @@ UNITS: dict[str, Callable[[Floats], Floats]] = {"relu": relu, "tanh": np.tanh, "
 
 @dataclass(frozen=True)
 class FrozenPolicy:
-    """A network that decides greedily."""
+    """A network with fixed weights and its greedy policy."""
 
     layers: tuple[Layer, ...]
     units: str
@@ -46,7 +46,7 @@ class FrozenPolicy:
     input_power: int
 
     def decide(self, retinas: RetinaBatch) -> tuple[QValues, Actions]:
-        """Values (n, actions) and winners (n,) of retinas (n, frames, eyes, rays, channels)."""
+        """Outputs (n, actions), actions (n,) of retinas (n, frames, eyes, rays, channels)."""
         x = seen(retinas, self.input_power)
         for weights, biases in self.layers[:-1]:
             x = UNITS[self.units](x @ weights + biases)
@@ -54,33 +54,33 @@ class FrozenPolicy:
         return values, np.argmax(values, axis=1)
 
     def equals(self, other: "FrozenPolicy") -> bool:
-        """Whether nothing was learned in between."""
+        """Whether all weights are equal."""
         pairs = zip(self.layers, other.layers, strict=True)
         return all(np.array_equal(a[k], b[k]) for a, b in pairs for k in (0, 1))
 
 
 def seen(retinas: RetinaBatch, input_power: int) -> Floats:
-    """What a network sees: (byte / 255) to a power, (n, inputs)."""
+    """Inputs of a network: (byte / 255) to the input power, (n, inputs)."""
     curve = ((np.arange(FULL_SCALE + 1) / FULL_SCALE) ** input_power).astype(np.float32)
     result: Floats = curve[retinas.reshape(len(retinas), -1)]
     return result
 
 
 def of_ours(learner: Learner) -> FrozenPolicy:
-    """What a learner of ours would export now."""
+    """The policy that one of our learners would export now."""
     config = learner.config
     layers = _split(learner.weights.astype(np.float32), layer_sizes(config))
     return FrozenPolicy(layers, config.network.units, config.network.input_power)
 
 
 def layer_sizes(config: TrainConfig) -> list[int]:
-    """Inputs, hidden units, actions."""
+    """Numbers of inputs, of units in each hidden layer, and of actions."""
     contract = config.contract()
     return [contract.retina.size, *config.network.hidden, len(contract.actions)]
 
 
 def of_theirs(model: Any, input_power: int) -> FrozenPolicy:
-    """The network that a model of Stable-Baselines3 or sb3-contrib decides with."""
+    """The greedy policy of a model of Stable-Baselines3 or sb3-contrib."""
     policy = model.policy
     if hasattr(policy, "action_net"):
         parts = [*policy.mlp_extractor.policy_net, policy.action_net]
@@ -100,14 +100,14 @@ def _layer(part: Any) -> Layer:
 
 
 def _mean_of_quantiles(layer: Layer, quantiles: int) -> Layer:
-    """The value of an action is the mean of its quantiles: a mean of weights, as it is linear."""
+    """A layer whose outputs are the means of the quantiles; as it is linear, of their weights."""
     weights, biases = layer
     mean = weights.reshape(len(weights), quantiles, -1).mean(axis=1)
     return mean, biases.reshape(quantiles, -1).mean(axis=0)
 
 
 def _split(weights: Floats, sizes: Sequence[int]) -> tuple[Layer, ...]:
-    """Layers out of one vector in torch's order."""
+    """The layers of a vector of weights in torch's order."""
     layers, at = [], 0
     for n_in, n_out in pairwise(sizes):
         matrix = weights[at : at + n_in * n_out].reshape(n_out, n_in)

@@ -1,7 +1,8 @@
-"""The clock of a run, and what it stops for: a look at the frozen policy on validation worlds.
+"""The judge of a run: its clock, and the looks (measurements of the policy on validation worlds).
 
-Looks come at times that grow by the same ratio for everybody. A look at a policy that has learned
-nothing since the last one is no look: two in a row are two policies.
+Looks come at times that grow by the same ratio for all contenders; the clock is stopped meanwhile.
+A policy that has not changed since the last look is not measured again, so that two looks in a row
+are of two different policies.
 """
 
 import time
@@ -25,29 +26,29 @@ LEVELS = (6.0, 4.5, 3.5)
 
 @dataclass(frozen=True)
 class Look:
-    """What was seen."""
+    """A measurement of the policy."""
 
     seconds: float
-    """Of learning, looks left out."""
+    """Time of learning so far, without looks."""
     world_steps: int
     contacts_per_100m: float
 
 
 class Clock:
-    """Wall-clock seconds since `started_s`, pauses left out."""
+    """A stopwatch of wall-clock time."""
 
     def __init__(self, started_s: float | None = None) -> None:
-        """Start, or have been started at that time of `time.monotonic`, in another process even."""
+        """Start now, or at a time of `time.monotonic`, which may be another process's."""
         self._started_s = time.monotonic() if started_s is None else started_s
 
     @property
     def seconds(self) -> float:
-        """So far."""
+        """Seconds since the start, without the time in which it was stopped."""
         return time.monotonic() - self._started_s
 
     @contextmanager
     def stopped(self) -> Iterator[None]:
-        """Within it no time passes."""
+        """A context in which the clock is stopped."""
         began_s = time.monotonic()
         yield
         self._started_s += time.monotonic() - began_s
@@ -55,22 +56,22 @@ class Clock:
 
 @dataclass
 class Judge:
-    """Says when to look and when to stop, and remembers what it saw."""
+    """Decides when to look and when a run ends; keeps the looks."""
 
     clock: Clock
     limit_s: float
     stops_at: float | None = None
-    """The run may end where this level is reached."""
+    """The run ends when it reaches this level."""
     rate: Callable[[FrozenPolicy], float] = field(default=lambda policy: validation_rate(policy))
     looks: list[Look] = field(default_factory=list)
     due_s: float = FIRST_LOOK_S
     starts_cold: bool = False
-    """Whether the times of looks grow from the first one on: what came before was compiling."""
+    """Whether the times of looks grow from the first look on, as compilation came before it."""
     origin_s: float = 0.0
-    """From where they grow."""
+    """Time from which they grow."""
     last: FrozenPolicy | None = None
     ended_s: float = 0.0
-    """When it was last asked to look, though nothing may have been learned since."""
+    """Time of the last call of `look`, whether or not it measured."""
 
     @property
     def is_due(self) -> bool:
@@ -79,13 +80,13 @@ class Judge:
 
     @property
     def is_over(self) -> bool:
-        """Whether the run has to stop."""
+        """Whether the run has to end."""
         return self.clock.seconds >= self.limit_s or (
             self.stops_at is not None and reached(self.looks, self.stops_at) is not None
         )
 
     def look(self, frozen: Callable[[], FrozenPolicy], world_steps: int) -> None:
-        """Measure the policy, unless it is the last one still; the clock stands meanwhile."""
+        """Measure the policy, with the clock stopped, if it has changed since the last look."""
         self.ended_s = seconds = self.clock.seconds
         with self.clock.stopped():
             self._put_off(seconds)
@@ -95,7 +96,7 @@ class Judge:
             self.last = policy
 
     def _put_off(self, seconds: float) -> None:
-        """Be due at the next of the growing times."""
+        """Set the time of the next look."""
         if self.starts_cold and not self.looks:
             self.origin_s, self.due_s = seconds, seconds + FIRST_LOOK_S
         while self.due_s <= seconds:
@@ -103,7 +104,7 @@ class Judge:
 
 
 def validation_rate(policy: FrozenPolicy) -> float:
-    """Contacts per 100 m on validation worlds."""
+    """Contacts per 100 m of a policy on validation worlds."""
     score = measure(
         policy,
         reference_contract(),
@@ -116,7 +117,7 @@ def validation_rate(policy: FrozenPolicy) -> float:
 
 
 def reached(looks: list[Look], level: float) -> Look | None:
-    """The first of two looks in a row that pass a level, if there are such."""
+    """The first of two looks in a row that pass a level; None if there are none."""
     for one, next_one in pairwise(looks):
         if max(one.contacts_per_100m, next_one.contacts_per_100m) <= level:
             return one

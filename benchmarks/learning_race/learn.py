@@ -1,7 +1,7 @@
-"""One run of a contender, from its first weights to the end of its time.
+"""One run of a contender, from its first weights to its time limit.
 
-Schedules know how long a run is: ours count steps, whose number comes from the measured speed;
-theirs follow the clock itself, in place of the steps that Stable-Baselines3 would have to be told.
+Schedules (ε, learning rates) need the length of the run. Those of our learners count steps, whose
+number is computed from the measured speed; those of Stable-Baselines3 follow the clock.
 """
 
 import math
@@ -9,37 +9,40 @@ from copy import deepcopy
 from dataclasses import replace
 from typing import Any
 
-from learning_race.contenders import Contender, Learner, Ours, Theirs
+from learning_race.contenders import AnyLearner, Contender, Ours, Theirs
 from learning_race.frozen import of_ours, of_theirs
 from learning_race.judge import Clock, Judge
 
 WARM_UP_S = 1.5
 _FOREVER = 1 << 60
+"""Steps of a run that the judge ends."""
+_SCHEDULES = ("lr_schedule", "exploration_schedule", "clip_range", "clip_range_vf")
+"""Attributes of a model that are functions of the share of the run that is left."""
 _MARGIN = 0.9
-"""Share of the time to the next look that a chunk of steps is sized for."""
+"""Share of the time to the next look that a chunk of steps should take."""
 
 
 def warm_up(contender: Contender) -> float:
-    """Learn for a moment, so that everything is compiled and loaded: world steps a second."""
+    """Learn for a moment, to compile and load everything; returns world steps per second."""
     learner = contender.learner
     if isinstance(learner, Ours):
-        _speed(_paced(learner, 1.0), math.inf)  # compiles, and says nothing of its speed
+        _speed(_paced(learner, 1.0), math.inf)  # its speed is not used: this compiles
     rate = _speed(learner, WARM_UP_S / 3)
     return _speed(_paced(learner, WARM_UP_S * rate), WARM_UP_S)
 
 
-def in_time(contender: Contender, rate: float) -> Learner:
-    """The contender's learner with schedules for its time.
+def in_time(contender: Contender, rate: float) -> AnyLearner:
+    """The contender's learner, with schedules that fit its time limit.
 
     Args:
-        contender: who.
-        rate: its world steps a second.
+        contender: the contender.
+        rate: its world steps per second.
     """
     return _paced(contender.learner, rate * contender.budget_s if contender.is_paced else 0.0)
 
 
-def learn(learner: Learner, seed: int, judge: Judge) -> None:
-    """Learn until the judge stops it or its steps are done, with a look at the end."""
+def learn(learner: AnyLearner, seed: int, judge: Judge) -> None:
+    """Learn until the judge or the number of steps ends the run; look once more at the end."""
     if isinstance(learner, Ours):
         _learn_ours(learner, seed, judge)
     else:
@@ -47,18 +50,18 @@ def learn(learner: Learner, seed: int, judge: Judge) -> None:
 
 
 def steps_a_transition(ours: Ours) -> int:
-    """Steps of the world for each transition of a learner of ours."""
+    """World steps per transition of one of our learners."""
     return ours.config.learner.exploration.action_repeat
 
 
-def _speed(learner: Learner, seconds: float) -> float:
-    """World steps a second of a run of so long, at most."""
+def _speed(learner: AnyLearner, seconds: float) -> float:
+    """World steps per second, measured in a run of at most `seconds`."""
     judge = Judge(Clock(), seconds, rate=lambda policy: 0.0)
     learn(learner, seed=0, judge=judge)
     return judge.looks[-1].world_steps / judge.looks[-1].seconds
 
 
-def _paced(learner: Learner, world_steps: float) -> Learner:
+def _paced(learner: AnyLearner, world_steps: float) -> AnyLearner:
     if isinstance(learner, Theirs) or not world_steps:
         return learner
     steps = max(1, round(world_steps / steps_a_transition(learner)))
@@ -72,7 +75,7 @@ def _learn_ours(ours: Ours, seed: int, judge: Judge) -> None:
     learner, repeat = new_learner(config), steps_a_transition(ours)
     began_s = judge.clock.seconds
     while learner.step < config.steps and not judge.is_over:
-        rate = learner.step / max(1e-9, judge.clock.seconds - began_s)  # transitions a second
+        rate = learner.step / max(1e-9, judge.clock.seconds - began_s)  # transitions per second
         left_s = min(judge.due_s, judge.limit_s) - judge.clock.seconds
         learner.run(max(1, min(config.steps - learner.step, int(_MARGIN * rate * left_s))))
         if judge.is_due:
@@ -90,7 +93,7 @@ def _learn_theirs(theirs: Theirs, seed: int, judge: Judge) -> None:
 
 
 def new_model(theirs: Theirs, seed: int, judge: Judge) -> Any:
-    """A rival before its first step, whose schedules end when the judge's time does."""
+    """A rival before its first step, with schedules that end at the judge's time limit."""
     from learning_race.field import FieldVecEnv
 
     world = {"input_power": theirs.input_power, "held_steps": theirs.held_steps}
@@ -98,15 +101,15 @@ def new_model(theirs: Theirs, seed: int, judge: Judge) -> Any:
     model = algorithm(theirs.algorithm)(
         "MlpPolicy", env, seed=seed, device="cpu", **_settings(theirs)
     )
-    _follow(model, judge)
+    _follow_clock(model, judge)
     return model
 
 
 def algorithm(name: str) -> Any:
-    """The class of that name.
+    """The class of an algorithm's name.
 
     Raises:
-        SystemExit: sb3-contrib is needed and is not there.
+        SystemExit: it is in sb3-contrib, which is not installed.
     """
     import stable_baselines3
 
@@ -120,17 +123,20 @@ def algorithm(name: str) -> Any:
 
 
 def _settings(theirs: Theirs) -> dict[str, Any]:
-    """Copied to the bottom: the library writes into `policy_kwargs`."""
+    """Arguments for the model; a deep copy, as the library writes into `policy_kwargs`."""
     settings, peak = deepcopy(dict(theirs.settings)), theirs.falling_rate
     if peak is not None:
         settings["learning_rate"] = lambda left: max(0.0, left) * peak
     return settings
 
 
-def _follow(model: Any, judge: Judge) -> None:
-    """Let the model's schedules end when its time does."""
+def _follow_clock(model: Any, judge: Judge) -> None:
+    """Give the model's schedules the share of the time that is left, not that of the steps."""
 
-    def update(steps: int, all_steps: int) -> None:
-        model._current_progress_remaining = max(0.0, 1.0 - judge.clock.seconds / judge.limit_s)
+    def by_clock(schedule: Any) -> Any:
+        return lambda _: schedule(max(0.0, 1.0 - judge.clock.seconds / judge.limit_s))
 
-    model._update_current_progress_remaining = update
+    for name in _SCHEDULES:
+        schedule = getattr(model, name, None)
+        if callable(schedule):
+            setattr(model, name, by_clock(schedule))

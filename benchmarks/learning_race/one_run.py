@@ -1,4 +1,4 @@
-"""A run as a process of its own does it: warm up, learn, be measured on test worlds."""
+"""One run, as a process of its own does it: warm up, learn, measure on test worlds."""
 
 import json
 from dataclasses import asdict
@@ -16,7 +16,7 @@ COLD_LIMIT_S = 600.0
 
 
 def warm_record(contender: Contender, seed: int, scale: Scale) -> str:
-    """Learn with everything loaded and compiled; one line of JSON."""
+    """Do a warm run, with everything loaded and compiled; returns its record, a line of JSON."""
     contender = scale.limited(contender)
     set_threads(contender)
     rate = warm_up(contender)
@@ -26,7 +26,7 @@ def warm_record(contender: Contender, seed: int, scale: Scale) -> str:
 
 
 def cold_record(contender: Contender, seed: int, scale: Scale, started_s: float) -> str:
-    """Learn up to the first level in a process that began at `started_s`, without any cache."""
+    """Do a cold run up to the first level, in a process that began at `started_s`."""
     set_threads(contender)
     judge = Judge(Clock(started_s), COLD_LIMIT_S, LEVELS[0], starts_cold=True)
     judge.due_s = judge.clock.seconds
@@ -46,7 +46,7 @@ def _record(contender: Contender, seed: int, judge: Judge) -> dict[str, Any]:
 
 
 def _tested(judge: Judge, scale: Scale) -> dict[str, Any]:
-    """Contacts per 100 m on test worlds, with the interval over agents."""
+    """The part of a record with contacts per 100 m on test worlds, and its interval."""
     assert judge.last is not None, "a run ends with a look"
     score = measure(
         judge.last, reference_contract(), agents=scale.test_agents, steps=scale.test_steps

@@ -1,4 +1,4 @@
-"""A run's file, as it was written: one object of JSON."""
+"""Reading the file of a run: one JSON object."""
 
 import json
 import sys
@@ -9,10 +9,10 @@ _FIELDS = {"contender", "settings", "seed", "budget_s", "seconds", "looks"}
 
 
 def read_record(path: Path) -> dict[str, Any]:
-    """What a file says of a run.
+    """The record of a run.
 
     Raises:
-        SystemExit: it is no record; with a line that says so, exit status 2.
+        SystemExit: the file is not such a record; exit status 2, with one line on standard error.
     """
     try:
         record: Any = json.loads(path.read_text())

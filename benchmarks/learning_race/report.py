@@ -1,4 +1,4 @@
-"""Table, comparisons and figure out of the runs that there are."""
+"""The report on existing runs: table, comparisons and figure."""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -31,7 +31,7 @@ HEADER = (
 
 
 def write_report(out: Path) -> str:
-    """Write `learning.md` and `learning.png` beside the runs; the text."""
+    """Write `learning.md` and `learning.png` into the folder of the runs; returns the text."""
     runs, cold = read_runs(out), read_runs(out, cold=True)
     parts = [_table(HEADER, (_row(name, mine) for name, mine in runs.items()))]
     if cold:
@@ -74,10 +74,10 @@ def _time_ratio(runs: Runs, ours: list[str], rivals: list[str], group: str) -> l
 def _bound(
     times: dict[str, Reached], level: float, group: str, ours: list[str], rivals: list[str]
 ) -> str:
-    """What can be said where all of a group are censored."""
+    """A bound for the ratio, where no contender of a group reaches the level often enough."""
     slow = [min(t.seconds) for name, t in times.items() if group_of(name) == group]
     if not ours or rivals or not slow:
-        return f"time to {level:g} ({group}): nobody to compare"
+        return f"time to {level:g} ({group}): no contenders to compare"
     mine = min(times[name].time_s.value for name in ours)
     return (
         f"time to {level:g}: too few seeds of any {group} one reach it; the shortest of their runs "

@@ -1,8 +1,8 @@
-"""What the runs of a contender say together.
+"""Results of a contender over its seeds.
 
-Times are to the first of two looks in a row that pass a level; a seed that never does counts as the
-run's whole length. A level that fewer than 8 of 10 seeds reach is censored: only that it takes
-longer is known. Everything else is an interquartile mean over seeds with a 95 % bootstrap interval.
+A time is that of the first of two looks in a row that pass a level; for a seed that does not reach
+it, the length of the run is taken. If fewer than 8 of 10 seeds reach a level, its time is censored:
+only a lower bound is known. All else are interquartile means with 95 % bootstrap intervals.
 """
 
 from dataclasses import dataclass
@@ -14,49 +14,49 @@ from learning_race.record import read_record
 from reflexarc_sim_bridge.evaluation.statistics import Estimate, estimate
 
 LEAST_SHARE = 0.8
-"""Of the seeds that have to reach a level."""
+"""Share of the seeds that must reach a level."""
 
 
 @dataclass(frozen=True)
 class Run:
-    """One run, as its file has it."""
+    """One run, as recorded in its file."""
 
     contender: str
     settings: str
     seed: int
     budget_s: float
     seconds: float
-    """How long it learned."""
+    """Time of learning."""
     looks: list[Look]
     test: list[float] | None = None
-    """Contacts per 100 m on test worlds, and its interval over agents; none of a cold run."""
+    """Contacts per 100 m on test worlds, and the ends of its interval; None for a cold run."""
     undisturbed_s: float | None = None
-    """To the first level without a look; none where it was not reached."""
+    """Time to the first level without looks; None if it was not measured."""
 
 
 @dataclass(frozen=True)
 class Reached:
-    """A level over the seeds of a contender."""
+    """When the seeds of a contender reached a level."""
 
     seconds: list[float]
-    """Of every seed; the run's length where it did not."""
+    """Time of every seed; the length of the run if it did not reach the level."""
     world_steps: list[float]
     seeds: int
-    """That reached it."""
+    """Number of seeds that reached the level."""
 
     @property
     def is_censored(self) -> bool:
-        """Whether too few did."""
+        """Whether too few seeds reached it."""
         return self.seeds < LEAST_SHARE * len(self.seconds)
 
     @property
     def time_s(self) -> Estimate:
-        """To the level."""
+        """Interquartile mean of the times, with its interval."""
         return estimate(self.seconds)
 
 
 def read_runs(out: Path, *, cold: bool = False) -> dict[str, list[Run]]:
-    """Runs by contender, in the contenders' order."""
+    """The runs of each contender, in the order of the contenders."""
     runs: dict[str, list[Run]] = {}
     for contender in CONTENDERS:
         found = sorted(out.glob(f"{contender.name}-[0-9]*.json"))
@@ -73,7 +73,7 @@ def group_of(name: str) -> str:
 
 
 def times_to(runs: list[Run], level: float) -> Reached:
-    """When, and after how many steps of the world, a level was reached."""
+    """Times and world steps to a level."""
     looks = [reached(run.looks, level) for run in runs]
     unreached = [Look(run.seconds, run.looks[-1].world_steps, 0.0) for run in runs]
     ends = [look or end for look, end in zip(looks, unreached, strict=True)]
@@ -83,7 +83,7 @@ def times_to(runs: list[Run], level: float) -> Reached:
 
 
 def undisturbed(runs: list[Run]) -> Reached:
-    """The same for the first level without looks, where every run that reached it was timed so."""
+    """Times to the first level without looks, for the runs that were timed so."""
     looked = times_to(runs, LEVELS[0])
     pairs = zip(runs, looked.seconds, strict=True)
     seconds = [s if run.undisturbed_s is None else run.undisturbed_s for run, s in pairs]
@@ -91,7 +91,7 @@ def undisturbed(runs: list[Run]) -> Reached:
 
 
 def test_rates(runs: list[Run]) -> list[float]:
-    """Contacts per 100 m on test worlds, a number a seed."""
+    """Contacts per 100 m on test worlds, one number per seed."""
     return [run.test[0] for run in runs if run.test is not None]
 
 

@@ -1,10 +1,10 @@
-"""How many threads torch may take."""
+"""The number of torch's threads."""
 
 from learning_race.contenders import Contender, Theirs
 
 
 def set_threads(contender: Contender) -> None:
-    """Give torch as many as the contender asks for."""
+    """Set the number of torch's threads that a rival has."""
     if isinstance(contender.learner, Theirs):
         import torch
 

@@ -1,9 +1,9 @@
-"""How long it takes to a level when nobody looks.
+"""The time to the first level without looks.
 
-A look stops the clock, and still disturbs: it takes the caches, and sends threads to sleep. That is
-nothing to a run of a second and much to one of a hundredth. So whoever has reached the first level
-learns once more from the same seed, in a new process, for as many steps of the world as it took,
-without a look.
+A look stops the clock, but slows the learner down afterwards: it fills the processor's caches, and
+threads go to sleep. For a run of a second that is nothing, for one of a hundredth it is much. So a
+contender that has reached the first level learns once more with the same seed, in a new process,
+for as many world steps as it took, without looks.
 """
 
 import json
@@ -13,7 +13,7 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-from learning_race.contenders import Contender, Learner, Ours
+from learning_race.contenders import AnyLearner, Contender, Ours
 from learning_race.judge import LEVELS, Clock, Judge, reached
 from learning_race.learn import in_time, new_model, steps_a_transition, warm_up
 from learning_race.record import read_record
@@ -25,7 +25,7 @@ from reflexarc_trainer.sarsa.forms import new_learner
 
 
 def time_all(out: Path, contenders: dict[str, Contender]) -> None:
-    """Add the time to every run that reached the first level and has none.
+    """Measure the time for every run that reached the first level, if its record does not have it.
 
     Raises:
         SystemExit: a run failed.
@@ -39,7 +39,7 @@ def time_all(out: Path, contenders: dict[str, Contender]) -> None:
 
 
 def undisturbed_s(contender: Contender, seed: int, world_steps: int) -> float:
-    """Seconds to learn for so many steps of the world, from the first weights on."""
+    """Time to learn for a number of world steps, from the first weights on, in seconds."""
     set_threads(contender)
     learner = in_time(contender, warm_up(contender))
     began_s = time.monotonic()
@@ -47,7 +47,7 @@ def undisturbed_s(contender: Contender, seed: int, world_steps: int) -> float:
     return time.monotonic() - began_s
 
 
-def _learn(learner: Learner, seed: int, world_steps: int, budget_s: float) -> None:
+def _learn(learner: AnyLearner, seed: int, world_steps: int, budget_s: float) -> None:
     if isinstance(learner, Ours):
         steps = world_steps // steps_a_transition(learner)
         new_learner(replace(learner.config, seed=seed)).run(steps)

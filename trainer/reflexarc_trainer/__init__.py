@@ -1,17 +1,12 @@
 """LEARNS: network, SARSA(λ), training, export.
 
-Start reading at `reference.py` (the algorithm) and `train.py` (a run); a file a concept:
+Start reading at `sarsa/reference.py` (the algorithm) and `run/train.py` (a run).
 
-    config learner_config presets schedules history    what a run is made of
-    q_network reference                       torch: the network, the algorithm to be read
-    online online_state online_weights traces compiled, one agent: traces, an update a step
-    batched rollout returns block optimiser   compiled, many agents: λ-returns, gradients
-    choice units exponential rows fused       what both of them use
-    learner forms online_learner batched_learner          their faces in Python
-    initial_weights weights                   vectors of weights, and networks
-    validation train checkpoint curve          a run and what it leaves
-    study/ statistics edge_index              many runs: a grid × seeds, what they say together
-    export translate parity delivery provenance   the policy file
+    config/    what defines a run: its dataclasses, the presets, the worlds to learn in
+    sarsa/     the algorithm: a reference in torch, and two compiled forms
+    policy/    the network in torch, and as a policy file: export, check, warm start
+    run/       one run: the training loop, validation, checkpoints, the folder with its results
+    study/     many runs: a grid of configurations × seeds, and what they show together
 
-Importing the package loads neither torch nor numba; the modules do.
+Importing the package loads neither torch nor numba; its modules do.
 """

@@ -23,34 +23,15 @@ from reflexarc_trainer.config.train_config import (
 )
 from reflexarc_trainer.policy.weights import NetworkPolicy, network_of
 from reflexarc_trainer.run import checkpoint, train
-from reflexarc_trainer.run.delivery import export_checkpoint
 from reflexarc_trainer.run.train import TrainingProgress
 from reflexarc_trainer.sarsa.forms import new_learner
-from reflexarc_trainer.sarsa.learner import Learner
+from reflexarc_trainer.sarsa.learner_interface import Learner
 
 WITHOUT_A_POINT = {
     *("policy.onnx", "config.json", "metrics.csv", "checkpoint.npz"),
     *("report.md", "curve.png", "occupancy.png"),
 }
 FILES = WITHOUT_A_POINT | {"policy-best.onnx"}
-
-
-@pytest.fixture(scope="module", params=["online", "batched"])
-def config(
-    request: pytest.FixtureRequest, small_config: TrainConfig, small_batched_config: TrainConfig
-) -> TrainConfig:
-    return small_config if request.param == "online" else small_batched_config
-
-
-@pytest.fixture(scope="module")
-def whole_run(config: TrainConfig, tmp_path_factory: pytest.TempPathFactory) -> train.TrainResult:
-    """An uninterrupted run, in `policy_path.parent`; tests read it and leave it alone."""
-    return train.train(config, tmp_path_factory.mktemp("whole") / "run")
-
-
-@pytest.fixture(autouse=True)
-def short_chunks(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(train, "CHUNK_STEPS", 300)
 
 
 def names(folder: Path) -> set[str]:
@@ -257,32 +238,6 @@ def test_ctrl_c_leaves_a_policy_of_what_was_learned(config: TrainConfig, tmp_pat
     assert result.interrupted
     assert names(tmp_path) == (FILES if result.history else WITHOUT_A_POINT)
     assert load_policy(result.policy_path).contract.provenance.scores["steps"] == result.steps
-
-
-def test_checkpoint_exports_the_same_policy(whole_run: train.TrainResult, tmp_path: Path) -> None:
-    source = whole_run.policy_path.parent / "checkpoint.npz"
-    export_checkpoint(source, tmp_path / "again.onnx")
-    assert (tmp_path / "again.onnx").read_bytes() == whole_run.policy_path.read_bytes()
-
-
-@pytest.mark.parametrize("content", [b"", b"PK\x03\x04 torn", b"weights"])
-def test_file_that_is_no_checkpoint_is_refused_in_one_line(content: bytes, tmp_path: Path) -> None:
-    (tmp_path / "checkpoint.npz").write_bytes(content)
-    with pytest.raises(UsageError, match=r"checkpoint\.npz: expected a checkpoint") as refusal:
-        train.resume(tmp_path)
-    assert "\n" not in str(refusal.value)
-
-
-def test_missing_checkpoint_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match="no checkpoint here"):
-        train.resume(tmp_path)
-
-
-def test_checkpoint_of_another_network_is_refused(config: TrainConfig, tmp_path: Path) -> None:
-    learner = new_learner(config)
-    other = dataclasses.replace(config, network=NetworkConfig(hidden=(4,)))
-    with pytest.raises(UsageError, match="weights: expected shape"):
-        new_learner(other).restore(learner.arrays())
 
 
 def test_divergence_is_said_and_not_exported(tmp_path: Path) -> None:

@@ -1,10 +1,9 @@
-"""Exploration: the stream, the winner, the schedule."""
+"""Exploration: the random stream, the greedy choice, the ε-greedy one."""
 
 import numpy as np
 import pytest
 
 from reflexarc_trainer.sarsa.exploration import choose, expected_value, new_streams, uniform, winner
-from reflexarc_trainer.sarsa.schedules import linear
 
 MASK = (1 << 64) - 1
 
@@ -47,15 +46,6 @@ def test_epsilon_is_the_share_of_random_actions() -> None:
 def test_without_epsilon_the_winner_is_chosen() -> None:
     streams, q_values = new_streams(0), np.array([[0.0], [0.0], [1.0]])
     assert {choose(q_values, 0, 0.0, streams, 0) for _ in range(100)} == {2}
-
-
-def test_epsilon_falls_linearly_and_then_stays() -> None:
-    values = [linear(step, 1.0, 0.02, 100.0) for step in (0, 25, 50, 100, 101, 10**9)]
-    assert values == pytest.approx([1.0, 0.755, 0.51, 0.02, 0.02, 0.02])
-
-
-def test_epsilon_without_a_decay_is_its_end() -> None:
-    assert linear(0, 1.0, 0.02, 0.0) == 0.02
 
 
 def test_expected_value_is_the_mean_over_what_is_chosen() -> None:

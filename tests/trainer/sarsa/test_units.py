@@ -8,13 +8,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from reflexarc_trainer.sarsa import exponential, units
+from reflexarc_trainer.sarsa import units
 from reflexarc_trainer.sarsa.units import RELU, SIGMOID, TANH
 from support.compiled_calls import from_python
 
 activate = from_python(units.activate)
-exp_of_negative = from_python(exponential.exp_of_negative)
-
 ANY_NUMBER = st.floats(-1e300, 1e300) | st.floats(-40.0, 40.0)
 SINGLE = st.floats(-(2.0**100), 2.0**100, width=32) | st.floats(-40.0, 40.0, width=32)
 
@@ -27,18 +25,6 @@ def activated(kind: int, x: float, dtype: npt.DTypeLike) -> float:
 
 def logistic(x: float) -> float:
     return 1.0 / (1.0 + math.exp(-x)) if x > -700.0 else 0.0
-
-
-@settings(deadline=None)  # the first call compiles
-@given(st.floats(-700.0, 0.0))
-def test_exponential_is_the_librarys_to_the_last_bits(x: float) -> None:
-    assert exp_of_negative(x) == pytest.approx(math.exp(x), rel=5e-16, abs=0.0)
-
-
-@settings(deadline=None)
-@given(st.floats(-87.0, 0.0, width=32))
-def test_exponential_is_the_librarys_in_single_precision_too(x: float) -> None:
-    assert exp_of_negative(np.float32(x)) == pytest.approx(math.exp(x), rel=2e-7, abs=0.0)
 
 
 @settings(deadline=None)
@@ -62,11 +48,6 @@ def test_whole_vectors_and_their_rest_are_what_single_numbers_are(dtype: npt.DTy
         mine = values.copy()
         activate(kind, mine)
         np.testing.assert_allclose(mine, exact, rtol=4 * np.finfo(dtype).eps, atol=0)
-
-
-def test_single_precision_is_computed_in_single_precision() -> None:
-    found = [exp_of_negative(np.float32(x)) for x in np.linspace(-20.0, 0.0, 50)]
-    assert all(value == np.float32(value) for value in found)
 
 
 def test_numbers_that_are_none_stay_none() -> None:

@@ -1,1 +1,1 @@
-"""What a training run is made of: its configuration, the presets, the order of its worlds."""
+"""What defines a training run: its configuration, the presets, the worlds to learn in."""

@@ -1,8 +1,8 @@
-"""What a learner is made of: the network, the exploration, and SARSA(λ) in one of two forms.
+"""Configuration of the network, of the exploration, and of SARSA(λ) in its two forms.
 
 The defaults are the paper's ("Reactive Vision-Based Navigation Controller for Autonomous Mobile
-Agents": α = 0.5, λ = 0.9, γ = 0.9, 16–10–3, +0.1 a step, −1 a collision); where the paper is
-silent, a field names the choice and its alternatives.
+Agents": α = 0.5, λ = 0.9, γ = 0.9, 16–10–3, reward +0.1 per step and −1 for a collision). Where the
+paper says nothing, a field documents the choice and its alternatives.
 """
 
 import math
@@ -22,7 +22,7 @@ Form = Literal["online", "batched"]
 StepRule = Literal["bounded", "intentional", "rmsprop", "literal"]
 Units = Literal["sigmoid", "tanh", "relu"]
 OutputUnits = Literal["linear", "sigmoid"]
-Target = Literal["sampled", "expected", "greedy"]
+TdTarget = Literal["sampled", "expected", "greedy"]
 Optimiser = Literal["adam", "radam"]
 Precision = Literal["float32", "float64"]
 InitialWeights = Literal["scaled", "normal"]
@@ -34,22 +34,22 @@ MOST_UNITS = 4096
 
 @dataclass(frozen=True)
 class NetworkConfig:
-    """Retina → hidden layers → one value an action (the paper: 16–10–3, sigmoid units)."""
+    """Retina → hidden layers → one Q-value per action (the paper: 16–10–3, sigmoid units)."""
 
     hidden: tuple[int, ...] = (10,)
-    """Units of each hidden layer, one to three of them; a plain number is one layer."""
+    """Number of units of each hidden layer; one to three layers. A plain number means one layer."""
     units: Units = "sigmoid"
-    """What the hidden units compute."""
+    """Activation function of the hidden units."""
     output: OutputUnits = "sigmoid"
-    """Output units. Sigmoid ones, the paper's words taken literally, cannot hold the negative value
-    of a certain collision."""
+    """Activation function of the output units. Sigmoid ones, which the paper has, cannot represent
+    the negative value of a certain collision."""
     input_power: int = 1
-    """Each input in [0, 1] is raised to this whole power: what is near stands out more."""
+    """Each input in [0, 1] is raised to this whole power, which stresses near obstacles."""
     initial_weights: InitialWeights = "scaled"
     """`scaled`: standard deviation 1/√(inputs of the unit), biases 0; `normal`: N(0, 1)."""
 
     def __post_init__(self) -> None:
-        given: Any = self.hidden  # files may say a number, or a list
+        given: Any = self.hidden  # files may contain a number or a list
         layers = (given,) if isinstance(given, int) else tuple(given)
         object.__setattr__(self, "hidden", layers)
         require(1 <= len(layers) <= MOST_LAYERS, "network.hidden", "1 to 3 layers", layers)
@@ -61,26 +61,26 @@ class NetworkConfig:
         require_one_of(InitialWeights, "network.initial_weights", self.initial_weights)
 
     def sizes(self, contract: PolicyContract) -> list[int]:
-        """Inputs, hidden units, actions: (layers + 1,)."""
+        """Numbers of inputs, of hidden units in each layer, and of actions: (layers + 1,)."""
         inputs = contract.retina.frames * contract.retina.size
         return [inputs, *self.hidden, len(contract.actions)]
 
 
 @dataclass(frozen=True)
 class ExplorationConfig:
-    """ε-greedy choice; ε falls linearly."""
+    """ε-greedy choice of actions; ε falls linearly."""
 
     epsilon_start: float = 1.0
-    """Share of random actions at the first step."""
+    """ε, the probability of a random action, at the first step."""
     epsilon_end: float = 0.02
-    """Share of random actions once the decay is over."""
+    """ε after the decay."""
     epsilon_span: float = 0.5
     """Share of the run over which ε decays."""
     held_actions: int = 1
-    """Steps for which a chosen action is held while learning; a contact ends the hold."""
+    """Transitions for which a chosen action is held while learning; a contact ends the hold."""
     action_repeat: int = 1
-    """Steps of the world an action while learning. They are one transition: their rewards are
-    added, γ counts them as one, and nobody looks in between. Where the learned policy is used, it
+    """World steps per action while learning. They are one transition: their rewards are added, γ
+    counts them as one, and nothing is sensed in between. The learned policy, where it is used,
     decides at every step."""
 
     def __post_init__(self) -> None:
@@ -98,21 +98,21 @@ class ExplorationConfig:
 
 @dataclass(frozen=True)
 class OnlineConfig:
-    """One agent, traces, one update a step: what the paper describes."""
+    """One agent, eligibility traces, one update per transition: what the paper describes."""
 
     alpha: float = 0.5
-    """Step size α. Bounded: its upper limit; intentional: the share η of the TD error that an
-    update removes; rmsprop: what a weight moves by where its δe is as large as usual."""
+    """Step size α. Bounded: its upper limit. Intentional: the share of the TD error that an update
+    removes. RMSProp: the change of a weight whose δe equals its running RMS."""
     alpha_end: float = 1.0
-    """What is left of α at the end of the run, to which it falls linearly."""
+    """Share of α that is left at the end of the run; α falls linearly."""
     step: StepRule = "bounded"
-    """`bounded`: α is cut where one update would overshoot; `intentional`: the step is such that
-    an update removes the share α of the TD error; `rmsprop`: each weight's δe is divided by its
-    running RMS; `literal`: α as it is (diverges with linear outputs)."""
+    """`bounded`: α is reduced where one update would overshoot; `intentional`: an update removes
+    the share α of the TD error; `rmsprop`: each weight's δe is divided by its running RMS;
+    `literal`: α is taken as it is (this diverges with linear outputs)."""
     kappa: float = 2.0
-    """κ of the bounded step: 1/κ of the TD error is the most that one update may remove."""
+    """κ of the bounded step: one update removes at most 1/κ of the TD error."""
     precision: Precision = "float32"
-    """Of weights, traces and values while learning."""
+    """Floating-point type of weights, traces and values while learning."""
 
     def __post_init__(self) -> None:
         require(0.0 < self.alpha <= 1e3, "learner.online.alpha", "in (0, 1000]", self.alpha)
@@ -124,29 +124,29 @@ class OnlineConfig:
 
 @dataclass(frozen=True)
 class BatchedConfig:
-    """Many agents, λ-returns over short roll-outs, one gradient step or more for each of them."""
+    """Many agents, λ-returns over short roll-outs, one or more gradient steps after each."""
 
     agents: int = 512
-    """Agents, each in a training world of its own."""
+    """Number of agents, each in a training world of its own."""
     shard_agents: int = 64
-    """Agents whose steps are computed together by one thread. The bits depend on it, and not on
-    the number of threads."""
+    """Number of agents that one thread computes together. The bits of a run depend on it, but not
+    on the number of threads."""
     rollout_steps: int = 16
-    """Transitions that every agent makes between two updates."""
+    """Transitions of each agent between two updates."""
     epochs: int = 1
-    """How often each roll-out is learned from."""
+    """Number of times that each roll-out is learned from."""
     minibatches: int = 1
-    """Updates an epoch; each takes every so many-th step of every agent."""
+    """Gradient steps per epoch; each takes every n-th transition of every agent."""
     optimiser: Optimiser = "adam"
-    """How a gradient moves the weights."""
+    """Optimiser of the gradient steps."""
     learning_rate: float = 3e-3
-    """Of the optimiser, at the start."""
+    """Learning rate of the optimiser at the start of the run."""
     learning_rate_end: float = 0.0
-    """What is left of it at the end of the run, as a share, to which it falls linearly."""
+    """Share of the learning rate that is left at the end of the run; it falls linearly."""
     max_gradient_norm: float = 10.0
-    """A gradient that is longer is shortened to this."""
+    """A gradient with a larger norm is shortened to this norm."""
     precision: Precision = "float32"
-    """Of weights and values while learning."""
+    """Floating-point type of weights and values while learning."""
 
     def __post_init__(self) -> None:
         limits = {"agents": 1 << 20, "shard_agents": 1 << 12, "rollout_steps": 1 << 12}
@@ -174,43 +174,43 @@ class BatchedConfig:
 
     @property
     def batch_steps(self) -> int:
-        """Transitions of one roll-out, all agents together."""
+        """Transitions of a roll-out, all agents together."""
         return self.agents * self.rollout_steps
 
 
 @dataclass(frozen=True)
 class LearnerConfig:
-    """SARSA(λ): what is learned, in one of two forms, and from which rewards."""
+    """SARSA(λ): its form, its targets and its rewards."""
 
     form: Form = "online"
-    """`online`: traces, an update a step; `batched`: λ-returns over many agents."""
+    """`online`: one agent, traces, an update per transition; `batched`: λ-returns, many agents."""
     trace_decay: float = 0.9
-    """λ: how far back a TD error reaches. 0 keeps no trace."""
+    """λ: how far back a TD error changes earlier values; with 0 only the last one."""
     gamma: float = 0.9
-    """Discount γ a transition."""
-    target: Target = "sampled"
-    """Value of the next place: that of the action chosen there (`sampled`, SARSA), the mean
-    over what ε-greedy may choose (`expected`), or that of the best action (`greedy`, Q(λ) after
-    Peng & Williams, "Incremental multi-step Q-learning", 1996; batched only)."""
+    """Discount γ per transition."""
+    target: TdTarget = "sampled"
+    """Value of the next state in a target: that of the action chosen there (`sampled`, SARSA), the
+    expectation over the ε-greedy choice (`expected`), or that of the best action (`greedy`, Q(λ)
+    after Peng & Williams, "Incremental multi-step Q-learning", 1996; batched only)."""
     reward_step: float = 0.1
     """Reward of a step without a contact."""
     reward_contact: float = -1.0
-    """Reward of a step with a contact, which gets no `reward_step`."""
+    """Reward of a step with a contact, in place of `reward_step`."""
     reward_centring: float = 0.0
-    """Share by which an average reward, subtracted from every reward, moves towards the last one
-    at each update (arXiv 2405.09999). 0 subtracts nothing."""
+    """Reward centring (arXiv 2405.09999): a running average is subtracted from every reward; this
+    is the share by which it moves towards the last one at each update. 0 turns it off."""
     after_contact: AfterContact = "bootstrap"
-    """After a contact the value of the new place counts (`bootstrap`) or not (`terminal`). The
+    """Whether the value of the state after a contact counts (`bootstrap`) or not (`terminal`). The
     trace is cut in both cases."""
     averaged_weights: float = 0.0
-    """What an average over past weights keeps of itself at each update; the average is what is
+    """Share of itself that a running average of the weights keeps at each update. The average is
     validated and exported. 0 takes the last weights."""
     exploration: ExplorationConfig = field(default_factory=ExplorationConfig)
-    """How actions are chosen while learning."""
+    """Choice of actions while learning."""
     online: OnlineConfig = field(default_factory=OnlineConfig)
-    """The online form's own."""
+    """Settings of the online form."""
     batched: BatchedConfig = field(default_factory=BatchedConfig)
-    """The batched form's own."""
+    """Settings of the batched form."""
 
     def __post_init__(self) -> None:
         require_share("learner.trace_decay", self.trace_decay)
@@ -222,7 +222,7 @@ class LearnerConfig:
         keep = self.averaged_weights
         require(0.0 <= keep < 1.0, "learner.averaged_weights", "in [0, 1)", keep)
         require_one_of(Form, "learner.form", self.form)
-        require_one_of(Target, "learner.target", self.target)
+        require_one_of(TdTarget, "learner.target", self.target)
         fits = self.form == "batched" or self.target != "greedy"
         require(fits, "learner.target", "sampled or expected with form = 'online'", self.target)
         require_one_of(AfterContact, "learner.after_contact", self.after_contact)

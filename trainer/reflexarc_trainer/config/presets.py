@@ -1,7 +1,7 @@
-"""The named starting points of a run.
+"""Presets: complete configurations, by name, to start a run from.
 
-Figures in the help are contacts per 100 m on test worlds. Those over 30 seeds are of `reflexarc
-study thirty`; `python benchmarks/learner.py --presets` measures the others.
+Figures in the help are contacts per 100 m on test worlds. Those over 30 seeds were measured by
+`reflexarc study thirty`, the others by `python benchmarks/learner.py --presets`.
 """
 
 from collections.abc import Mapping
@@ -21,18 +21,19 @@ from reflexarc_trainer.config.train_config import (
 )
 
 PAPER_RANGE_M = 1.5
-"""The paper says "the immediate proximity" only. On validation worlds, means of three or four seeds
+"""Range of the paper's eye, for which the paper says only "the immediate proximity". On validation
+worlds, means of three or four seeds
 in contacts per 100 m: 12.7 at 0.6 m, 9.1 at 0.8 m, 7.0 at 1 m, 6.6 at 1.25 m, 6.4 at 1.5 m, 6.2 at
 1.75 m, 7.4 at 2 m, 13.3 at 3 m (0.6, 0.8, 2 and 3 m with linear outputs): flat around 1.5 m."""
 
 BASELINE_M = 0.1
-"""Validation worlds, two seeds each, contacts per 100 m: 3.2 and 2.7 at 0.1 m, 3.7 and 3.3 at
-0.3 m, 4.9 and 4.8 at 0.6 m."""
+"""Distance between the two eyes. Validation worlds, two seeds each, contacts per 100 m: 3.2 and 2.7
+at 0.1 m, 3.7 and 3.3 at 0.3 m, 4.9 and 4.8 at 0.6 m."""
 
 TURNING_RADPS = 2.0
-"""Validation worlds of `rover`, two seeds each, contacts per 100 m of path: 1.1 and 1.1 at 1 rad/s,
-0.4 and 0.5 at 2 rad/s, 1.6 and 0.5 at 3 rad/s, where it also turns about more than twice as much
-as at 2 rad/s."""
+"""Turning speed. Validation worlds of `rover`, two seeds each, contacts per 100 m of path: 1.1 and
+1.1 at 1 rad/s, 0.4 and 0.5 at 2 rad/s, 1.6 and 0.5 at 3 rad/s, where the body also turns more than
+twice as much as at 2 rad/s."""
 
 LIDAR_RATE_HZ = 10.0
 LIDAR_AGE_S = 0.3
@@ -50,10 +51,10 @@ _LEARNER = LearnerConfig(
 )
 """Chosen on validation worlds, three seeds of 2^19 transitions each, contacts per 100 m: 2.3, 2.5
 and 2.4; with four minibatches 2.8, 2.8 and 2.6; with two layers of 32 units 2.6, 2.5 and 2.7; with
-single steps of the world as transitions, each action held for three of them, λ 0.8: 2.6, 2.9 and
-2.7. With inputs as they are in place of their square it learned half as well in earlier trials."""
+one world step per transition, each action held for three transitions, λ 0.8: 2.6, 2.9 and 2.7. With
+inputs that are not squared it learned half as well in earlier trials."""
 _ONLINE_NETWORK = replace(_NETWORK, hidden=(63,))
-"""Its 63 units and the one for the biases are whole vectors."""
+"""63 units and one for the biases fill whole vector registers: see `weight_rows.py`."""
 _ONLINE_LEARNER = LearnerConfig(
     trace_decay=0.6,
     gamma=0.95,
@@ -61,7 +62,7 @@ _ONLINE_LEARNER = LearnerConfig(
     exploration=_LEARNER.exploration,
     online=OnlineConfig(step="rmsprop", alpha=5e-4, alpha_end=0.0, precision="float32"),
 )
-"""`benchmarks/learning_race/tuning.md` says what else was tried."""
+"""`benchmarks/learning_race/tuning.md` lists what else was tried."""
 _PAPERS_EYE = RetinaSpec(range_m=PAPER_RANGE_M, shading=Shading.COLOUR)
 _STEPS = 1 << 19
 
@@ -163,14 +164,14 @@ HELP: Mapping[str, str] = MappingProxyType(
         ),
     }
 )
-"""For each preset one paragraph: what it is for, what it reaches."""
+"""One paragraph per preset: its purpose, and what it reaches."""
 
 
 def preset_named(name: str) -> TrainConfig:
-    """The configuration of that name.
+    """The preset of a name.
 
     Raises:
-        UsageError: there is none.
+        UsageError: no preset has this name.
     """
     if name not in PRESETS:
         raise UsageError(f"preset: no preset is named {name!r}; known: {', '.join(PRESETS)}")

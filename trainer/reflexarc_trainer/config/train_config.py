@@ -1,6 +1,7 @@
-"""What a training run is made of: nested frozen dataclasses, checked on construction.
+"""Configuration of a training run: nested frozen dataclasses, checked on construction.
 
-Network and learner are in `learner_config.py`. Schedules count steps, never seconds.
+Network and learner have their dataclasses in `learner_config.py`, worlds in `training_world.py`.
+Lengths are numbers of transitions and never seconds, so that a run can be repeated.
 """
 
 import dataclasses
@@ -62,18 +63,18 @@ Motion = Literal["sideways", "turning"]
 
 @dataclass(frozen=True)
 class ValidationConfig:
-    """How often, and on how much, the greedy policy is measured while it learns."""
+    """Validation: how often, and in how many worlds, the greedy policy is measured during a run."""
 
     points: int = 20
-    """Measurements over the run, at equal distances in steps; the last is at the end."""
+    """Validation points, at equal distances in steps; the last is at the end of the run."""
     agents: int = 256
-    """Agents, each in its own validation world."""
+    """Number of agents, each in a validation world of its own."""
     steps: int = 300
-    """Steps counted for each agent."""
+    """World steps of each agent that are counted."""
     discard: int = 50
-    """Steps before the counting begins."""
+    """World steps before them that are not counted."""
     stop_at: float | None = None
-    """The run ends where two points in a row have at most so many contacts per 100 m."""
+    """Contacts per 100 m; the run ends when two points in a row have no more. None: never."""
 
     def __post_init__(self) -> None:
         require(1 <= self.points <= 10_000, "validation.points", "1 to 10000", self.points)
@@ -87,7 +88,7 @@ class ValidationConfig:
 
 @dataclass(frozen=True)
 class TrainConfig:
-    """A whole training run."""
+    """A training run."""
 
     preset: str = "reflex"
     """Name of the preset that this configuration started from."""
@@ -96,22 +97,22 @@ class TrainConfig:
     steps: int = 500_000
     """Transitions to learn from."""
     worlds: tuple[TrainingWorld, ...] = field(default_factory=lambda: (TrainingWorld(),))
-    """The worlds to learn in, one after another. The last is the one that the policy is for: it is
+    """The worlds to learn in, one after another. The policy is meant for the last one, and is
     measured there."""
     init_from: str = ""
-    """SHA-256 of the policy file whose weights the run begins with; by default new ones."""
+    """SHA-256 of the policy file that gives the initial weights; "" for new ones from the seed."""
     motion: Motion = "sideways"
-    """What left and right do: shift the body, or turn it."""
+    """What the actions left and right do: shift the body sideways, or turn it."""
     forward_mps: float = 1.0
     """Forward speed of every action."""
     lateral_mps: float = 1.0
-    """Sideways speed of left and right, where they shift."""
+    """Sideways speed of left and right, if they shift."""
     angular_radps: float = 2.0
-    """Turning speed of left and right, where they turn."""
+    """Turning speed of left and right, if they turn."""
     rate_hz: float = 50.0
     """Rate at which the exported policy is meant to run."""
     max_input_age_s: float = 0.1
-    """Age at which an input of the exported policy is stale."""
+    """Age above which the exported policy takes an input for stale."""
     retina: RetinaSpec = field(default_factory=RetinaSpec)
     """The eye."""
     network: NetworkConfig = field(default_factory=NetworkConfig)
@@ -119,7 +120,7 @@ class TrainConfig:
     learner: LearnerConfig = field(default_factory=LearnerConfig)
     """The learner."""
     validation: ValidationConfig = field(default_factory=ValidationConfig)
-    """The measurements on the way."""
+    """The validation during the run."""
 
     def __post_init__(self) -> None:
         require(0 <= self.seed < 1 << 63, "seed", "0 to 2^63 - 1", self.seed)
@@ -138,12 +139,12 @@ class TrainConfig:
 
     @property
     def goal(self) -> TrainingWorld:
-        """The world that the policy is for: the last one."""
+        """The world that the policy is meant for: the last one."""
         return self.worlds[-1]
 
     @property
     def goal_world(self) -> WorldSource:
-        """The same, as the simulator takes it."""
+        """The world that the policy is meant for, as the simulation takes it."""
         return self.goal.source()
 
     def resolved(self) -> dict[str, Any]:
@@ -188,7 +189,7 @@ class TrainConfig:
 
 
 def turning_actions(forward_mps: float, angular_radps: float) -> tuple[Action, ...]:
-    """Stay, left, right at uniform forward speed, for a body that turns in place of shifting."""
+    """Stay, left and right at constant forward speed, for a body that turns."""
     return (
         Action("stay", forward_mps, 0.0),
         Action("left", forward_mps, 0.0, angular_radps),

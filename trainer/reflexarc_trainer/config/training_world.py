@@ -1,7 +1,7 @@
-"""Where a run learns: worlds one after another, each for its share of the steps.
+"""The worlds of a run, one after another, each for its share of the steps (a curriculum).
 
-A world is kept as the text of its file, so that a run, its hash and its policy say exactly which
-world it was, whatever becomes of the file.
+A configuration holds the text of each world's file, so that the configuration and its hash define
+the run even if the file changes later. Each world's part of the run is called a stage.
 """
 
 import math
@@ -20,15 +20,15 @@ class TrainingWorld:
     """A world to learn in, and for how much of the run.
 
     Raises:
-        WorldError: no text is given, and there is no such world or file.
+        WorldError: no text is given, and no world or file has this name.
     """
 
     name: str = "reference-1"
     """Name of a world, or path of its file."""
     share: float = 1.0
-    """Share of the steps that are learned from here, relative to the other worlds' shares."""
+    """Share of the run's steps in this world, relative to the shares of the others."""
     text: str = ""
-    """Its TOML, which may have ranges; by default what the name stands for now."""
+    """Content of the world's TOML file, which may have ranges; by default read by the name."""
 
     def __post_init__(self) -> None:
         require(0.0 < self.share < math.inf, "worlds: share", "positive", self.share)
@@ -36,10 +36,10 @@ class TrainingWorld:
             object.__setattr__(self, "text", world_text(self.name))
 
     def source(self) -> WorldSource:
-        """The world.
+        """The world, as the simulation takes it.
 
         Raises:
-            WorldError: the text says what no world can be.
+            WorldError: the text does not describe a possible world.
         """
         return _parsed(self.text, self.name)
 
@@ -48,8 +48,8 @@ def parse_training_world(words: str) -> TrainingWorld:
     """Read NAME or NAME:SHARE; a name may be the path of a file.
 
     Raises:
-        UsageError: the share is no number, or not positive.
-        WorldError: there is no such world or file.
+        UsageError: the share is not a positive number.
+        WorldError: no world or file has this name.
     """
     name, colon, share = words.rpartition(":")
     if not colon:
@@ -62,7 +62,15 @@ def parse_training_world(words: str) -> TrainingWorld:
 
 
 def stage_ends(worlds: Sequence[TrainingWorld], length: float) -> list[float]:
-    """Where each world's part of a run of that length ends; the last one's is infinite."""
+    """Where each stage of a run ends; the last one does not.
+
+    Args:
+        worlds: of the run.
+        length: of the run, in any unit.
+
+    Returns:
+        One end per world in the same unit, the last one infinite.
+    """
     total, done = math.fsum(world.share for world in worlds), 0.0
     ends = []
     for world in worlds[:-1]:
@@ -72,7 +80,7 @@ def stage_ends(worlds: Sequence[TrainingWorld], length: float) -> list[float]:
 
 
 def stage_at(ends: Sequence[float], done: float) -> int:
-    """Which world is learned in after `done` of the run."""
+    """Number of the stage after `done` of the run, which is in the unit of `ends`."""
     return next(stage for stage, end in enumerate(ends) if done < end)
 
 

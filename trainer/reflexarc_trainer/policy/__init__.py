@@ -1,1 +1,1 @@
-"""The learned network as a file: torch module, ONNX graph, export, parity check, warm start."""
+"""The network in torch, and as a policy file: ONNX graph, export, parity check, warm start."""

@@ -1,13 +1,13 @@
-"""Export: any torch module of known operators → one self-describing ONNX file.
+"""Export of a torch module of known operators as a policy file: one self-describing ONNX file.
 
-The file holds everything between a retina's bytes and the winning action:
+The graph holds everything between a retina's bytes and the greedy action:
 
     retina uint8 [N, frames, eyes, rays, channels] → float → ÷ 255 → the module → q_values → argmax
 
-and the contract with golden vectors. Nothing is written unless the ONNX checker accepts the file
-and torch, the NumPy reference and onnxruntime agree on it. Weights are float32 in the file, the
-module is asked in float64 with those same weights. The same module and contract give the same
-bytes: no clock goes into them.
+and the file's metadata hold the contract with golden vectors. Nothing is written unless the ONNX
+checker accepts the file, and torch, the NumPy reference and onnxruntime agree on it. The file's
+weights are float32; torch computes in float64 with the same values. The same module and contract
+give the same bytes, for no date goes into them.
 """
 
 import copy
@@ -29,7 +29,7 @@ from reflexarc_trainer.policy.parity import check_model, check_module, check_par
 
 OPSET = 17
 IR_VERSION = 8
-"""With opset 17, what runtimes from 2022 on read."""
+"""With opset 17 it is what runtimes since 2022 read."""
 GOLDEN_VECTORS = 16
 PARITY_RETINAS = 512
 
@@ -41,21 +41,21 @@ def export(
     *,
     recorded: RetinaBatch | None = None,
 ) -> PolicyContract:
-    """Write `module` as a policy file, or refuse.
+    """Write a module as a policy file.
 
     Args:
         module: maps floats in [0, 1] (n, frames, eyes, rays, channels) to Q-values (n, actions).
-        contract: what it sees and does; its golden vectors are made here.
+        contract: what the policy sees and does; its golden vectors are replaced.
         path: the file.
-        recorded: retinas of a drive, uint8 (n, frames, eyes, rays, channels), to be checked beside
-            the random ones.
+        recorded: retinas of a drive, to check beside random ones: uint8 (n, frames, eyes, rays,
+            channels).
 
     Returns:
         The contract as written, golden vectors included.
 
     Raises:
-        PolicyError: the module has an operator that cannot be exported, the shapes are not those
-            of the contract, or the backends do not agree. Then `path` is left as it was.
+        PolicyError: the module has an operator that cannot be exported, its shapes are not those
+            of the contract, or the backends do not agree. The file is then unchanged.
     """
     module = _as_exported(module)
     retinas = _probe_retinas(contract, recorded)
@@ -71,7 +71,7 @@ def export(
 
 
 def _as_exported(module: nn.Module) -> nn.Module:
-    """A copy with the weights that the file will hold: float32 values, computed with in float64."""
+    """A copy in float64, with the weights rounded to the float32 values that the file will hold."""
     return copy.deepcopy(module).float().double().eval()
 
 
@@ -107,7 +107,7 @@ def _model(translation: Translation, contract: PolicyContract) -> onnx.ModelProt
 
 
 def _probe_retinas(contract: PolicyContract, recorded: RetinaBatch | None) -> RetinaBatch:
-    """Recorded retinas first, then random ones, with the darkest and the brightest among them."""
+    """The retinas of the check: recorded ones, the darkest, the brightest, random ones."""
     shape = contract.retina.stack_shape
     generator = np.random.default_rng(0)
     noise = generator.integers(0, 256, (PARITY_RETINAS, *shape), np.uint8)
@@ -120,7 +120,7 @@ def _probe_retinas(contract: PolicyContract, recorded: RetinaBatch | None) -> Re
 
 
 def _golden(model: bytes, retinas: RetinaBatch) -> GoldenVectors:
-    """Some of the retinas, evenly picked, with what the NumPy reference computes for them."""
+    """Evenly picked retinas, with what the NumPy reference computes for them."""
     chosen = retinas[np.linspace(0, len(retinas) - 1, GOLDEN_VECTORS).astype(int)]
     q_values, actions = load_policy(model, "numpy", verify=False).decide(chosen)
     return GoldenVectors(

@@ -1,8 +1,8 @@
-"""From a torch module to ONNX nodes, through one small table.
+"""Translation of a torch module to ONNX nodes, by one small table of operators.
 
-The module is traced with `torch.fx`; each node of the trace is looked up by what it is: a module's
-class, a function, or a method's name. What is not in the table is refused by name: a graph that
-the NumPy reference cannot compute would not replay.
+`torch.fx` traces the module; each node of the trace is a module's class, a function or a method's
+name, and the table says how it is written in ONNX. Other operators are refused by name, for replay
+needs graphs that the NumPy reference can compute.
 """
 
 import operator
@@ -23,13 +23,13 @@ from reflexarc_trainer.policy.q_network import intensity
 
 @dataclass
 class Translation:
-    """The ONNX graph that is being built."""
+    """An ONNX graph under construction."""
 
     nodes: list[onnx.NodeProto] = field(default_factory=list)
     constants: list[onnx.TensorProto] = field(default_factory=list)
 
     def node(self, kind: str, inputs: list[str], output: str = "", **attributes: Any) -> str:
-        """Add a node; returns the name of its output."""
+        """Add a node of an ONNX operator (`kind`); returns the name of its output."""
         output = output or f"{kind.lower()}_{len(self.nodes)}"
         self.nodes.append(helper.make_node(kind, inputs, [output], name=output, **attributes))
         return output
@@ -46,10 +46,15 @@ Emit: TypeAlias = Callable[[Translation, Any, list[Any], dict[str, Any]], str]
 
 
 def translate(module: nn.Module, inputs: str, translation: Translation) -> str:
-    """Add the nodes of `module`, fed by the value named `inputs`; returns the output's name.
+    """Add the nodes of a module; returns the name of its output.
+
+    Args:
+        module: the module.
+        inputs: name of its input in the graph.
+        translation: the graph.
 
     Raises:
-        PolicyError: the module cannot be traced, or holds an operator that is not in the table.
+        PolicyError: the module cannot be traced, or has an operator that is not in the table.
     """
     traced = _trace(module)
     names: dict[fx.Node, Any] = {}
@@ -127,7 +132,7 @@ def _same(_: Translation, __: Any, args: list[Any], ___: dict[str, Any]) -> str:
 
 
 def _plain(kind: str) -> Emit:
-    """An operator of one or two values, numbers included."""
+    """An operator whose inputs are values or numbers, and that has no attributes."""
 
     def emit(translation: Translation, _: Any, args: list[Any], kwargs: dict[str, Any]) -> str:
         if any(key != "inplace" for key in kwargs):
@@ -148,7 +153,8 @@ _TABLE: dict[Any, Emit] = {
     nn.Flatten: _flatten,
     torch.flatten: _flatten,
     "flatten": _flatten,
-    # Already done when the module's input is reached, or of no effect on a trained network.
+    # These add no node: the graph before the module divides by 255, and the other two do nothing
+    # in a network that is not being trained.
     intensity: _same,
     nn.Identity: _same,
     nn.Dropout: _same,
@@ -163,4 +169,4 @@ _TABLE: dict[Any, Emit] = {
     **dict.fromkeys((operator.truediv, torch.div, "div"), _plain("Div")),
     **dict.fromkeys((operator.matmul, torch.matmul, "matmul"), _plain("MatMul")),
 }
-"""What a traced node is → how it is written in ONNX."""
+"""Class, function or method name of a traced node → what adds its ONNX nodes."""

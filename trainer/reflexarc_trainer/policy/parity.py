@@ -1,8 +1,8 @@
-"""The proof before a policy file is written: everyone who can compute it says the same.
+"""The parity check before a policy file is written: torch, NumPy and onnxruntime must agree.
 
-torch in float64, rounded once, against the NumPy reference: equal actions and |ΔQ| ≤ 1e-6.
-onnxruntime in float32 against the same reference: |ΔQ| ≤ 1e-6 · max(1, |Q|), and equal actions but
-where two values lie closer than that. In batches of one and of many.
+- torch in float64, rounded once, and the NumPy reference: |ΔQ| ≤ 1e-6 and equal actions.
+- onnxruntime in float32 and the NumPy reference: |ΔQ| ≤ 1e-6 · max(1, |Q|), and equal actions
+  except where their values differ by rounding only; in batches of many and of one.
 """
 
 import numpy as np
@@ -18,14 +18,14 @@ from reflexarc_runtime.sensing.retina import FULL_SCALE
 
 NUMPY_TOLERANCE = 1e-6
 SINGLES = 32
-"""How many of the retinas are also decided one at a time."""
+"""Number of retinas that are also given one at a time."""
 
 
 def check_module(module: nn.Module, contract: PolicyContract, retinas: RetinaBatch) -> None:
-    """Refuse a module that cannot be asked for the contract's retinas and actions.
+    """Check that a module takes the contract's retinas and has one output per action.
 
     Raises:
-        PolicyError: it fails on them, or answers with another shape.
+        PolicyError: it fails on the retinas, or its output has another shape.
     """
     wanted = (len(retinas), len(contract.actions))
     try:
@@ -40,10 +40,10 @@ def check_module(module: nn.Module, contract: PolicyContract, retinas: RetinaBat
 
 
 def check_model(model: bytes) -> None:
-    """Refuse what the ONNX checker, shapes included, refuses.
+    """Check an ONNX file with the ONNX checker, shapes included.
 
     Raises:
-        PolicyError: it does.
+        PolicyError: the checker refuses the file.
     """
     try:
         onnx.checker.check_model(onnx.load_from_string(model), full_check=True)
@@ -53,11 +53,11 @@ def check_model(model: bytes) -> None:
 
 
 def check_parity(module: nn.Module, model: bytes, retinas: RetinaBatch) -> None:
-    """Refuse a model that is not the module.
+    """Check that an ONNX file computes what the module computes.
 
     Args:
-        module: float64, with the weights of the file.
-        model: the ONNX file, contract and golden vectors included.
+        module: in float64, with the weights of the file.
+        model: content of the ONNX file, contract and golden vectors included.
         retinas: uint8 (n, frames, eyes, rays, channels).
 
     Raises:
@@ -73,7 +73,7 @@ def check_parity(module: nn.Module, model: bytes, retinas: RetinaBatch) -> None:
 
 
 def torch_decide(module: nn.Module, retinas: RetinaBatch) -> tuple[QValues, Actions]:
-    """What torch computes in float64, rounded once to float32."""
+    """Q-values that torch computes in float64, rounded once to float32, and greedy actions."""
     with torch.no_grad():
         q_values = module(torch.from_numpy(retinas).double() / FULL_SCALE)
     rounded: QValues = q_values.numpy().astype(np.float32)

@@ -1,4 +1,4 @@
-"""Where a policy comes from: versions and commit, without a clock or a host name."""
+"""Provenance of a policy: configuration, versions and commit, but no date and no host name."""
 
 import importlib.metadata
 import platform
@@ -12,7 +12,7 @@ _PACKAGES = ("reflexarc", "numba", "numpy", "onnx", "onnxruntime", "torch")
 
 
 def provenance_of(config: TrainConfig, scores: dict[str, float]) -> Provenance:
-    """What the contract of a trained policy says about its making."""
+    """The provenance that the contract of a trained policy carries."""
     return Provenance(
         preset=config.preset,
         seed=config.seed,
@@ -30,9 +30,9 @@ def versions() -> dict[str, str]:
 
 
 def commit() -> str:
-    """Commit of the checkout that this package runs from, or "" outside of one."""
+    """Commit of the git checkout that contains this package, or "" if none does."""
     folder = Path(__file__).resolve().parent
-    # Tracked by this repository, and not by one that merely holds the environment.
+    # The file must be tracked: an environment may lie inside a checkout of something else.
     command = ["git", "-C", str(folder), "ls-files", "--error-unmatch", Path(__file__).name]
     if not _output(command):
         return ""

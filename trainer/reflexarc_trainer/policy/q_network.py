@@ -1,7 +1,7 @@
-"""The network: retina → hidden layers → one value an action (the paper: 16–10–3, sigmoid units).
+"""The network in torch: retina → hidden layers → one Q-value per action (the paper: 16–10–3).
 
-With one hidden layer Q(s, ·) = W₂ σ(W₁ xᵖ + b₁) + b₂, where x is in [0, 1] and p is the input
-power, or σ of it where the output units are sigmoid.
+With one hidden layer of sigmoid units, Q(s, ·) = W₂ σ(W₁ xᵖ + b₁) + b₂, where x is the retina in
+[0, 1] and p the input power; with sigmoid output units, Q is σ of this.
 """
 
 from itertools import pairwise
@@ -28,15 +28,15 @@ def intensity(retinas: Tensor) -> Tensor:
     return retinas if retinas.is_floating_point() else retinas.double() / FULL_SCALE
 
 
-# The exporter translates a module by tracing it; this call stays one node, which it knows.
+# The exporter traces the module. This keeps the call one node of the trace, which its table knows.
 torch.fx.wrap("intensity")
 
 
 class QNetwork(nn.Module):
-    """Action values of retinas.
+    """The Q-values of retinas.
 
     Args:
-        inputs: values of a retina stack.
+        inputs: number of values of a retina stack.
         actions: number of actions.
         config: layers, units and input power.
     """
@@ -66,7 +66,7 @@ class QNetwork(nn.Module):
 
 
 def raised(x: Tensor, power: int) -> Tensor:
-    """A whole power by multiplications alone, which every backend of the exported graph has."""
+    """Raise to a whole power by multiplications only, which every backend of the graph has."""
     if power == 1:
         return x
     half = raised(x, power // 2)
@@ -83,6 +83,6 @@ def new_network(contract: PolicyContract, config: NetworkConfig, seed: int) -> Q
 
 
 def empty_network(contract: PolicyContract, config: NetworkConfig) -> QNetwork:
-    """A float64 network of the right shape, for weights to be put in."""
+    """A float64 network with torch's own initial weights, to be replaced by others."""
     sizes = config.sizes(contract)
     return QNetwork(sizes[0], sizes[-1], config)

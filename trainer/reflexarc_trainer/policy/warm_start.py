@@ -1,7 +1,7 @@
-"""Weights out of a policy file, for a run to begin with.
+"""Warm start: initial weights of a run, taken from a policy file.
 
-A policy of any run with the same eye, number of actions and network will do. Whether the network is
-the same is not believed but tried: with these weights it must give the policy's own Q-values.
+The policy must have the eye, the actions and the network of the run. Whether the network is the
+same is tested: with these weights it must compute the policy's own Q-values.
 """
 
 from pathlib import Path
@@ -20,6 +20,7 @@ from reflexarc_trainer.policy.weights import unpack
 from reflexarc_trainer.sarsa.network_shape import layers_for
 
 _TRIED_RETINAS = 64
+"""Random retinas for which the Q-values are compared."""
 
 
 def weights_of(path: Path, config: TrainConfig) -> tuple[npt.NDArray[np.float64], str]:
@@ -27,15 +28,14 @@ def weights_of(path: Path, config: TrainConfig) -> tuple[npt.NDArray[np.float64]
 
     Args:
         path: the file.
-        config: the run that shall begin with them.
+        config: the run that begins with the weights.
 
     Returns:
-        The weights in the order of `weights.py`, exactly as the file has them: (parameters,), and
-        the hash.
+        The file's weights in the order of `weights.py`: (parameters,); and its hash.
 
     Raises:
-        PolicyError: the file is no policy, or damaged.
-        UsageError: it has another eye, other actions or another network than the run.
+        PolicyError: the file is not a policy, or damaged.
+        UsageError: its eye, actions or network are not those of the run.
     """
     policy = load_policy(path)
     _check_contract(path, policy, config)
@@ -66,7 +66,7 @@ def _names(actions: tuple[Action, ...]) -> str:
 
 
 def _gathered(data: bytes) -> npt.NDArray[np.float64]:
-    """W and b of every fully connected layer, in their order."""
+    """W and b of every fully connected layer, in their order: (parameters,)."""
     graph = onnx.load_from_string(data).graph
     constants = {tensor.name: numpy_helper.to_array(tensor) for tensor in graph.initializer}
     names = [name for node in graph.node if node.op_type == "Gemm" for name in node.input[1:]]

@@ -1,6 +1,7 @@
-"""Between the torch network and the flat vector of weights that a compiled learner changes.
+"""Conversion between the torch network and a flat vector of its weights.
 
-The order is torch's own: for each layer W as (outputs, inputs) rows, then its biases.
+The vector's order is torch's own: for each layer W as rows (outputs, inputs), then its biases.
+Learners, checkpoints and policies exchange weights in this order.
 """
 
 import numpy as np
@@ -13,10 +14,10 @@ from reflexarc_runtime.contract import PolicyContract
 from reflexarc_runtime.policy.policy import Policy
 from reflexarc_trainer.config.learner_config import NetworkConfig
 from reflexarc_trainer.policy.q_network import QNetwork, empty_network
-from reflexarc_trainer.sarsa.learner import Learner
+from reflexarc_trainer.sarsa.learner_interface import Learner
 
 Weights = npt.NDArray[np.float64]
-"""Of a whole network: (parameters,)."""
+"""All weights and biases of a network: (parameters,)."""
 
 
 def pack(network: torch.nn.Module) -> npt.NDArray[np.float64]:
@@ -34,18 +35,18 @@ def unpack(
 
 
 def network_of(learner: Learner) -> QNetwork:
-    """What has been learned, as a network."""
+    """The learned weights as a network."""
     return unpack(learner.weights, learner.config.contract(), learner.config.network)
 
 
 class NetworkPolicy(Policy):
-    """A network as a `Policy`: what it would do greedily, computed in its own precision."""
+    """A network as a greedy `Policy`, computed by torch in the network's precision."""
 
     def __init__(self, network: torch.nn.Module) -> None:
         self._network = network
 
     def decide(self, retinas: RetinaBatch) -> tuple[QValues, Actions]:
-        """Q-values (n, actions) and winners (n,) of retinas (n, frames, eyes, rays, channels)."""
+        """Q-values (n, actions), actions (n,) of retinas (n, frames, eyes, rays, channels)."""
         with torch.no_grad():
             q_values = self._network(torch.from_numpy(retinas)).numpy().astype(np.float32)
         return q_values, np.argmax(q_values, axis=1)

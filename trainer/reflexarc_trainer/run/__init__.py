@@ -1,1 +1,1 @@
-"""One training run: the loop, validation, checkpoints, report and the folder that it leaves."""
+"""One training run: the loop, validation, checkpoints, report, and the folder of its results."""

@@ -1,7 +1,8 @@
-"""A run, stopped anywhere and continued to the same bits.
+"""Checkpoints: a run can stop anywhere and continue to the same bits.
 
-One .npz file without pickled objects: the configuration, the weights, the trace or the optimiser,
-the pending actions, the random streams, the worlds, the history, and the best weights so far.
+A checkpoint is one .npz file without pickled objects: the configuration, everything that
+`Learner.arrays` returns (weights, trace or optimiser, chosen actions, random streams, worlds), the
+validation points and the best weights so far.
 """
 
 import io
@@ -18,9 +19,10 @@ from reflexarc_runtime.files import write_atomically
 from reflexarc_trainer.config.train_config import TrainConfig
 from reflexarc_trainer.run.history import Row, from_table
 from reflexarc_trainer.sarsa.forms import new_learner
-from reflexarc_trainer.sarsa.learner import Arrays, Learner
+from reflexarc_trainer.sarsa.learner_interface import Arrays, Learner
 
-FORMAT = 3
+FORMAT = 4
+"""Version of the file's arrays: 4 has named fields for the learner's single numbers."""
 
 _FORMAT, _CONFIG, _HISTORY, _BEST = "format", "config", "history", "best"
 _LEARNER = "learner."
@@ -28,24 +30,24 @@ _LEARNER = "learner."
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """What a file holds."""
+    """The content of a checkpoint file."""
 
     config: TrainConfig
     arrays: Arrays
-    """Of `Learner.arrays`."""
+    """What `Learner.arrays` returned."""
     history: list[Row]
     best: npt.NDArray[np.float64]
-    """Weights of the best validation point, none before the first: (parameters,) or (0,)."""
+    """Weights at the best validation point: (parameters,), or (0,) before the first point."""
 
     def learner(self) -> Learner:
-        """The learner where it was."""
+        """The learner in the state that was saved."""
         learner = new_learner(self.config)
         learner.restore(self.arrays)
         return learner
 
 
 def save(path: Path, learner: Learner, history: list[Row], best: npt.NDArray[np.float64]) -> None:
-    """Write a checkpoint, whole or not at all; see `Checkpoint`."""
+    """Write a checkpoint file, whole or not at all; the arguments are as in `Checkpoint`."""
     arrays = {_LEARNER + name: array for name, array in learner.arrays().items()}
     buffer = io.BytesIO()
     np.savez(
@@ -64,12 +66,13 @@ def load(path: Path) -> Checkpoint:
     """Read a checkpoint.
 
     Raises:
-        UsageError: there is none, or it is not one that this version wrote.
+        UsageError: there is no file, it is no checkpoint, or it has another format.
     """
     arrays = _read(path)
-    missing = [name for name in (_FORMAT, _CONFIG, _HISTORY, _BEST) if name not in arrays]
-    if missing or int(arrays[_FORMAT]) != FORMAT:
-        raise UsageError(f"{path}: expected a checkpoint of format {FORMAT}; train anew")
+    found = arrays[_FORMAT].tolist() if _FORMAT in arrays else None
+    if found != FORMAT or not {_CONFIG, _HISTORY, _BEST} <= arrays.keys():
+        got = "none" if found is None else f"format {found}"
+        raise UsageError(f"{path}: expected a checkpoint of format {FORMAT}, got {got}; train anew")
     return Checkpoint(
         config=TrainConfig.from_resolved(json.loads(str(arrays[_CONFIG]))),
         arrays={k.removeprefix(_LEARNER): v for k, v in arrays.items() if k.startswith(_LEARNER)},
@@ -80,7 +83,7 @@ def load(path: Path) -> Checkpoint:
 
 def _read(path: Path) -> Arrays:
     try:
-        # From memory: NumPy leaves a file open that turns out to be no archive.
+        # Read into memory first: NumPy leaves a file open that turns out not to be an archive.
         with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as archive:
             return dict(archive)
     except FileNotFoundError:

@@ -1,4 +1,4 @@
-"""From what a run has learned to the policy file."""
+"""The policy file of a run: export of its network, with the run's provenance and scores."""
 
 from pathlib import Path
 
@@ -16,17 +16,17 @@ from reflexarc_trainer.run.validation import drive_and_record
 def deliver(
     network: QNetwork, config: TrainConfig, step: int, point: Row | None, path: Path
 ) -> PolicyContract:
-    """Export a network, with its provenance, checked on retinas that it met.
+    """Export a network with its provenance, checked on retinas of a drive with it.
 
     Args:
-        network: what was learned.
-        config: by which run.
-        step: from how many transitions.
-        point: the validation point that says how good it is.
+        network: the learned network.
+        config: the run that learned it.
+        step: transitions that it learned from.
+        point: the validation point with its score, if there is one.
         path: the file.
 
     Raises:
-        PolicyError: the backends do not agree; then nothing is written.
+        PolicyError: the backends do not agree; nothing is written.
     """
     scores = {"steps": float(step)}
     if point is not None:
@@ -39,8 +39,8 @@ def export_checkpoint(source: Path, out: Path) -> PolicyContract:
     """Export the policy of a checkpoint, finished or not.
 
     Raises:
-        UsageError: `source` is no checkpoint.
-        PolicyError: the backends do not agree; then nothing is written.
+        UsageError: `source` is not a checkpoint of this version.
+        PolicyError: the backends do not agree; nothing is written.
     """
     saved = checkpoint.load(source)
     learner, last = saved.learner(), saved.history[-1] if saved.history else None

@@ -1,4 +1,4 @@
-"""What was measured on the way: one row a validation point, in metrics.csv and in a checkpoint."""
+"""Validation points of a run: one row each, in metrics.csv and in checkpoints."""
 
 import csv
 import io
@@ -6,22 +6,22 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 IN_A_ROW = 2
-"""One point may be luck."""
+"""Points that must reach the goal, one after another: a single one may be chance."""
 
 
 class Row(NamedTuple):
-    """One validation point."""
+    """A validation point."""
 
     step: int
     seconds: float
-    """Wall-clock time of the run, interruptions left out."""
+    """Wall-clock time of the run, without interruptions."""
     epsilon: float
     mean_abs_error: float
-    """Of the TD error (online) or of the λ-return (batched), since the last row."""
+    """Mean of |δ| (online) or of |G − Q| (batched) since the last row."""
     learning_contacts_per_100m: float
-    """While learning, random actions included, since the last row."""
+    """Contacts while learning, random actions included, since the last row."""
     validation_contacts_per_100m: float
-    """Greedy, on validation worlds."""
+    """Contacts of the greedy policy, on validation worlds."""
 
 
 def best_of(rows: Sequence[Row]) -> Row | None:
@@ -30,7 +30,7 @@ def best_of(rows: Sequence[Row]) -> Row | None:
 
 
 def has_reached(rows: Sequence[Row], goal: float | None) -> bool:
-    """Whether the last two points are both at or below a goal in contacts per 100 m."""
+    """Whether the last two points both have at most `goal` contacts per 100 m."""
     last = [row.validation_contacts_per_100m for row in rows[-IN_A_ROW:]]
     return goal is not None and len(last) == IN_A_ROW and all(score <= goal for score in last)
 
@@ -45,5 +45,5 @@ def to_csv(rows: Sequence[Row]) -> bytes:
 
 
 def from_table(table: Sequence[Sequence[float]]) -> list[Row]:
-    """Rows from plain numbers, as a checkpoint keeps them."""
+    """Rows from a table of numbers (points, columns), as a checkpoint has them."""
     return [Row(int(step), *rest) for step, *rest in table]

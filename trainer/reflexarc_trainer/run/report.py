@@ -1,4 +1,4 @@
-"""A run on one page, in Markdown: what was learned, how well, where it drives, what it decides."""
+"""The page of a run, in Markdown: its scores, its pictures, some of its policy's decisions."""
 
 from collections.abc import Iterable, Sequence
 
@@ -16,16 +16,16 @@ from reflexarc_trainer.run.validation import drive_and_record
 
 _BLOCKS = "·▁▂▃▄▅▆▇█"
 _WIDEST = 64
-"""Rays of an eye that are shown."""
+"""Most rays of an eye that are shown."""
 
 
 def write_report(network: QNetwork, config: TrainConfig, step: int, history: Sequence[Row]) -> str:
-    """The page; its pictures lie beside it.
+    """The page; it shows the pictures that lie in the same folder.
 
     Args:
-        network: what was learned.
-        config: by which run.
-        step: from how many transitions.
+        network: the learned network.
+        config: the run that learned it.
+        step: transitions that it learned from.
         history: the validation points.
     """
     parts = [
@@ -88,7 +88,7 @@ def _network(config: TrainConfig) -> str:
 def _decisions(network: QNetwork, config: TrainConfig) -> str:
     retinas, names = drive_and_record(network, config), _action_names(config)
     q_values, actions = NetworkPolicy(network).decide(retinas)
-    chosen = telling_ones(q_values, actions)
+    chosen = examples(q_values, actions)
     rows = []
     for i in chosen:
         values = [f"{q:.3f}" for q in q_values[i]]
@@ -97,15 +97,17 @@ def _decisions(network: QNetwork, config: TrainConfig) -> str:
     return _table(("retina", *names), rows)
 
 
-def telling_ones(q_values: npt.NDArray[np.float32], actions: npt.NDArray[np.int64]) -> list[int]:
-    """Which decisions tell most: of each action the surest, and the closest of all.
+def examples(q_values: npt.NDArray[np.float32], actions: npt.NDArray[np.int64]) -> list[int]:
+    """Decisions to show: for each action the one with the largest margin; then the closest call.
+
+    The margin is the difference of the two largest Q-values.
 
     Args:
         q_values: (n, actions).
-        actions: their winners: (n,).
+        actions: the greedy actions: (n,).
 
     Returns:
-        Indices, of the actions that were chosen at all in their order; the closest call is last.
+        Indices of decisions: one for each action that occurs, in their order, and the closest call.
     """
     ordered = np.sort(q_values, axis=1)
     margins = ordered[:, -1] - ordered[:, -2]
@@ -122,7 +124,7 @@ def _action_names(config: TrainConfig) -> tuple[str, ...]:
 
 
 def _picture(stack: RetinaBatch) -> str:
-    """The newest retina of a stack (frames, eyes, rays, channels) as bars, an eye after another."""
+    """The newest retina of a stack (frames, eyes, rays, channels) as bars, eye after eye."""
     eyes = stack[-1].mean(axis=-1)[:, :_WIDEST]
     return " ".join(f"`{''.join(_bar(value) for value in eye)}`" for eye in eyes)
 

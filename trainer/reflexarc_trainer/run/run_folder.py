@@ -1,15 +1,15 @@
-"""The folder of a run: what lies in it, and how each file is written.
+"""The folder of a run: its files, and how each is written.
 
-    policy.onnx        the policy as the run left it, whole: see `export.py`
+    policy.onnx        the policy with the last weights: see `policy/export.py`
     policy-best.onnx   the policy of the best validation point
-    report.md          one page: what was learned, how well, what it does; with
+    report.md          one page about the run: see `report.py`; it shows the two pictures
     curve.png          contacts over steps
-    occupancy.png      where across the world the policy drives
-    metrics.csv        one row a validation point: see `history.py`
+    occupancy.png      share of the time at each lateral position
+    metrics.csv        one row per validation point: see `history.py`
     config.json        the resolved configuration, its hash, versions and commit
-    checkpoint.npz     where the run stands: `resume` goes on from it to the same bits
+    checkpoint.npz     the state of the run, from which `train.resume` continues
 
-Each file is whole or absent.
+Each file is written under another name and then renamed, so that it is whole or absent.
 """
 
 import json
@@ -25,7 +25,7 @@ from reflexarc_trainer.run.delivery import deliver
 from reflexarc_trainer.run.history import Row, best_of, to_csv
 from reflexarc_trainer.run.plots import draw_curve, draw_occupancy
 from reflexarc_trainer.run.report import write_report
-from reflexarc_trainer.sarsa.learner import Learner
+from reflexarc_trainer.sarsa.learner_interface import Learner
 
 POLICY, BEST, CONFIG, METRICS = "policy.onnx", "policy-best.onnx", "config.json", "metrics.csv"
 CURVE, CHECKPOINT = "curve.png", "checkpoint.npz"
@@ -35,23 +35,23 @@ _MADE = (POLICY, BEST, REPORT, CURVE, OCCUPANCY, METRICS, CHECKPOINT)
 
 
 class RunFolder:
-    """A folder that a run writes into."""
+    """The folder that a run writes into."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
 
     @property
     def policy(self) -> Path:
-        """The policy as the run left it."""
+        """Path of the policy with the last weights."""
         return self.path / POLICY
 
     @property
     def best_policy(self) -> Path:
-        """The policy of the best validation point."""
+        """Path of the policy of the best validation point."""
         return self.path / BEST
 
     def begin(self, config: TrainConfig) -> None:
-        """Say what will be learned; what an earlier run left goes, lest it be mistaken for this."""
+        """Write the configuration, and remove the files of an earlier run."""
         for name in _MADE:
             (self.path / name).unlink(missing_ok=True)
         document = {
@@ -63,23 +63,23 @@ class RunFolder:
         self._write(CONFIG, (json.dumps(document, indent=2) + "\n").encode())
 
     def save(self, learner: Learner, history: list[Row], best: Weights) -> None:
-        """Keep where the run stands."""
+        """Write the checkpoint and the metrics."""
         checkpoint.save(self.path / CHECKPOINT, learner, history, best)
         self._write(METRICS, to_csv(history))
 
     def load(self) -> Checkpoint:
-        """Where the run stood.
+        """The checkpoint.
 
         Raises:
-            UsageError: there is no checkpoint.
+            UsageError: there is none, or it is of another version.
         """
         return checkpoint.load(self.path / CHECKPOINT)
 
     def finish(self, learner: Learner, history: list[Row], best: Weights) -> None:
-        """Write the policies and the report.
+        """Write the policies, the pictures and the report.
 
         Raises:
-            PolicyError: a policy could not be exported faithfully.
+            PolicyError: the backends do not agree on a policy.
         """
         config, network = learner.config, network_of(learner)
         last, best_point = history[-1] if history else None, best_of(history)

@@ -1,4 +1,4 @@
-"""A run's validation points as TensorBoard event files, where that package is installed."""
+"""Validation points as TensorBoard event files, if that package is installed."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -12,13 +12,13 @@ FOLDER = "tensorboard"
 
 @contextmanager
 def event_files(out: Path) -> Iterator[Callable[[Row], None]]:
-    """Within it, what is yielded writes a point; one scalar a column of `metrics.csv`.
+    """A context whose function writes a validation point: one scalar per column of `metrics.csv`.
 
-    A resumed run adds a file; points of an earlier run in the same folder that lie beyond the new
-    one's are withdrawn.
+    A resumed run adds a file. Points of an earlier run in this folder are hidden from the new run's
+    first step on.
 
     Args:
-        out: the run's folder; the files go into a folder of their own in it.
+        out: the run's folder; the files are written into a subfolder of it.
 
     Raises:
         UsageError: TensorBoard is not installed.

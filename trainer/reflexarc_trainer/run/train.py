@@ -1,7 +1,7 @@
-"""A training run: learn, measure, keep the best, leave a folder behind (`run_folder.py`).
+"""The loop of a training run: learn, validate, save; at the end, export and report.
 
-An interrupted run leaves everything, of what it learned so far; one that is killed leaves the last
-validation point's checkpoint and metrics.
+An interrupted run writes all files of `run_folder.py` for what it has learned so far. A run that is
+killed leaves checkpoint and metrics of its last validation point.
 """
 
 import dataclasses
@@ -19,47 +19,52 @@ from reflexarc_trainer.run.history import Row, best_of, has_reached
 from reflexarc_trainer.run.run_folder import RunFolder
 from reflexarc_trainer.run.validation import validate
 from reflexarc_trainer.sarsa.forms import new_learner
-from reflexarc_trainer.sarsa.learner import Learner
+from reflexarc_trainer.sarsa.learner_interface import Learner
 
 CHUNK_STEPS = 20_000
-"""Transitions between two looks at `should_stop`."""
+"""Transitions between two calls of `should_stop`."""
 
 
 @dataclass(frozen=True)
 class TrainingProgress:
-    """Where a run stands."""
+    """How far a run has come."""
 
     step: int
     steps: int
+    """Transitions of the whole run."""
     epsilon: float
     seconds: float
+    """Wall-clock time of the run, without interruptions."""
     steps_per_s: float
-    """Of learning alone, since the last look."""
+    """Transitions per second of learning, since the last call."""
     mean_abs_error: float
-    """Since the last validation point: see `history.py`."""
+    """Mean of |δ| (online) or of |G − Q| (batched) since the last validation point."""
     last: Row | None
     """The last validation point."""
 
 
 @dataclass(frozen=True)
 class TrainResult:
-    """What a run gave."""
+    """The outcome of a run."""
 
     policy_path: Path
-    """The policy as the run left it."""
+    """The policy with the last weights."""
     steps: int
     """Transitions learned from."""
     seconds: float
+    """Wall-clock time of the run, without interruptions."""
     history: tuple[Row, ...]
+    """The validation points."""
     interrupted: bool
+    """Whether Ctrl-C or `should_stop` ended it."""
     best: Row | None = None
-    """The best validation point, that of `best_policy_path`; none before the first point."""
+    """The best validation point, that of `best_policy_path`; None before the first point."""
     reached: bool = False
-    """The run ended at `validation.stop_at`."""
+    """Whether the run reached `validation.stop_at`."""
 
     @property
     def best_policy_path(self) -> Path:
-        """The policy of the best validation point, if there is one."""
+        """The policy of the best validation point; there is none before the first point."""
         return RunFolder(self.policy_path.parent).best_policy
 
 
@@ -76,21 +81,21 @@ def train(
     measured: RowCallback | None = None,
     should_stop: Callable[[], bool] | None = None,
 ) -> TrainResult:
-    """Train from the start and write everything into `out`, over what lies there.
+    """Train from the start; the results of an earlier run in `out` are removed.
 
     Args:
         config: the run.
-        out: its folder, made if need be.
-        init_from: a policy file to begin with the weights of; its hash becomes part of the
+        out: folder for its files, made if need be.
+        init_from: a policy file that gives the initial weights; its hash becomes part of the
             configuration.
-        progress: told where the run stands, every `CHUNK_STEPS` steps.
-        measured: told of each validation point.
-        should_stop: asked as often; True ends the run as Ctrl-C does.
+        progress: called every `CHUNK_STEPS` steps.
+        measured: called with each validation point.
+        should_stop: called as often as `progress`; True ends the run as Ctrl-C does.
 
     Raises:
-        WorldError: a world or the eye is not supported.
-        UsageError: the weights diverged; or `init_from` is not of this eye and network.
-        PolicyError: the policy could not be exported faithfully; or `init_from` is none.
+        WorldError: a world does not exist, or does not support the eye.
+        UsageError: the weights diverged; or `init_from` has another eye or network.
+        PolicyError: the backends do not agree on the policy; or `init_from` is not a policy.
     """
     weights: Weights | None = None
     if init_from is not None:
@@ -108,10 +113,10 @@ def resume(
     measured: RowCallback | None = None,
     should_stop: Callable[[], bool] | None = None,
 ) -> TrainResult:
-    """Continue the run in `out` to the end that it was given; arguments as for `train`.
+    """Continue the run in `out` up to its configured number of steps; arguments as for `train`.
 
     Raises:
-        UsageError: there is no checkpoint in `out`.
+        UsageError: `out` has no checkpoint of this version.
     """
     folder = RunFolder(out)
     saved = folder.load()
@@ -159,7 +164,7 @@ class _Run:
         )
 
     def _learn(self) -> bool:
-        """True when the end is reached, False when someone wants to stop."""
+        """Learn and validate; returns False if `should_stop` ended the run before its end."""
         for target in validation_steps(self.config)[len(self.history) :]:
             if self._has_reached():
                 break
@@ -171,15 +176,15 @@ class _Run:
         return True
 
     def _learn_until(self, target: int) -> None:
-        """A chunk of steps, at most up to the target."""
+        """Learn one chunk, at most up to step `target`."""
         before, began_s = self.learner.step, time.perf_counter()
         self.learner.run(min(CHUNK_STEPS, target - before))
         rate = (self.learner.step - before) / max(1e-9, time.perf_counter() - began_s)
         if self.progress is not None:
-            self.progress(self._where(rate))
+            self.progress(self._progress(rate))
 
     def _measure(self) -> None:
-        """A validation point; kept at once, for a killed run to go on from."""
+        """Validate, and save at once: a run that is killed can continue from here."""
         score, report = validate(network_of(self.learner), self.config), self.learner.report()
         self.learner.mark()
         row = Row(
@@ -197,7 +202,7 @@ class _Run:
             self.measured(row)
         self.folder.save(self.learner, self.history, self.best)
 
-    def _where(self, steps_per_s: float) -> TrainingProgress:
+    def _progress(self, steps_per_s: float) -> TrainingProgress:
         return TrainingProgress(
             step=self.learner.step,
             steps=self.config.steps,
@@ -213,6 +218,6 @@ class _Run:
 
 
 def validation_steps(config: TrainConfig) -> list[int]:
-    """The steps after which the policy is measured; the last is the end of the run."""
+    """The steps after which the policy is validated; the last is the end of the run."""
     points = min(config.validation.points, config.steps)
     return [config.steps * (point + 1) // points for point in range(points)]

@@ -1,7 +1,7 @@
-"""How good the greedy policy is, on validation worlds: what a run may look at while it learns.
+"""Validation: contacts per 100 m of the greedy policy, on worlds kept for this.
 
-The same figure as `reference_field.measure` gives for the network (but for bodies that turn, see
-`learner.driven_m`), by a compiled forward pass: a run asks for it twenty times.
+The figure equals that of `evaluation/reference_field.py` (except for bodies that turn: see
+`learner_interface.driven_m`). It is computed by the compiled forward pass, as a run needs it often.
 """
 
 import numpy as np
@@ -15,20 +15,21 @@ from reflexarc_trainer.config.train_config import TrainConfig
 from reflexarc_trainer.policy.q_network import QNetwork
 from reflexarc_trainer.policy.weights import NetworkPolicy, pack
 from reflexarc_trainer.sarsa.batched.network_pass import forward_from_python
-from reflexarc_trainer.sarsa.learner import driven_m
+from reflexarc_trainer.sarsa.learner_interface import driven_m
 from reflexarc_trainer.sarsa.network_shape import input_curve, layers_for
 
 RECORDED_AGENTS = 64
 RECORDED_EVERY = 10
+"""World steps between two recorded retinas of an agent."""
 RECORDED_STEPS = 80
 
 
 class GreedyPolicy(Policy):
-    """A network as a `Policy` that decides for many agents at once, by the compiled forward pass.
+    """A network as a greedy `Policy` for many agents at once, by the compiled forward pass.
 
     Args:
-        network: what was learned.
-        config: by which run.
+        network: the learned network.
+        config: the run that learned it.
     """
 
     def __init__(self, network: QNetwork, config: TrainConfig) -> None:
@@ -37,24 +38,24 @@ class GreedyPolicy(Policy):
         self._curve = input_curve(config.network, np.float64)
 
     def decide(self, retinas: RetinaBatch) -> tuple[QValues, Actions]:
-        """Q-values (n, actions) and winners (n,) of retinas (n, frames, eyes, rays, channels)."""
+        """Q-values (n, actions), actions (n,) of retinas (n, frames, eyes, rays, channels)."""
         values = np.empty((self._layers.computed, len(retinas)))
         inputs = self._curve[retinas.reshape(len(retinas), -1).T]
         forward_from_python(self._layers, self._weights, inputs, values)
         q_values: npt.NDArray[np.float64] = values[-int(self._layers.sizes[-1]) :]
-        winners: Actions = np.argmax(q_values, axis=0)
-        return q_values.T.astype(np.float32), winners
+        actions: Actions = np.argmax(q_values, axis=0)
+        return q_values.T.astype(np.float32), actions
 
 
 class GreedyDriver:
-    """A network that drives all agents of a simulation greedily."""
+    """Drives all agents of a simulation by a network's greedy policy."""
 
     def __init__(self, network: QNetwork, config: TrainConfig, simulation: Simulation) -> None:
         self._simulation = simulation
         self._policy = GreedyPolicy(network, config)
 
     def drive(self, steps: int) -> None:
-        """Look, decide, act."""
+        """Sense, decide and act for a number of world steps."""
         for _ in range(steps):
             self._simulation.sense()
             self._simulation.step(self._policy.decide(self._simulation.stacks)[1])
@@ -74,14 +75,14 @@ def validate(network: QNetwork, config: TrainConfig) -> float:
 
 
 def drive_and_record(network: QNetwork, config: TrainConfig) -> RetinaBatch:
-    """Retinas that the greedy policy meets, (n, frames, eyes, rays, channels): for the export."""
+    """Retinas of a drive with the greedy policy: (n, frames, eyes, rays, channels)."""
     seeds = validation_seeds(RECORDED_AGENTS)
     simulation = Simulation(config.goal_world, config.contract(), seeds)
-    policy, seen = NetworkPolicy(network), []
+    policy, recorded = NetworkPolicy(network), []
     for step in range(RECORDED_STEPS):
         simulation.sense()
         retinas = simulation.stacks.copy()
         if step % RECORDED_EVERY == 0:
-            seen.append(retinas)
+            recorded.append(retinas)
         simulation.step(policy.decide(retinas)[1])
-    return np.concatenate(seen)
+    return np.concatenate(recorded)

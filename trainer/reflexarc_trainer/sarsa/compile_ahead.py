@@ -1,7 +1,7 @@
-"""A learner's code is compiled by a second process while this one compiles its world.
+"""Compilation before a run: a second process compiles the learner, this one its world meanwhile.
 
-That is done once for each state of the sources, and takes either of them many seconds of one
-processor.
+Either takes many seconds of one processor, once for each state of the sources; later runs load the
+machine code from the cache.
 """
 
 import json
@@ -25,17 +25,19 @@ from reflexarc_trainer.sarsa.online import learner as online_learner
 from reflexarc_trainer.sarsa.online.update import drive
 
 _compiled: set[tuple[str, str, str]] = set()
-"""Form and precisions that this process has compiled or loaded: what the types depend on."""
+"""Form and precisions of the learners that this process has compiled or loaded: all that the types
+of compiled code depend on."""
 _LEARNERS: dict[str, Any] = {"batched": learn, "online": drive}
-"""The compiled function of each form: where it is kept, so are its parts."""
+"""The compiled function of each form; where the cache has it, it has its parts too."""
 _EXPECTED_S = {"batched": 11.0, "online": 8.0}
+"""Seconds that each takes to compile, on a machine of medium speed."""
 
 
 def compile_side_by_side(config: TrainConfig) -> None:
-    """Compile the learner of a run, and its world meanwhile, unless that is done.
+    """Compile the learner of a run and, at the same time, its world; do nothing if both are.
 
     Raises:
-        WorldError: there is no such world, or it cannot give what the eye asks for.
+        WorldError: the world does not exist, or does not support the eye.
     """
     form = config.learner.form, config.learner.batched.precision, config.learner.online.precision
     if form in _compiled:
@@ -54,7 +56,7 @@ def compile_side_by_side(config: TrainConfig) -> None:
 
 
 def compile_learner(config: TrainConfig) -> None:
-    """Compile what a run learns with, while no other process does: it learns for no step."""
+    """Compile the learner of a run, or wait for the process that is compiling it."""
     prepare()
     form = batched_learner if config.learner.form == "batched" else online_learner
     with compiling_alone(_LEARNERS[config.learner.form].__qualname__), without_garbage_collection():
@@ -62,7 +64,7 @@ def compile_learner(config: TrainConfig) -> None:
 
 
 def main() -> None:
-    """The other process: a resolved configuration comes in on standard input."""
+    """The second process: standard input gives a resolved configuration as JSON."""
     try:
         config = TrainConfig.from_resolved(json.load(sys.stdin))
     except (ValueError, UsageError) as error:

@@ -1,9 +1,9 @@
-"""Choosing actions while learning: ε-greedy, from random streams that live in an array.
+"""ε-greedy choice of actions while learning, from random streams that live in an array.
 
 A stream is splitmix64 (Steele, Lea & Flood, "Fast splittable pseudorandom number generators",
-2014): its whole state is one uint64, so a checkpoint carries it and a resumed run draws the same
-numbers. Each agent has its own: what one draws depends on no other, nor on threads. Compiled, and
-callable from plain Python as well.
+2014). Its whole state is one uint64; a checkpoint carries it, so that a resumed run draws the same
+numbers. Each agent has a stream of its own: what it draws depends neither on other agents nor on
+threads. The functions are compiled, and Python can call them as well.
 """
 
 from typing import Any
@@ -20,10 +20,13 @@ _INCREMENT = np.uint64(0x9E3779B97F4A7C15)
 _FACTORS = (np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB))
 _SHIFTS = (np.uint64(30), np.uint64(27), np.uint64(31), np.uint64(11))
 _UNIT = 2.0**-53
+"""Makes a number in [0, 1) of the upper 53 bits."""
+_STREAM_TAG = 0x45585052
+"""Keeps the exploration's streams apart from all others of the same seed ("EXPR" in ASCII)."""
 
 
 def new_streams(seed: int, agents: int = 1) -> Streams:
-    """The streams of a seed."""
+    """The streams of a seed, one per agent: (agents,)."""
     words = np.random.SeedSequence([seed, _STREAM_TAG]).generate_state(agents, np.uint64)
     return words.astype(np.uint64)
 
@@ -41,7 +44,7 @@ def uniform(streams: Streams, agent: int) -> float:
 
 @compiled
 def winner(q_values: npt.NDArray[Any], column: int) -> int:
-    """Winner takes all; of equal values the first wins. `q_values` is (actions, columns)."""
+    """The greedy action of a column of Q-values (actions, columns); of equal ones the first."""
     best = 0
     for action in range(1, q_values.shape[0]):
         if q_values[action, column] > q_values[best, column]:
@@ -53,7 +56,7 @@ def winner(q_values: npt.NDArray[Any], column: int) -> int:
 def choose(
     q_values: npt.NDArray[Any], column: int, epsilon: float, streams: Streams, agent: int
 ) -> int:
-    """With probability ε any action, else the winner."""
+    """ε-greedy: with probability ε a uniformly random action, else the greedy one."""
     if uniform(streams, agent) < epsilon:
         return int(uniform(streams, agent) * q_values.shape[0])
     return winner(q_values, column)
@@ -61,14 +64,10 @@ def choose(
 
 @compiled
 def expected_value(q_values: npt.NDArray[Any], column: int, epsilon: float) -> float:
-    """Mean value of what ε-greedy would choose: (1 − ε) max Q + ε mean Q."""
+    """Expectation of Q over the ε-greedy choice: (1 − ε) max Q + ε mean Q."""
     total = 0.0
     for action in range(q_values.shape[0]):
         total += q_values[action, column]
     best: float = q_values[winner(q_values, column), column]
     value: float = (1.0 - epsilon) * best + epsilon * total / q_values.shape[0]
     return value
-
-
-_STREAM_TAG = 0x45585052
-"""Keeps the exploration apart from every other stream of the same seed."""

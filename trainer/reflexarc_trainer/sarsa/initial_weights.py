@@ -1,4 +1,4 @@
-"""What a network begins with, as one vector in the order of `weights.py`."""
+"""Initial weights of a network, as one vector in the order of `policy/weights.py`."""
 
 import math
 from itertools import pairwise
@@ -12,16 +12,24 @@ from reflexarc_trainer.config.train_config import TrainConfig
 
 
 def initial_weights(config: TrainConfig) -> npt.NDArray[np.float64]:
-    """What a run's seed gives its network to begin with: (parameters,)."""
+    """The initial weights that a run's seed gives: (parameters,)."""
     return drawn_weights(config.contract(), config.network, config.seed)
 
 
 def drawn_weights(
     contract: PolicyContract, config: NetworkConfig, seed: int
 ) -> npt.NDArray[np.float64]:
-    """The initial weights of a seed, for each layer W by rows, then its biases: (parameters,).
+    """The initial weights of a seed: for each layer W by rows, then its biases.
 
-    Drawn with NumPy, whose streams are promised to stay; torch's are not.
+    They are drawn with NumPy and not with torch, which the compiled learners do not load.
+
+    Args:
+        contract: gives the numbers of inputs and actions.
+        config: the network.
+        seed: of the run.
+
+    Returns:
+        (parameters,).
     """
     sizes = config.sizes(contract)
     generator = np.random.default_rng([seed, *sizes])

@@ -1,35 +1,38 @@
-r"""SARSA(λ) to be read: torch, autograd, one visible update. The compiled loop must equal it.
+r"""SARSA(λ) in torch, made to be read: autograd and one visible update.
 
-The paper's equation (1), with a′ chosen ε-greedily and then executed, is
+The compiled online form makes the same updates (the tests compare).
+
+The paper is "Reactive Vision-Based Navigation Controller for Autonomous Mobile Agents". Its
+equation (1), with a′ chosen ε-greedily and then executed, is
 
     Q(s, a) ← (1 − α) Q(s, a) + α (r + γ Q(s′, a′))  =  Q(s, a) + α δ,
     δ = r + γ Q(s′, a′) − Q(s, a).
 
-With a network in place of the table, every weight that helped to choose the action moves, and the
-trace e remembers how much each one did:
+With a network in place of the table, the update moves the weights w along an accumulating
+eligibility trace e of the gradients of the chosen actions' values:
 
-    e ← γ λ e + ∇Q(s, a),        w ← w + step · δ · e,
+    e ← γ λ e + ∇Q(s, a),        w ← w + step · δ · e.
 
-accumulating over all parameters, of the chosen action's output only. In the tabular case ∇Q is 1
-at (s, a) and 0 elsewhere, and this is equation (1) again. The literal step is α. The bounded one,
+In the tabular case ∇Q is 1 at (s, a) and 0 elsewhere, and with λ = 0 this is equation (1) again.
+There are four step rules. The literal step is α. The bounded step,
 
     step = min(α, 1 / (κ · max(1, |δ|) · ‖e‖₁)),
 
-never removes more than the TD error (arXiv 2410.14606): a network with linear outputs needs it,
-for there α = 0.5 overshoots about tenfold. The intentional one removes the share α of it where the
-trace is the gradient, each weight scaled by s, the reciprocal RMS of its gradient (arXiv
-2604.19033):
+never removes more than the TD error (arXiv 2410.14606). Networks with linear outputs need it:
+with α = 0.5 the literal step overshoots about tenfold. The intentional step (arXiv 2604.19033)
+removes the share α of the TD error if the trace is the gradient; s is the reciprocal of the running
+RMS of each weight's gradient:
 
     w ← w + α δ s e / Σ s e².
 
-The one by RMS divides each weight's δe by the root of its running mean square (RMSProp, Tieleman &
-Hinton, 2012), which it takes at some of the updates only (`traces.py`).
+The step by RMS (RMSProp, Tieleman & Hinton, 2012) divides each weight's δe by its running RMS,
+which is recomputed at some of the updates only (`online/traces.py`).
 
-Expected SARSA puts the mean of Q(s′, ·) over what ε-greedy may choose in place of Q(s′, a′);
-reward centring subtracts a running average from r.
+Expected SARSA replaces Q(s′, a′) by its expectation over the ε-greedy choice of a′. Reward centring
+(arXiv 2405.09999) subtracts a running average from r.
 
-Departures from the paper, which is silent on them: a contact pays −1 alone, the trace is cut at
-it, and the value bootstraps from the place where the agent goes on.
+Where the paper says nothing: a contact pays −1 alone, it cuts the trace, and its target bootstraps
+from the state in which the agent continues.
 """
 
 import math
@@ -58,20 +61,20 @@ from reflexarc_trainer.sarsa.step_rules import (
 
 
 class Body(Protocol):
-    """One agent in a world; a `Simulation` of one agent is such a body."""
+    """One agent in a world, for example a `Simulation` of one agent."""
 
     def sense(self) -> npt.NDArray[np.uint8]:
-        """What it sees where it stands: uint8 (1, eyes, rays, channels)."""
+        """What the agent sees: uint8 (1, eyes, rays, channels)."""
         ...
 
     def step(self, actions: Actions) -> npt.NDArray[np.bool_]:
-        """Act (1,) and say whether that ended in a contact (1,)."""
+        """Do an action (1,); returns whether it ended in a contact (1,)."""
         ...
 
 
 @dataclass(frozen=True)
 class Transition:
-    """What one step brought."""
+    """A transition that was learned from."""
 
     action: int
     reward: float
@@ -85,7 +88,7 @@ class SarsaLambda:
     Args:
         network: its parameters are changed in place.
         config: the learner.
-        steps: length of the run, over which α falls.
+        steps: transitions of the whole run, over which α falls.
     """
 
     def __init__(self, network: nn.Module, config: LearnerConfig, steps: int = 1) -> None:
@@ -106,7 +109,7 @@ class SarsaLambda:
         contact: bool,
         epsilon: float = 0.0,
     ) -> float:
-        """Learn from (s, a, r, s′, a′); returns the TD error δ. ε is that of choosing a′."""
+        """Learn from (s, a, r, s′, a′), a′ chosen with `epsilon`; returns the TD error δ."""
         config = self.config
         q, gradient = self._value_and_gradient(s, a)
         repeat = config.exploration.action_repeat
@@ -127,12 +130,12 @@ class SarsaLambda:
         return td_error
 
     def cut_trace(self) -> None:
-        """What comes next owes nothing to what came before."""
+        """Set the trace to 0, so that later TD errors do not change earlier values."""
         for e in self.trace:
             e.zero_()
 
     def _change(self, td_error: float, gradient: tuple[Tensor, ...]) -> list[Tensor]:
-        """What is added to the weights: step · δ · e."""
+        """The change of the weights, step · δ · e, by the step rule."""
         online = self.config.online
         alpha = linear(self.step, online.alpha, online.alpha * online.alpha_end, self.steps)
         if online.step == "intentional":
@@ -182,7 +185,7 @@ class SarsaLambda:
 
 
 class Explorer:
-    """ε-greedy choice with a decaying ε; a chosen action is held, a contact ends the hold."""
+    """ε-greedy choice with decaying ε; an action is held for some steps, or until a contact."""
 
     def __init__(self, config: LearnerConfig, streams: Streams, steps: int) -> None:
         self._config, self._streams = config.exploration, streams
@@ -190,7 +193,7 @@ class Explorer:
         self._step, self._left, self._action = 0, 0, 0
 
     def choose(self, q_values: Tensor, contact: bool = False) -> int:
-        """The next action, for Q-values (actions,)."""
+        """The next action, given the Q-values (actions,) of the state."""
         if contact or self._left == 0:
             column = q_values.double().numpy()[:, np.newaxis]
             self._action = choose(column, 0, self.epsilon, self._streams, 0)
@@ -201,7 +204,7 @@ class Explorer:
 
     @property
     def epsilon(self) -> float:
-        """Share of random actions in the next choice."""
+        """The exploration rate ε of the next choice."""
         config = self._config
         return linear(self._step, config.epsilon_start, config.epsilon_end, self._decay_steps)
 
@@ -209,15 +212,15 @@ class Explorer:
 def learn(
     network: nn.Module, body: Body, config: LearnerConfig, streams: Streams, steps: int
 ) -> Iterator[Transition]:
-    """Sense, act, learn; one transition after another for `steps` steps.
+    """Act, sense and learn for a number of transitions; yields each.
 
     Args:
         network: maps retinas (1, frames, eyes, rays, channels) to Q-values (1, actions); its
             parameters are changed in place.
-        body: where it lives.
+        body: the agent in its world.
         config: the learner.
-        streams: where the exploration draws from, (1,); changed in place.
-        steps: length of the run; ε and α follow from it.
+        streams: random stream of the exploration, changed in place: (1,).
+        steps: number of transitions, over which ε and α fall.
     """
     learner = SarsaLambda(network, config, steps)
     explorer = Explorer(config, streams, steps)
@@ -225,8 +228,8 @@ def learn(
     s = _sense(body)
     a = explorer.choose(_q_values(network, s))
     for _ in range(steps):
-        met = [body.step(np.array([a], np.int64))[0] for _ in range(repeat)]
-        contact, reward = any(met), sum(rewards[bool(each)] for each in met)
+        contacts = [body.step(np.array([a], np.int64))[0] for _ in range(repeat)]
+        contact, reward = any(contacts), sum(rewards[bool(each)] for each in contacts)
         s_next = _sense(body)
         epsilon = explorer.epsilon
         a_next = explorer.choose(_q_values(network, s_next), contact)
@@ -236,7 +239,7 @@ def learn(
 
 
 def _sense(body: Body) -> Tensor:
-    """One frame (1, 1, eyes, rays, channels): a copy, for a body may reuse its buffer."""
+    """What the agent sees (1, 1, eyes, rays, channels): a copy, as a body may reuse its buffer."""
     return torch.tensor(body.sense()[:, np.newaxis])
 
 

@@ -1,6 +1,10 @@
-"""What a unit computes from its weighted sum, and its slope; compiled.
+"""Activation functions of units and their slopes; compiled.
 
-σ(x) = 1 / (1 + e⁻ˣ),   tanh x = 2 σ(2x) − 1,   relu(x) = max(0, x).
+    σ(x) = 1 / (1 + e⁻ˣ)                            σ′ = σ (1 − σ)
+    tanh x = (1 − e⁻²ˣ) / (1 + e⁻²ˣ)                tanh′ = 1 − tanh²
+    relu(x) = max(0, x)                             relu′ = 1 where x > 0, else 0
+
+σ and tanh are computed from e to the −|x|, which cannot overflow.
 """
 
 from typing import Any
@@ -16,12 +20,17 @@ UNITS = {"linear": LINEAR, "sigmoid": SIGMOID, "tanh": TANH, "relu": RELU}
 """Code of each kind of unit."""
 
 _ZERO, _ONE, _TWO = np.float32(0.0), np.float32(1.0), np.float32(2.0)
-"""float32, so that arithmetic on float32 stays in float32 and on float64 in float64."""
+"""float32, so that arithmetic with float32 stays in float32, and with float64 in float64."""
 
 
 @fused
 def activate(units: int, values: npt.NDArray[np.floating]) -> None:
-    """Weighted sums become activations, in place: (n,)."""
+    """Replace weighted sums by activations, in place.
+
+    Args:
+        units: kind of the units.
+        values: (n,).
+    """
     number = values.dtype.type
     if units == SIGMOID:
         for k in range(len(values)):
@@ -54,7 +63,13 @@ def tanh(x: Any, tail: Any) -> Any:
 def times_slope(
     units: int, activations: npt.NDArray[np.floating], back: npt.NDArray[np.floating]
 ) -> None:
-    """Gradients by activations become gradients by weighted sums, in place: (n,) each."""
+    """Replace gradients by activations by those by weighted sums, in place: multiply by the slopes.
+
+    Args:
+        units: kind of the units.
+        activations: (n,).
+        back: the gradients: (n,).
+    """
     zero, one = back.dtype.type(0), back.dtype.type(1)
     if units == SIGMOID:
         for k in range(len(back)):

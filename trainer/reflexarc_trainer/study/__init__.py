@@ -1,11 +1,9 @@
-"""A grid of configurations × seeds, learned and measured by processes of their own.
+"""A study: a grid of configurations × seeds, each learned and measured in a worker process.
 
-A file a concept:
-
-    study_file axes settings targets shipped    what a study asks: a TOML file, its cells
-    unit measuring                 one run of it: a pure function of what it is given
-    worker worker_process crew     processes that do units, replaced when they die
-    results                        where what they find is kept
-    study_run                      a study from its file to its page
-    summary page figure            what it says: interquartile means with intervals
+definition axes settings targets shipped    the TOML file: its cells, and what is expected of them
+unit measuring                              one run of a study, as a pure function
+worker worker_process crew                  processes that do units; one that dies is replaced
+results                                     the file that keeps the units' results
+study                                       a study from its file to its page
+summary page figure                         what it shows: interquartile means with intervals
 """

@@ -1,10 +1,10 @@
-"""What a study varies: axes and their values, and what each value sets.
+"""The axes of a study: what it varies, as tables of its TOML file.
 
 [[axis]]
 label = "hidden units"
 field = "network.hidden"           # any field of the configuration, by its dotted name
 values = [5, 10, 20]
-scale = "log"                      # of the picture; by default linear
+scale = "log"                      # of the figure's axis; by default linear
 
 [[axis]]                           # values that set several fields
 label = "learner"
@@ -32,7 +32,7 @@ _LONGEST_LABEL = 80
 
 
 class AxisScale(StrEnum):
-    """How an axis of numbers is drawn."""
+    """The scale of a figure's axis."""
 
     LINEAR = "linear"
     LOG = "log"
@@ -40,22 +40,22 @@ class AxisScale(StrEnum):
 
 @dataclass(frozen=True)
 class Choice:
-    """One value of an axis, or a cell of a list: its name and what it sets."""
+    """One value of an axis, or one cell of a list: its name, and the fields that it sets."""
 
     name: str
     settings: Mapping[str, object]
-    """Values by dotted field names."""
+    """Values of fields, by their dotted names."""
     path: KeyPath
-    """Where it stands in the file."""
+    """Its place in the file, for error messages."""
     paths: Mapping[str, KeyPath]
-    """Where each setting stands."""
+    """The place of each setting."""
     number: float | None = None
-    """The value, on an axis of numbers."""
+    """The value, if it is a number."""
 
 
 @dataclass(frozen=True)
 class Axis:
-    """Something that is varied."""
+    """A quantity that the study varies, with its values."""
 
     label: str
     choices: tuple[Choice, ...]
@@ -63,13 +63,13 @@ class Axis:
 
     @property
     def is_numeric(self) -> bool:
-        """Whether its values are numbers that a line can be drawn over."""
+        """Whether it has several values, all of them numbers: a figure can draw lines over them."""
         return len(self.choices) > 1 and all(c.number is not None for c in self.choices)
 
 
 @dataclass(frozen=True)
 class AxisTable:
-    """An axis as a file has it."""
+    """The table of an axis, as the file has it."""
 
     label: str
     field: str = ""
@@ -87,15 +87,15 @@ class AxisTable:
 def read_axes(
     source: TomlSource, tables: Sequence[AxisTable], cells: Sequence[object]
 ) -> Iterator[Axis]:
-    """The axes of a study; a list of cells is one.
+    """The axes of a study. A list of cells becomes a single axis.
 
     Args:
-        source: the file, for complaints.
-        tables: its axes.
-        cells: its cells.
+        source: the file, for error messages.
+        tables: its tables of axes.
+        cells: its tables of cells.
 
     Raises:
-        ReflexarcError: of the source's class: something that no field takes, with its line.
+        ReflexarcError: a field does not exist or does not take the value; with the line.
     """
     if cells:
         yield Axis("cell", tuple(_choices(source, cells, ("cell",))))
@@ -111,10 +111,10 @@ def read_axes(
 
 
 def require_words(where: str, words: str) -> None:
-    """Refuse what does not fit into a cell of a table, or onto a picture.
+    """Check that a name can be printed in a cell of a Markdown table and in a figure.
 
     Raises:
-        UsageError: it does not.
+        UsageError: it is too long, or has characters that cannot be printed there.
     """
     fits = words.isprintable() and 1 <= len(words) <= _LONGEST_LABEL and not set("|$") & set(words)
     wanted = f"1 to {_LONGEST_LABEL} printable characters without | and $"
@@ -122,7 +122,7 @@ def require_words(where: str, words: str) -> None:
 
 
 def _values(source: TomlSource, axis: AxisTable, path: KeyPath) -> Iterator[Choice]:
-    """A choice for each value of one field."""
+    """A choice for each value of an axis of one field."""
     assert isinstance(axis.values, list)  # checked on construction
     for n, value in enumerate(axis.values):
         at = (*path, "values", n)
@@ -133,7 +133,7 @@ def _values(source: TomlSource, axis: AxisTable, path: KeyPath) -> Iterator[Choi
 
 
 def _choices(source: TomlSource, tables: Sequence[object], path: KeyPath) -> Iterator[Choice]:
-    """A choice for each table: its name, and all else what it sets."""
+    """A choice for each table: its name, and all other keys as settings."""
     for n, table in enumerate(tables):
         at = (*path, n)
         if not isinstance(table, dict) or not isinstance(table.get("name"), str):
@@ -152,7 +152,7 @@ def _choices(source: TomlSource, tables: Sequence[object], path: KeyPath) -> Ite
 def _flat(
     table: Mapping[str, object], at: KeyPath, prefix: str, paths: dict[str, KeyPath]
 ) -> Iterator[tuple[str, object]]:
-    """Values by dotted names, quoted or nested; notes where each stands."""
+    """The values of a table by dotted names; fills in the place of each."""
     for key, value in table.items():
         name, here = prefix + key, (*at, key)
         if isinstance(value, dict):
@@ -163,7 +163,7 @@ def _flat(
 
 
 def _check_choice(source: TomlSource, choice: Choice) -> None:
-    """Refuse fields that there are not, and values of a wrong type."""
+    """Check that all fields exist and take values of this type."""
     for name, value in choice.settings.items():
         try:
             check_setting(name, value)
@@ -180,7 +180,7 @@ def _check_names(source: TomlSource, choices: tuple[Choice, ...]) -> None:
 
 
 def _check_scale(source: TomlSource, scale: AxisScale, choices: tuple[Choice, ...]) -> None:
-    """Only numbers above zero have a logarithm."""
+    """Check that an axis with a logarithmic scale has positive numbers only."""
     for choice in choices:
         if scale is AxisScale.LOG and not (choice.number is not None and choice.number > 0.0):
             words = f"expected a number above 0, for scale = 'log', got {choice.name}"

@@ -1,7 +1,8 @@
-"""Processes that do a study's units, replaced when they die.
+"""The crew of a study: worker processes that do its units, replaced when they die.
 
-A unit whose worker died is given to another one once more; a unit that took two workers with it has
-failed. With nothing compiled yet the first unit is done alone, as all would compile the same.
+A unit whose worker died is given to a second worker; if that one dies too, the unit has failed. If
+the compilation cache is empty, the first unit is done alone, as all workers would compile the same
+code at once.
 """
 
 import select
@@ -14,20 +15,21 @@ from reflexarc_trainer.study.unit import Result, Unit
 from reflexarc_trainer.study.worker_process import Failure, WorkerDied, WorkerProcess
 
 TRIES = 2
+"""Workers that may die doing a unit, before it has failed."""
 MOST_JOBS = 256
 MOST_STILLBORN = 3
-"""So many processes in a row that died before they were ready: none ever will be."""
+"""Processes in a row that die before they are ready, after which no more are started."""
 
 _LOOK_S = 0.1
-"""Between two looks at `should_stop`."""
+"""Longest time between two calls of `should_stop`."""
 
 
 class Crew:
-    """Some processes and the units that wait for them; a context manager, which ends them.
+    """Worker processes, and a queue of units for them; a context manager that ends the processes.
 
     Args:
-        units: what to do, in this order.
-        jobs: how many processes, 1 or more.
+        units: to be done, in this order.
+        jobs: number of processes, 1 or more.
     """
 
     def __init__(self, units: Sequence[Unit], jobs: int) -> None:
@@ -47,17 +49,17 @@ class Crew:
 
     @property
     def pids(self) -> list[int]:
-        """Numbers of the processes."""
+        """Process ids of the workers."""
         return [worker.pid for worker in self._workers]
 
     def outcomes(self, should_stop: Callable[[], bool]) -> Iterator[Result | Failure]:
-        """What became of each unit, as it comes.
+        """Do the units; yields the outcome of each as soon as it is known.
 
         Args:
-            should_stop: asked often; True leaves undone what has no result yet.
+            should_stop: called often; True ends the work, and units in progress have no outcome.
 
         Raises:
-            UsageError: processes die before they can begin.
+            UsageError: several processes died before they were ready.
         """
         while self._undone and not should_stop():
             self._hire()
@@ -73,7 +75,7 @@ class Crew:
         return len(self._pending) + sum(worker.unit is not None for worker in self._workers)
 
     def _hire(self) -> None:
-        """Have as many workers as there is work for, and give the idle ones some."""
+        """Start workers, up to one per unit that is not done, and give units to the idle ones."""
         while len(self._workers) < min(self._jobs, self._undone):
             self._workers.append(WorkerProcess())
         for worker in self._workers:
@@ -81,6 +83,7 @@ class Crew:
                 worker.give(self._pending.popleft())
 
     def _hear(self, worker: WorkerProcess) -> Result | Failure | None:
+        """The outcome that a worker has reported, or None if it has reported that it is ready."""
         try:
             outcome = worker.hear()
         except WorkerDied as death:
@@ -91,7 +94,7 @@ class Crew:
         return outcome
 
     def _bury(self, worker: WorkerProcess, reason: str) -> Failure | None:
-        """What becomes of the unit of a dead worker: done again, if this was its first death."""
+        """Queue the unit of a dead worker once more, or return its failure after the last try."""
         unit = worker.unit
         if unit is None:
             self._stillborn += 1

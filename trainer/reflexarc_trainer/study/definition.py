@@ -1,13 +1,13 @@
-"""What a study asks, as a small TOML file.
+"""The definition of a study: a TOML file.
 
 title = "Size of the hidden layer"
 question = "How many hidden units does it take?"
-preset = "paper"                   # what every cell begins with
-seeds = 8                          # so many, from 0 on; or a list
+preset = "paper"                   # the configuration that cells change
+seeds = 8                          # a number, counted from 0; or a list
 steps = 524288                     # by default the preset's
 measure = "contacts"               # or share_of_blind, edge_index
 
-[evaluation]                       # may be left out
+[evaluation]                       # optional
 agents = 1024
 steps = 1000
 
@@ -16,9 +16,9 @@ label = "hidden units"
 field = "network.hidden"
 values = [5, 10, 20]
 
-[[cell]]                           # in place of axes: a list of cells, each as a choice is
+[[cell]]                           # in place of axes: a list of cells, written as choices
 
-Every cell is checked before anything runs. Paths of worlds are relative to where one stands.
+Every cell is checked before anything runs. Paths of worlds are relative to the current folder.
 """
 
 import itertools
@@ -49,25 +49,25 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,59}")
 
 @dataclass(frozen=True)
 class Cell:
-    """One configuration of the grid, run with every seed."""
+    """One configuration of the grid, which is run with every seed."""
 
     choices: tuple[Choice, ...]
-    """One an axis, in their order."""
+    """One per axis, in the order of the axes."""
     config: TrainConfig
-    """With any seed."""
+    """The configuration; its seed is replaced."""
 
     @property
     def name(self) -> str:
-        """Names of its choices."""
+        """Names of its choices, separated by commas."""
         return ", ".join(choice.name for choice in self.choices)
 
 
 @dataclass(frozen=True)
 class Study:
-    """A study, every cell of it checked."""
+    """A study whose cells have been checked."""
 
     name: str
-    """The file's, without its ending."""
+    """Name of the file, without its suffix."""
     title: str
     question: str
     measure: Measure
@@ -77,14 +77,14 @@ class Study:
     cells: tuple[Cell, ...]
     targets: tuple[Target, ...]
     text: str = field(repr=False)
-    """The file."""
+    """Content of the file."""
 
     def unit(self, cell: Cell, seed: int) -> Unit:
-        """What one seed of a cell has to do."""
+        """The unit of a cell and a seed."""
         return Unit(replace(cell.config, seed=seed), self.evaluation, self.measure)
 
     def units(self) -> list[Unit]:
-        """All of them, seed by seed: of a study that is broken off every cell has some."""
+        """All units, seed by seed, so that an interrupted study has results of every cell."""
         return [self.unit(cell, seed) for seed in self.seeds for cell in self.cells]
 
 
@@ -101,7 +101,7 @@ def read_study(path: Path) -> Study:
 
 
 def parse_study(text: str, name: str, where: str = "") -> Study:
-    """The same from its text; `where` is how complaints name it."""
+    """Read and check a study from its text; `where` names it in error messages."""
     source = TomlSource(text, where)
     head = fill(_Head, source)
     axes = tuple(read_axes(source, head.axis, head.cell))
@@ -125,7 +125,7 @@ def parse_study(text: str, name: str, where: str = "") -> Study:
 
 @dataclass(frozen=True)
 class _Head:
-    """The file as it is."""
+    """The content of the file, before its cells are read."""
 
     title: str
     question: str
@@ -147,7 +147,7 @@ class _Head:
 
 
 def _seeds(source: TomlSource, given: Any) -> tuple[int, ...]:
-    """So many from 0 on, or those of a list."""
+    """The seeds, of a number of seeds or of a list."""
     seeds = list(range(min(given, MOST_SEEDS + 1))) if type(given) is int else given
     whole = isinstance(seeds, list) and all(type(s) is int and 0 <= s < 1 << 63 for s in seeds)
     if not whole or not 1 <= len(seeds) <= MOST_SEEDS or len(set(seeds)) < len(seeds):
@@ -157,7 +157,7 @@ def _seeds(source: TomlSource, given: Any) -> tuple[int, ...]:
 
 
 def _cells(source: TomlSource, head: _Head, axes: tuple[Axis, ...]) -> Iterator[Cell]:
-    """A cell for each choice on every axis, the first axis outermost."""
+    """The product of all axes' choices; the last axis varies fastest."""
     count = math.prod(len(axis.choices) for axis in axes)
     if count > MOST_UNITS:
         raise source.complaint(("axis",), f"expected at most {MOST_UNITS} cells, got {count}")
@@ -166,7 +166,7 @@ def _cells(source: TomlSource, head: _Head, axes: tuple[Axis, ...]) -> Iterator[
 
 
 def _cell(source: TomlSource, head: _Head, choices: tuple[Choice, ...]) -> Cell:
-    """A cell, tried: its configuration, its eye and its worlds."""
+    """A cell whose configuration, eye and worlds have been checked."""
     settings: dict[str, object] = {"steps": head.steps} if head.steps else {}
     for choice in choices:
         settings |= choice.settings
@@ -185,7 +185,7 @@ def _cell(source: TomlSource, head: _Head, choices: tuple[Choice, ...]) -> Cell:
 
 
 def _blamed(choices: tuple[Choice, ...], complaint: str) -> KeyPath:
-    """Where the setting stands that a complaint names first; else the last choice."""
+    """The place of the setting that an error message begins with; else of the last choice."""
     field_name = complaint.partition(":")[0]
     for choice in reversed(choices):
         for name, path in choice.paths.items():
@@ -195,7 +195,7 @@ def _blamed(choices: tuple[Choice, ...], complaint: str) -> KeyPath:
 
 
 def _check_whole(source: TomlSource, study: Study) -> None:
-    """What only shows in the whole: how much it is, cells that are one, targets of no cell."""
+    """Check the number of runs, that all cells differ, and that targets name cells."""
     count = len(study.cells) * len(study.seeds)
     if count > MOST_UNITS:
         raise source.complaint(("seeds",), f"expected at most {MOST_UNITS} runs, got {count}")

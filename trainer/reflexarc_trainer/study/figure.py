@@ -1,7 +1,7 @@
-"""A study as a picture: a dot a seed, the interquartile mean of each cell and its interval.
+"""The figure of a study: one dot per seed; each cell's interquartile mean with its interval.
 
-Where an axis has numbers for values, it is drawn from left to right and the cells of every
-combination of the other axes are joined to a line. Else each cell is a row.
+If an axis has numbers as values, it is the horizontal axis, and each combination of the other
+axes' choices is a line. Otherwise each cell is a row.
 """
 
 import math
@@ -21,15 +21,15 @@ from reflexarc_trainer.study.unit import Measure
 
 _INK, _FAINT = "#333333", "#dddddd"
 _COLOURS = ("#0b6e4f", "#c9a227", "#a23b3b", "#3b6ea2", "#7a4b94", "#5b8c2a", "#b0683a", "#555555")
-"""Of the lines, in turn."""
+"""Colours of the lines or groups of rows, repeated as needed."""
 _WIDE = 5.0
-"""Where the largest figure is so many times the least, the scale is logarithmic."""
+"""Ratio of the largest to the smallest measured value above which their scale is logarithmic."""
 _WIDTH, _ROW = 8.0, 0.36
-"""Inches."""
+"""Width of the figure and height of a row, in inches."""
 
 
 def draw_study(study: Study, summaries: Sequence[CellSummary]) -> bytes:
-    """The picture, as PNG."""
+    """The figure as PNG."""
     numeric = next((n for n, axis in enumerate(study.axes) if axis.is_numeric), None)
     height = 4.5 if numeric is not None else 1.4 + _ROW * len(summaries)
     figure = Figure(figsize=(_WIDTH, height), dpi=150, layout="constrained")
@@ -73,7 +73,7 @@ def _shifted(
     places: Sequence[float],
     is_log: bool,
 ) -> list[float]:
-    """Where the cells of a line stand: a little aside, lest lines hide each other's intervals."""
+    """Horizontal positions of a line's cells, shifted a little so that intervals do not overlap."""
     own = [summary.cell.choices[numeric].number or 0.0 for summary in line]
     if is_log:
         return [x * (max(places) / min(places)) ** shift for x in own]
@@ -121,14 +121,14 @@ def _draw_rows(axes: Axes, study: Study, summaries: Sequence[CellSummary]) -> No
 
 
 def _group(study: Study, summary: CellSummary) -> int:
-    """Which colour a row has: that of its choice on the first of several axes."""
+    """Number of a row's colour: that of its choice on the first of several axes."""
     if len(study.axes) < 2:
         return 0
     return study.axes[0].choices.index(summary.cell.choices[0])
 
 
 def _scale_figures(axes: Axes, which: str, study: Study, summaries: Sequence[CellSummary]) -> None:
-    """Name and scale the axis of the figures."""
+    """Label and scale the axis of the measured values."""
     figures = [figure for summary in summaries for figure in summary.figures]
     name = FIGURE_NAMES[study.measure]
     axis, is_x = (axes.xaxis, True) if which == "x" else (axes.yaxis, False)
@@ -152,7 +152,7 @@ def _colour(number: int) -> str:
 
 
 def _round_numbers(low: float, high: float) -> list[float]:
-    """1, 2 and 5 times powers of ten around the figures."""
+    """The numbers 1, 2 and 5 times a power of ten from low / 2 to 2 · high."""
     decades = range(math.floor(math.log10(low)) - 1, math.ceil(math.log10(high)) + 1)
     numbers = [first * 10.0**power for power in decades for first in (1, 2, 5)]
     return [number for number in numbers if low / 2 <= number <= 2 * high]

@@ -1,7 +1,7 @@
-"""From a unit to its result: learn by its configuration, then measure what was learned.
+"""One run of a study: learn by a unit's configuration, then measure the greedy policy.
 
-`measure` is a pure function of the unit: the same unit gives the same figures in any process, and
-on any machine whose arithmetic is the same; only the times differ.
+The figures of a result are a pure function of the unit: they are the same in any process, and on
+any machine with the same arithmetic. Its times are not.
 """
 
 import hashlib
@@ -28,16 +28,16 @@ from reflexarc_trainer.policy.weights import network_of
 from reflexarc_trainer.run.train import CHUNK_STEPS
 from reflexarc_trainer.run.validation import GreedyPolicy
 from reflexarc_trainer.sarsa.forms import new_learner
-from reflexarc_trainer.sarsa.learner import Learner
+from reflexarc_trainer.sarsa.learner_interface import Learner
 from reflexarc_trainer.study.unit import Evaluation, Measure, Result, Unit, code_key
 
 
 def measure(unit: Unit) -> Result:
-    """Learn, then measure. A run whose weights do not stay finite is a result, too.
+    """Learn, then measure. If the weights diverge, the result says so.
 
     Raises:
-        WorldError: a world or an eye that the simulator does not support.
-        UsageError: a world that has no edge index, where that is asked for.
+        WorldError: the simulation does not support the world or the eye.
+        UsageError: the edge index is to be measured in a world that has none.
     """
     began_s = time.perf_counter()
     learner = new_learner(unit.config)
@@ -59,7 +59,13 @@ def measure(unit: Unit) -> Result:
 def measure_edge_index(
     policy: Policy, contract: PolicyContract, world: WorldSource, scale: Evaluation
 ) -> float:
-    """E of a policy, each agent in the world of a test seed; one looks after each step.
+    """The edge index of a policy, from the agents' lateral positions after every step.
+
+    Args:
+        policy: chooses the actions.
+        contract: what it sees and does.
+        world: each agent is in the world of another test seed.
+        scale: numbers of agents and steps.
 
     Raises:
         UsageError: the world has no edges.
@@ -76,17 +82,17 @@ def measure_edge_index(
 
 
 def _learn(learner: Learner) -> bool:
-    """Learn to the end; False if the weights do not stay finite."""
+    """Learn to the end of the run; returns False if the weights diverge."""
     while learner.step < learner.config.steps:
         try:
             learner.run(min(CHUNK_STEPS, learner.config.steps - learner.step))
-        except UsageError:  # by its contract: the weights are no longer finite
+        except UsageError:  # `Learner.run` raises it for weights that are no longer finite
             return False
     return True
 
 
 def _figures(unit: Unit, learner: Learner) -> dict[str, float | None]:
-    """What the greedy policy scores, by the names of a result's fields."""
+    """The figures of the greedy policy, by the names of the fields of `Result`."""
     policy, contract = GreedyPolicy(network_of(learner), unit.config), unit.config.contract()
     assert unit.world is not None  # filled in
     contacts = _contacts(policy, contract, unit.world, unit.evaluation)
@@ -103,9 +109,9 @@ def _figures(unit: Unit, learner: Learner) -> dict[str, float | None]:
 
 @lru_cache(maxsize=64)
 def _blind_contacts(actions: tuple[Action, ...], world: TrainingWorld, scale: Evaluation) -> float:
-    """What an agent that never steers scores in the same worlds, whatever its eye.
+    """Contacts per 100 m of an agent that never steers, in the same worlds; its eye has no effect.
 
-    Measured once a process.
+    Measured once per process.
     """
     return _contacts(BlindPolicy(len(actions)), PolicyContract(actions=actions), world, scale)
 

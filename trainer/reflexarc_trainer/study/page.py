@@ -1,4 +1,4 @@
-"""A study on one page, in Markdown: its question, its picture, its table, where it comes from."""
+"""The page of a study, in Markdown: its question, its figure, its table, its provenance."""
 
 from collections.abc import Iterable, Sequence
 
@@ -13,7 +13,7 @@ FIGURE_NAMES = {
     Measure.SHARE_OF_BLIND: "share of the blind agent's contacts",
     Measure.EDGE_INDEX: "edge index",
 }
-"""What each measure is called in tables and pictures."""
+"""Name of each measure in tables and figures."""
 
 _DIGITS = {Measure.CONTACTS: 2, Measure.SHARE_OF_BLIND: 3, Measure.EDGE_INDEX: 2}
 
@@ -24,7 +24,7 @@ def write_page(study: Study, summaries: Sequence[CellSummary], picture: str) -> 
     Args:
         study: the study.
         summaries: of its cells.
-        picture: file name of its picture, which lies beside the page.
+        picture: file name of its figure, in the same folder.
     """
     parts = [
         f"# {study.title}",
@@ -72,7 +72,7 @@ def _figures(summary: CellSummary, digits: int) -> list[str]:
 
 
 def interval_words(estimate: Estimate, digits: int) -> str:
-    """An estimate with its interval."""
+    """An estimate with its interval: "2.00 [1.90, 2.10]"."""
     return f"{estimate.value:.{digits}f} [{estimate.low:.{digits}f}, {estimate.high:.{digits}f}]"
 
 

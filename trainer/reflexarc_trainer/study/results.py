@@ -1,7 +1,8 @@
-"""Results on the disk: one line of JSON a unit, each on the disk before the next one begins.
+"""The results file of a study: one line of JSON per result, each flushed to the disk at once.
 
-A process that is killed leaves whole lines and at most one torn one, which is not read and is cut
-off by the next run. Only one process writes into a file.
+A process that is killed leaves whole lines and at most one incomplete line at the end; reading
+skips that line, and the next process that opens the file removes it. A lock keeps other processes
+from writing.
 """
 
 import dataclasses
@@ -18,10 +19,10 @@ from reflexarc_trainer.study.unit import Result, Unit
 
 
 class ResultsFile:
-    """A file of results, open for more; a context manager.
+    """A results file, open for appending; a context manager that closes it.
 
     Raises:
-        UsageError: another process writes into it.
+        UsageError: another process has it open.
     """
 
     def __init__(self, path: Path) -> None:
@@ -46,7 +47,7 @@ class ResultsFile:
         self._file.close()
 
     def append(self, result: Result) -> None:
-        """Keep a result; it is on the disk when this returns."""
+        """Append a result; it is on the disk when this returns."""
         line = json.dumps(dataclasses.asdict(result)) + "\n"
         self._file.write(line.encode())
         self._file.flush()
@@ -59,10 +60,13 @@ class ResultsFile:
 
 
 def read_results(path: Path) -> list[Result]:
-    """All whole results of a file, none if there is no file; what this version cannot read is left.
+    """The results of a file; lines that this version cannot read are skipped.
+
+    Returns:
+        The results in the order of the file; none if there is no file.
 
     Raises:
-        OSError: the file is there and cannot be read.
+        OSError: the file exists and cannot be read.
     """
     if not path.exists():
         return []
@@ -76,12 +80,12 @@ def read_results(path: Path) -> list[Result]:
 
 
 def matching(results: Sequence[Result], units: Sequence[Unit], code: str) -> dict[str, Result]:
-    """The results of these units, by the units' hashes; the last of equals.
+    """The results of units, by the units' hashes; of several for one unit, the last.
 
     Args:
-        results: any.
-        units: what is asked.
-        code: results of other code are left out; "" takes those of any.
+        results: to choose from.
+        units: whose results are wanted.
+        code: only results of this code (`Result.code`); "" for those of any code.
     """
     asked = {unit.hash for unit in units}
     fitting = (r for r in results if r.unit in asked and code in ("", r.code))

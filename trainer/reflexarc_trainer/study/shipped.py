@@ -1,4 +1,4 @@
-"""The studies of this package, by their names; and any other by its file."""
+"""Studies by name: the shipped ones by theirs, others by the path of their file."""
 
 from pathlib import Path
 
@@ -11,15 +11,15 @@ _FOLDER = Path(__file__).parent / "shipped"
 
 
 def study_names() -> tuple[str, ...]:
-    """Names of the studies of this package."""
+    """Names of the shipped studies, sorted."""
     return tuple(sorted(path.stem for path in _FOLDER.glob(f"*{SUFFIX}")))
 
 
 def study_named(name: str) -> Study:
-    """The study of that name, or of that file.
+    """The shipped study of a name, or the study of a file's path.
 
     Raises:
-        ReflexarcError: there is none, or it is none that can be run.
+        ReflexarcError: there is no such study, or it cannot be run.
     """
     if name in study_names():
         return read_study(_FOLDER / f"{name}{SUFFIX}")

@@ -1,18 +1,18 @@
-"""A study from its file to its page, in a folder of its own.
+"""A study from its definition to its page, in a folder of its own.
 
-study.toml       the study as it was run
-results.jsonl    one line a unit: see `results.py`
+study.toml       the definition as it was run
+results.jsonl    one line per result: see `results.py`
 study.md         its page
-study.png        its picture
+study.png        its figure
 
-Whatever there is already is not done again: a study that was broken off goes on, and one whose
-grid has grown does what is new. Results of units that are no longer asked for, or that other code
-gave, stay in the file and are not used.
+Units that have a result are not done again: an interrupted study continues, and one whose grid has
+grown does the new units. Results of units that the study no longer has, or of other versions of the
+code, stay in the file and are not used.
 """
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -29,23 +29,23 @@ from reflexarc_trainer.study.worker_process import Failure
 STUDY, RESULTS, PAGE, PICTURE = "study.toml", "results.jsonl", "study.md", "study.png"
 
 _LEARNED_PER_S, _DRIVEN_PER_S = 5e5, 7e5
-"""Steps a second of one processor, learning and measuring, presets of 2^19 steps on a shared
-virtual core: for an estimate before anything has run."""
+"""Steps per second of one processor, learning and measuring, for the estimate of a study's duration
+(presets of 2^19 steps, on a shared virtual core)."""
 
 
 @dataclass(frozen=True)
 class StudyProgress:
-    """Where a study stands."""
+    """How many units of a study are done."""
 
     done: int
     units: int
     last: Result | None
-    """What came last."""
+    """The result that came last; None at the start."""
 
 
 @dataclass(frozen=True)
 class StudyResult:
-    """What a study gave."""
+    """The outcome of a study."""
 
     out: Path
     summaries: tuple[CellSummary, ...]
@@ -53,30 +53,31 @@ class StudyResult:
     """Units with a result."""
     units: int
     before: int
-    """Results that were there already."""
+    """Results that existed before."""
     unused: int
-    """Results of these units that other code gave."""
+    """Results of its units by other versions of the code, which are not used."""
     failures: tuple[str, ...]
-    """In words, which runs have no result and why."""
+    """For each unit that failed: its cell, its seed and the reason."""
     interrupted: bool
+    """Whether units are left to do."""
     missed: tuple[str, ...]
-    """Targets that are missed, in words; of a whole study only."""
+    """Targets that are missed, in words; none while units are left to do."""
 
     @property
     def page(self) -> Path:
-        """Its page."""
+        """Path of its page."""
         return self.out / PAGE
 
 
 @dataclass(frozen=True)
 class Plan:
-    """What of a study is there and what is to do."""
+    """Which units of a study have a result, and which are to be done."""
 
     units: tuple[Unit, ...]
     there: dict[str, Result] = field(repr=False)
-    """By unit hash."""
+    """Existing results, by unit hash."""
     unused: int
-    """Results of these units that other code gave."""
+    """Results of its units by other versions of the code, which are not used."""
 
     @property
     def pending(self) -> list[Unit]:
@@ -84,20 +85,20 @@ class Plan:
         return [unit for unit in self.units if unit.hash not in self.there]
 
     def estimate_s(self, jobs: int) -> float:
-        """How long the rest may take on so many processors, compilation left out."""
+        """Estimated duration of the pending units on `jobs` processors, without compilation."""
         return math.fsum(_estimate_s(unit) for unit in self.pending) / jobs
 
 
 def plan(study: Study, out: Path, any_code: bool = False) -> Plan:
-    """What is to do.
+    """Compare a study with the results in its folder.
 
     Args:
         study: the study.
         out: its folder, which need not exist.
-        any_code: take results that other code gave, too.
+        any_code: whether to use results by other versions of the code too.
 
     Raises:
-        OSError: results are there and cannot be read.
+        OSError: the results file exists and cannot be read.
     """
     units, results = tuple(study.units()), read_results(out / RESULTS)
     there = matching(results, units, "" if any_code else code_key())
@@ -113,26 +114,25 @@ def run_study(
     progress: Callable[[StudyProgress], None] = lambda _: None,
     should_stop: Callable[[], bool] = lambda: False,
 ) -> StudyResult:
-    """Do what is to do, and write the page of what there is.
+    """Do the pending units, and write the page of all results.
 
     Args:
         study: the study.
         out: its folder, made if need be.
-        jobs: how many processes.
-        any_code: take results that other code gave, too.
-        progress: told where the study stands, at the start and after each unit.
-        should_stop: asked often; True ends the study before its end.
+        jobs: number of worker processes.
+        any_code: whether to use results by other versions of the code too.
+        progress: called at the start and after each unit.
+        should_stop: called often; True ends the study early.
 
     Raises:
-        UsageError: another process is at it in this folder, or no process can begin.
+        UsageError: another process runs a study in this folder, or no worker can start.
         OSError: the folder cannot be written.
     """
-    failures: list[str] = []
     with ResultsFile(out / RESULTS) as file:
         write_atomically(out / STUDY, study.text.encode())
         todo = plan(study, out, any_code)
-        there, before = dict(todo.there), len(todo.there)
-        progress(StudyProgress(before, len(todo.units), None))
+        there, failures = dict(todo.there), list[str]()
+        progress(StudyProgress(len(there), len(todo.units), None))
         with Crew(todo.pending, jobs) as crew:
             for outcome in crew.outcomes(should_stop):
                 if isinstance(outcome, Failure):
@@ -143,13 +143,25 @@ def run_study(
                 progress(StudyProgress(len(there), len(todo.units), outcome))
         summaries = summarise(study, there)
         _write(study, out, summaries)
+    return _result(study, out, todo, there, failures, summaries)
+
+
+def _result(
+    study: Study,
+    out: Path,
+    todo: Plan,
+    there: Mapping[str, Result],
+    failures: Sequence[str],
+    summaries: list[CellSummary],
+) -> StudyResult:
+    """The outcome of a study that had a plan, and now has these results and failures."""
     is_whole = len(there) + len(failures) == len(todo.units)
     return StudyResult(
         out=out,
         summaries=tuple(summaries),
         done=len(there),
         units=len(todo.units),
-        before=before,
+        before=len(todo.there),
         unused=todo.unused,
         failures=tuple(failures),
         interrupted=not is_whole,

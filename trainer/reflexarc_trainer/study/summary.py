@@ -1,4 +1,4 @@
-"""What a study says: for each cell the interquartile mean over its seeds, with its interval."""
+"""Summary of a study: each cell's interquartile mean over its seeds, with its interval."""
 
 import math
 from collections.abc import Iterable, Mapping
@@ -11,37 +11,37 @@ from reflexarc_trainer.study.unit import Measure, Result
 
 @dataclass(frozen=True)
 class CellSummary:
-    """A cell and what its seeds gave."""
+    """A cell, and the results of its seeds together."""
 
     cell: Cell
     figures: tuple[float, ...]
-    """Of the seeds that have one, in the order of the seeds."""
+    """The measured value of each seed that has one, in the order of the seeds."""
     estimate: Estimate | None
-    """Over those; None without any."""
+    """Interquartile mean of the figures, with its interval; None without figures."""
     share_of_blind: float | None
-    """Interquartile mean of the contacts as a share of a blind agent's."""
+    """Interquartile mean of the contacts as a share of the blind agent's."""
     contacts: float | None
     """Interquartile mean of the contacts per 100 m."""
     diverged: int
-    """Seeds whose weights did not stay finite. They have no figure."""
+    """Number of seeds whose weights diverged; they have no figure."""
     missing: int
-    """Seeds without a result."""
+    """Number of seeds without a result."""
     unit_s: float
     """Mean wall-clock time of a unit."""
 
 
 def summarise(study: Study, results: Mapping[str, Result]) -> list[CellSummary]:
-    """One summary a cell.
+    """The summaries of all cells, in their order.
 
     Args:
         study: the study.
-        results: what there is, by unit hash.
+        results: by unit hash.
     """
     return [_summary(study, cell, results) for cell in study.cells]
 
 
 def missed_targets(study: Study, summaries: list[CellSummary]) -> list[str]:
-    """In words, which targets are missed and how."""
+    """For each bound of a target that does not hold: the cell, the value and the bound."""
     by_name = {summary.cell.name: summary for summary in summaries}
     return [
         f"{target.cell}: {words}"

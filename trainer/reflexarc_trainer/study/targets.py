@@ -1,11 +1,11 @@
-"""What a study is expected to show: bounds on the figure of a cell.
+"""Targets of a study: bounds that the figures of a cell should keep, as tables of its TOML file.
 
 [[target]]
 cell = "paper"
-mean_at_most = 0.45                # of the interquartile mean
-each_at_most = 0.7                 # of every seed
+mean_at_most = 0.45                # bounds the interquartile mean
+each_at_most = 0.7                 # bounds every seed's figure
 
-A seed that diverged, or is missing, misses every bound of its cell.
+If a seed diverged or is missing, its cell misses every bound.
 """
 
 import math
@@ -18,10 +18,10 @@ from reflexarc_sim_bridge.evaluation.statistics import interquartile_mean
 
 @dataclass(frozen=True)
 class Target:
-    """Bounds on one cell."""
+    """Bounds on the figures of one cell."""
 
     cell: str
-    """Its name."""
+    """Name of the cell."""
     mean_at_most: float = math.inf
     mean_at_least: float = -math.inf
     each_at_most: float = math.inf
@@ -33,11 +33,11 @@ class Target:
         require(not any(map(math.isnan, bounds)), "cell", "numbers for bounds", "nan")
 
     def missed(self, figures: Sequence[float], wanted: int) -> list[str]:
-        """In words, which bounds do not hold.
+        """The bounds that do not hold, in words.
 
         Args:
-            figures: of the seeds that there are.
-            wanted: how many seeds the study has.
+            figures: of the seeds that have one.
+            wanted: number of seeds of the study.
         """
         if len(figures) < wanted:
             return [f"{wanted - len(figures)} of {wanted} seeds have no figure"]
@@ -52,7 +52,7 @@ class Target:
 
     @property
     def words(self) -> str:
-        """What is expected."""
+        """The bounds in words."""
         bounds = (
             ("mean ≤", self.mean_at_most),
             ("mean ≥", self.mean_at_least),

@@ -1,6 +1,7 @@
-"""One unit of a study's work and what it gave; `measuring.py` goes from one to the other.
+"""A unit of a study (one run: a configuration with a seed, and how it is measured) and its result.
 
-Both are plain JSON, so that they can be sent anywhere.
+`measuring.py` computes the result of a unit. Both can be written as JSON, to send them to worker
+processes and to keep them in files.
 """
 
 import dataclasses
@@ -26,32 +27,32 @@ MOST_AGENTS, MOST_STEPS = 1 << 16, 1 << 20
 
 
 class Measure(StrEnum):
-    """The figure of a study."""
+    """The quantity that a study measures."""
 
     CONTACTS = "contacts"
     """Contacts per 100 m of the greedy policy."""
     SHARE_OF_BLIND = "share_of_blind"
-    """The same as a share of what an agent that never steers has in the same worlds."""
+    """Contacts as a share of those of an agent that never steers, in the same worlds."""
     EDGE_INDEX = "edge_index"
-    """Share of the time near a side ÷ what it is for an agent that is anywhere alike."""
+    """Share of the time near a side of the world, divided by that of uniformly placed agents."""
 
 
 @dataclass(frozen=True)
 class Evaluation:
-    """On how much a greedy policy is measured, and where. The worlds are those of test seeds.
+    """How a greedy policy is measured: numbers of agents and steps, in worlds of test seeds.
 
-    `reflexarc evaluate` takes 4,096 agents and 2,000 steps, for reports on one policy. Among seeds
-    that differ by a tenth, contacts that are known to 2 % are enough.
+    `reflexarc evaluate` takes 4,096 agents and 2,000 steps, for the report on a single policy. In a
+    study seeds differ by a tenth, and contacts measured to within 2 % are enough.
     """
 
     agents: int = 1024
-    """Agents, each in a world of its own."""
+    """Number of agents, each in a world of its own."""
     steps: int = 1000
-    """Counted steps of each."""
+    """World steps of each agent that are counted."""
     discard: int = 100
-    """Steps before them that do not count; as many as in the reference field."""
+    """World steps before them that are not counted; as many as in the reference field."""
     world: str = ""
-    """Where, a name or a file; by default in the last world that was learned in."""
+    """Name or file of the world; by default the last one that the run learns in."""
 
     def __post_init__(self) -> None:
         require(1 <= self.agents <= MOST_AGENTS, "agents", f"1 to {MOST_AGENTS}", self.agents)
@@ -61,13 +62,13 @@ class Evaluation:
 
 @dataclass(frozen=True)
 class Unit:
-    """What is to be learned and how it is measured."""
+    """One run of a study: what is learned, and how it is measured."""
 
     config: TrainConfig
     evaluation: Evaluation = field(default_factory=Evaluation)
     measure: Measure = Measure.CONTACTS
     world: TrainingWorld | None = None
-    """Where it is measured, as text; filled in."""
+    """The world that it is measured in, with the text of its file; set on construction."""
 
     def __post_init__(self) -> None:
         require(
@@ -82,16 +83,16 @@ class Unit:
             object.__setattr__(self, "world", dataclasses.replace(goal, share=1.0))
 
     def to_plain(self) -> dict[str, Any]:
-        """As plain JSON values."""
+        """The unit as plain JSON values."""
         rest: dict[str, Any] = json.loads(json.dumps(dataclasses.asdict(self)))
         return {**rest, "config": self.config.resolved()}
 
     @classmethod
     def from_plain(cls, document: Mapping[str, Any]) -> Self:
-        """Read back what `to_plain` gave.
+        """Read back what `to_plain` returned.
 
         Raises:
-            UsageError: it is none of this version.
+            UsageError: it is not a unit of this version.
         """
         try:
             return fill(cls, MappingSource(document, "unit"), require_all=True)
@@ -100,32 +101,33 @@ class Unit:
 
     @property
     def hash(self) -> str:
-        """SHA-256, in hexadecimal, of its canonical JSON."""
+        """SHA-256, in hexadecimal, of the unit's canonical JSON."""
         text = json.dumps(self.to_plain(), sort_keys=True, separators=(",", ":"))
         return hashlib.sha256(text.encode()).hexdigest()
 
 
 @dataclass(frozen=True)
 class Result:
-    """What a unit gave. Figures are None where the weights did not stay finite."""
+    """The result of a unit. All figures are None if the weights diverged."""
 
     unit: str
     """Hash of the unit."""
     code: str
-    """Of what the figures come from: see `code_key`."""
+    """Hash of the code that computed it: see `code_key`."""
     diverged: bool
+    """Whether the weights became infinite or NaN."""
     steps: int
     """Transitions learned from."""
     learning_s: float
-    """Wall-clock time of learning, compilation included where there was any."""
+    """Wall-clock time of learning, including compilation if there was any."""
     evaluation_s: float
     contacts_per_100m: float | None = None
     share_of_blind: float | None = None
-    """None, too, where an agent that never steers meets nothing."""
+    """None also if an agent that never steers has no contacts."""
     edge_index: float | None = None
-    """None, too, where it is not the study's measure."""
+    """None also if it is not the study's measure."""
     weights_hash: str = ""
-    """SHA-256 of what was learned, as float64."""
+    """SHA-256 of the learned weights as float64."""
 
     @classmethod
     def from_plain(cls, document: Mapping[str, Any]) -> Self:
@@ -137,7 +139,7 @@ class Result:
         return fill(cls, MappingSource(document, "result"))
 
     def figure(self, measure: Measure) -> float | None:
-        """The figure that a study is about."""
+        """The figure of a measure."""
         if measure is Measure.CONTACTS:
             return self.contacts_per_100m
         return self.share_of_blind if measure is Measure.SHARE_OF_BLIND else self.edge_index
@@ -145,6 +147,6 @@ class Result:
 
 @lru_cache(maxsize=1)
 def code_key() -> str:
-    """Hash over the sources and the versions of the packages that a figure may depend on."""
+    """Hash of the sources and package versions that a figure may depend on."""
     text = json.dumps([source_key(_SOURCES), versions()], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]

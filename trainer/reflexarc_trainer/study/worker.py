@@ -1,9 +1,9 @@
-"""A process that does units: `python -m reflexarc_trainer.study.worker`.
+"""A worker process, which does units of a study: `python -m reflexarc_trainer.study.worker`.
 
-Standard input: one unit as JSON a line. Standard output: first `{"ready": code}`, then for each
-unit `{"result": …}`, or `{"error": "…"}` for one that cannot be done. It computes on one thread,
-and ends at the end of its input at once, whatever it is doing: so it does not outlive whoever
-started it, however that one ended.
+Standard input has one unit per line, as JSON. Standard output has first `{"ready": code}`, then for
+each unit `{"result": …}`, or `{"error": "…"}` if it cannot be done. The process computes on one
+thread. It exits immediately at the end of its input, even while it is learning, and so never
+outlives the process that started it.
 """
 
 import dataclasses
@@ -25,30 +25,30 @@ from reflexarc_trainer.study.unit import Unit, code_key
 
 
 def main() -> None:
-    """Do units until there are no more."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C goes to all; the parent decides
+    """Do units until the input ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches it too; its parent ends it
     answers = _take_standard_output()
     _compute_on_one_thread()
     _answer(answers, {"ready": code_key()})
     for line in _lines_until_the_end():
-        _answer(answers, _done(line))
+        _answer(answers, _answer_to(line))
 
 
 def _take_standard_output() -> TextIO:
-    """The stream of answers; what anything else prints goes to standard error."""
+    """A stream for the answers; from now on, standard output goes to standard error."""
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "w", encoding="utf-8")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
     return answers
 
 
 def _compute_on_one_thread() -> None:
-    """Processes share the processors, not threads."""
+    """Compute on one thread: there is one worker per processor."""
     set_thread_count(1)
     torch.set_num_threads(1)
 
 
 def _lines_until_the_end() -> Iterator[str]:
-    """Lines of the input; a thread of their own reads them, and notices the end amid the work."""
+    """Lines of the input, read by a thread that exits the process at the end of the input."""
     lines: SimpleQueue[str] = SimpleQueue()
 
     def read() -> None:
@@ -61,7 +61,7 @@ def _lines_until_the_end() -> Iterator[str]:
         yield lines.get()
 
 
-def _done(line: str) -> dict[str, Any]:
+def _answer_to(line: str) -> dict[str, Any]:
     try:
         return {"result": dataclasses.asdict(measure(Unit.from_plain(json.loads(line))))}
     except ReflexarcError as error:

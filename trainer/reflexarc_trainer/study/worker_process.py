@@ -1,4 +1,4 @@
-"""A worker as the process that started it sees it: give it a unit, hear what became of it."""
+"""A worker process as seen by the process that starts it: it is given units and answers."""
 
 import contextlib
 import json
@@ -12,28 +12,29 @@ from reflexarc_trainer.study.unit import Result, Unit
 
 _COMMAND = (sys.executable, "-P", "-m", "reflexarc_trainer.study.worker")
 _SETTINGS = {"OPENBLAS_NUM_THREADS": "1", "OMP_WAIT_POLICY": "passive"}
-"""Before NumPy and numba load: one thread, which does not spin while it waits."""
+"""Environment of the worker: one thread for NumPy, and no spinning while it waits."""
 _SHOWN = 200
+"""Characters of a worker's last words that are shown."""
 
 
 @dataclass(frozen=True)
 class Failure:
-    """A unit without a result."""
+    """A unit that could not be done, and why."""
 
     unit: Unit
     reason: str
 
 
 class WorkerDied(Exception):  # noqa: N818  # it is what happened
-    """The process ended; the message says what it said last."""
+    """The process ended by itself; the message has its status and its last line of output."""
 
 
 class WorkerProcess:
-    """A process that runs `worker.py`. It answers once when it is ready, then once a unit."""
+    """A process that runs `worker.py`. It answers once when it is ready, then once per unit."""
 
     def __init__(self) -> None:
         self.unit: Unit | None = None
-        """What it is doing."""
+        """The unit that it is doing."""
         self.is_ready = False
         self._complaints = tempfile.TemporaryFile()  # noqa: SIM115  # `end` closes it
         self._process = subprocess.Popen(
@@ -50,30 +51,30 @@ class WorkerProcess:
 
     @property
     def pid(self) -> int:
-        """Number of the process."""
+        """Process id."""
         return self._process.pid
 
     @property
     def is_idle(self) -> bool:
-        """Whether it waits for a unit."""
+        """Whether it is ready and has no unit."""
         return self.is_ready and self.unit is None
 
     def fileno(self) -> int:
-        """What becomes readable when it has answered, or died."""
+        """File descriptor that becomes readable when it has answered or died, for `select`."""
         return self._answers.fileno()
 
     def give(self, unit: Unit) -> None:
-        """Let it do a unit. If it is dead, `hear` will say so."""
+        """Give it a unit. If the process is dead, `hear` raises `WorkerDied`."""
         self.unit = unit
         with contextlib.suppress(BrokenPipeError):
             self._units.write(json.dumps(unit.to_plain()) + "\n")
             self._units.flush()
 
     def hear(self) -> Result | Failure | None:
-        """Its answer: what became of the unit, or None when it has become ready.
+        """Read its answer: the outcome of its unit, or None if it has become ready.
 
         Raises:
-            WorkerDied: it has died.
+            WorkerDied: the process has ended.
         """
         line = self._answers.readline()
         if not line.endswith("\n"):
@@ -87,16 +88,16 @@ class WorkerProcess:
         return Result.from_plain(message["result"])
 
     def end(self) -> None:
-        """End it, whatever it is doing, and wait until it is gone."""
+        """Kill the process, and wait until it has ended."""
         self._process.kill()
         self._process.wait()
-        with contextlib.suppress(BrokenPipeError):  # what it was given last never reached it
+        with contextlib.suppress(BrokenPipeError):  # the last unit may not have been written yet
             self._units.close()
         self._answers.close()
         self._complaints.close()
 
     def _last_words(self) -> str:
-        """How it ended, and the last line that it left on standard error."""
+        """How it ended, and its last line on standard error."""
         status = self._process.wait()
         self._complaints.seek(0)
         said = self._complaints.read().decode(errors="replace").strip().splitlines()

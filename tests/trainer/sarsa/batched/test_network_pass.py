@@ -10,13 +10,12 @@ import torch
 from reflexarc_trainer.config.train_config import NetworkConfig, TrainConfig
 from reflexarc_trainer.policy.q_network import new_network
 from reflexarc_trainer.policy.weights import pack
-from reflexarc_trainer.sarsa.batched import network_pass as block
+from reflexarc_trainer.sarsa.batched import network_pass
 from reflexarc_trainer.sarsa.network_shape import input_curve, layers_for
 from support.compiled_calls import from_python
 
-backward = from_python(block.backward)
-forward = from_python(block.forward)
-
+backward = from_python(network_pass.backward)
+forward = from_python(network_pass.forward)
 CONTRACT = TrainConfig().contract()
 HIDDEN = [(1,), (10,), (64,), (9, 6), (7, 5, 6)]
 UNITS: list[Any] = ["sigmoid", "tanh", "relu"]
@@ -49,8 +48,3 @@ def test_gradient_is_that_of_autograd_for_every_network(
         backward(layers, weights, inputs, values, back, gradient)
         scale = np.abs(expected).max()
         np.testing.assert_allclose(gradient / scale, expected / scale, rtol=0, atol=tolerance)
-
-
-def test_input_curve_is_the_power_of_the_intensity() -> None:
-    curve = input_curve(NetworkConfig(input_power=3), np.float64)
-    assert curve[[0, 51, 255]].tolist() == pytest.approx([0.0, 0.2**3, 1.0])

@@ -1,15 +1,17 @@
-r"""A block of agents through the network, forwards and backwards; compiled, in any precision.
+r"""A block of agents through the network, forwards and backwards; compiled, in either precision.
 
-A column is an agent: all the innermost loops run over the columns of a block, whatever the sizes
-of the layers, and are vectors. With x the inputs (inputs, columns), each layer computes
+A column is an agent. All innermost loops run over the columns of a block, so that they become
+vector instructions whatever the sizes of the layers. With x the inputs (inputs, columns) of a
+layer, it computes
 
     z = W x + b,    y = f(z),
 
-and backwards, from ∂L/∂y of the last one,
+and backwards (backpropagation), from ∂L/∂y of the last layer,
 
     ∂L/∂z = ∂L/∂y · f′,    ∂L/∂W = ∂L/∂z xᵀ,    ∂L/∂b = Σ ∂L/∂z,    ∂L/∂x = Wᵀ ∂L/∂z.
 
-The weights are one vector: for each layer W as (outputs, inputs) rows, then b.
+The weights are one vector in the order of `policy/weights.py`: for each layer W as rows (outputs,
+inputs), then b.
 """
 
 from typing import Any
@@ -21,22 +23,26 @@ from reflexarc_trainer.sarsa.network_shape import Layers
 from reflexarc_trainer.sarsa.units import activate, times_slope
 
 Block = npt.NDArray[Any]
-"""Values of a layer's units for each agent of a block, float32 or float64: (units, columns)."""
+"""A number per unit and agent, float32 or float64: (units, columns)."""
 
 
 @fused
 def forward(layers: Layers, weights: npt.NDArray[Any], inputs: Block, values: Block) -> None:
-    """Fill `values`, the units of all layers but the inputs: (computed, columns).
+    """Compute the activations of all layers.
 
-    The last rows are the Q-values.
+    Args:
+        layers: shape of the network.
+        weights: (parameters,).
+        inputs: (inputs, columns).
+        values: filled, layer after layer; the last rows are the Q-values: (computed, columns).
     """
     below, row, at = inputs, 0, 0
     for layer in range(len(layers.sizes) - 1):
         n_in, n_out = layers.sizes[layer], layers.sizes[layer + 1]
         here = values[row : row + n_out]
-        _weigh(weights[at : at + n_in * n_out].reshape(n_out, n_in), below, here)
+        _multiply(weights[at : at + n_in * n_out].reshape(n_out, n_in), below, here)
         at += n_in * n_out
-        _shift(weights[at : at + n_out], here)
+        _add_biases(weights[at : at + n_out], here)
         last = layer == len(layers.sizes) - 2
         activate(layers.output if last else layers.units, here.reshape(here.size))
         below, row, at = here, row + n_out, at + n_out
@@ -46,7 +52,7 @@ def forward(layers: Layers, weights: npt.NDArray[Any], inputs: Block, values: Bl
 def forward_from_python(
     layers: Layers, weights: npt.NDArray[Any], inputs: Block, values: Block
 ) -> None:
-    """`forward`, for callers that are not compiled."""
+    """`forward` for callers that are not compiled."""
     forward(layers, weights, inputs, values)
 
 
@@ -59,7 +65,7 @@ def backward(
     back: Block,
     gradient: npt.NDArray[Any],
 ) -> None:
-    """Add ∂L/∂weights of a block to `gradient` (parameters,).
+    """Add ∂L/∂weights of a block to a gradient.
 
     Args:
         layers: shape of the network.
@@ -67,7 +73,7 @@ def backward(
         inputs: (inputs, columns).
         values: what `forward` filled: (computed, columns).
         back: ∂L/∂Q in the last rows; the others are filled: (computed, columns).
-        gradient: added to.
+        gradient: added to: (parameters,).
     """
     row, at = len(values), len(weights)
     for layer in range(len(layers.sizes) - 2, -1, -1):
@@ -82,12 +88,12 @@ def backward(
         below = inputs if layer == 0 else values[row - n_in : row]
         _add_products(down, below, matrix, gradient[bias : bias + n_out])
         if layer > 0:
-            _weigh(weights[at:bias].reshape(n_out, n_in).T, down, back[row - n_in : row])
+            _multiply(weights[at:bias].reshape(n_out, n_in).T, down, back[row - n_in : row])
 
 
 @fused
-def _shift(biases: npt.NDArray[Any], out: Block) -> None:
-    """Add the biases to every column."""
+def _add_biases(biases: npt.NDArray[Any], out: Block) -> None:
+    """Add biases (units,) to every column."""
     for h in range(out.shape[0]):
         bias = biases[h]
         for c in range(out.shape[1]):
@@ -95,8 +101,8 @@ def _shift(biases: npt.NDArray[Any], out: Block) -> None:
 
 
 @fused
-def _weigh(matrix: npt.NDArray[Any], x: Block, out: Block) -> None:
-    """Do out = matrix · x, four inputs at a time: each pass over `out` then does four products."""
+def _multiply(matrix: npt.NDArray[Any], x: Block, out: Block) -> None:
+    """Do out = matrix · x, four inputs at a time: a pass over a row of `out` adds four products."""
     n_out, n_in = matrix.shape
     whole = n_in // 4 * 4
     for h in range(n_out):
@@ -115,7 +121,7 @@ def _weigh(matrix: npt.NDArray[Any], x: Block, out: Block) -> None:
 
 @fused
 def _add_products(down: Block, below: Block, matrix: Block, biases: npt.NDArray[Any]) -> None:
-    """Add: matrix += down · belowᵀ and biases += Σ down over the columns, four inputs at a time."""
+    """Do matrix += down · belowᵀ, four inputs at a time, and biases += Σ down over the columns."""
     n_in, zero = below.shape[0], matrix.dtype.type(0)
     whole = n_in // 4 * 4
     for h in range(down.shape[0]):

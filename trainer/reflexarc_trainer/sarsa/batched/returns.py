@@ -1,12 +1,15 @@
-r"""λ-returns of a roll-out, backwards; compiled.
+r"""λ-returns of a roll-out, computed backwards from its end; compiled.
 
     G_t = r_t + γ [V_{t+1} + λ (G_{t+1} − Q_{t+1})],    G_T = Q_T,
 
-where Q_{t+1} is the value of the action that was taken in the next place, and V_{t+1} is Q_{t+1}
-itself (SARSA) or its mean over what ε-greedy may choose (expected SARSA). With V = Q this is
-G_t = r_t + γ[(1 − λ) Q_{t+1} + λ G_{t+1}], whose TD-error form is the online learner's:
-Σ δ_t e_t = Σ (G_t − Q_t) ∇Q_t for frozen weights. A contact cuts λ's reach; what comes after it
-counts by V alone, or not at all where a contact is terminal.
+where Q_t is the value of the action taken in state t, and V_t is Q_t itself (SARSA) or the
+expectation over the ε-greedy choice (expected SARSA). With V = Q this is the λ-return
+
+    G_t = r_t + γ [(1 − λ) Q_{t+1} + λ G_{t+1}]
+
+(Sutton & Barto, Reinforcement Learning, 2nd edition, 2018, ch. 12), which for constant weights
+makes the same update as the online learner's traces: Σ δ_t e_t = Σ (G_t − Q_t) ∇Q_t. After a
+contact λ counts as 0, for the trace is cut there; γ does too, where a contact is terminal.
 """
 
 from typing import Any
@@ -17,7 +20,7 @@ import numpy.typing as npt
 from reflexarc_sim_bridge.native.decorators import fused
 
 Steps = npt.NDArray[Any]
-"""Something of each step and agent: (steps, columns)."""
+"""A number per step and agent, float32 or float64: (steps, columns)."""
 
 
 @fused
@@ -31,17 +34,17 @@ def lambda_returns(
     terminal: bool,
     returns: Steps,
 ) -> None:
-    """Fill `returns` (T, columns).
+    """Fill `returns`.
 
     Args:
         rewards: r_t: (T, columns).
-        contacts: whether step t ended in a contact: (T, columns).
-        taken: Q_t, from t = 0 to T; that of t = 0 is not used: (T + 1, columns).
-        bootstraps: V_t, likewise.
+        contacts: whether transition t ended in a contact: (T, columns).
+        taken: Q_t for t = 0 to T; that of t = 0 is not used: (T + 1, columns).
+        bootstraps: V_t, likewise: (T + 1, columns).
         gamma: discount γ.
         trace_decay: λ.
-        terminal: whether nothing counts after a contact.
-        returns: G_t.
+        terminal: whether V counts as 0 after a contact.
+        returns: G_t, filled: (T, columns).
     """
     number = returns.dtype.type
     discount, reach, none = number(gamma), number(gamma * trace_decay), number(0)

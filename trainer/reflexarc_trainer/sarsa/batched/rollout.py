@@ -1,249 +1,194 @@
-"""A roll-out: all agents of a shard act, look and choose for T steps with the same weights.
+"""A roll-out: all agents of a shard act, sense and choose for T transitions with the same weights.
 
-The action that is chosen last, for the place where the roll-out ends, is the bootstrap of its
-returns and the first one executed in the next roll-out. Everything is written by columns, an agent
-each, into the shard's own rows: shards share nothing, so they run on any number of threads.
+The action that is chosen last, for the state in which the roll-out ends, gives the bootstrap value
+of its returns and is the first action of the next roll-out. Arrays have one column per agent. Each
+shard writes into rows of its own only, so that shards can run on any number of threads.
 """
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from reflexarc_sim_bridge.native.decorators import fused
-from reflexarc_sim_bridge.native.function_pointers import FunctionPointer
-from reflexarc_sim_bridge.native.struct_pointers import Struct
 from reflexarc_sim_bridge.simulation.step import LOOK, MOVE
 from reflexarc_sim_bridge.simulation.step_pointer import step_world
 from reflexarc_trainer.sarsa.batched.network_pass import Block, forward
 from reflexarc_trainer.sarsa.batched.returns import lambda_returns
-from reflexarc_trainer.sarsa.exploration import Streams, choose, expected_value, winner
+from reflexarc_trainer.sarsa.batched.state import (
+    NOT_CHOSEN,
+    AgentStates,
+    Rollout,
+    RolloutRules,
+    WorldAccess,
+)
+from reflexarc_trainer.sarsa.exploration import choose, expected_value, winner
 from reflexarc_trainer.sarsa.network_shape import Layers
-
-NOT_CHOSEN = -1
-"""In the place of how long an action is still held."""
-
-
-class Place(NamedTuple):
-    """The world as one thread calls it."""
-
-    step: FunctionPointer
-    """`simulation.step.advance`."""
-    held: Struct
-    """A `simulation.step_pointer.Held`."""
-    stack: npt.NDArray[np.uint8]
-    """What the agents see: (agents, inputs)."""
-
-
-class Manner(NamedTuple):
-    """How agents choose and what it is worth: the same over a run."""
-
-    curve: npt.NDArray[Any]
-    """What the network sees of each byte: (256,)."""
-    gamma: float
-    trace_decay: float
-    expected: bool
-    greedy: bool
-    terminal: bool
-    reward_step: float
-    reward_contact: float
-    held_actions: int
-    action_repeat: int
-    """Steps of the world an action."""
-
-
-class Pending(NamedTuple):
-    """Where the agents stand between two roll-outs; a row or number an agent."""
-
-    seen: npt.NDArray[np.uint8]
-    """What they see: (agents, inputs)."""
-    action: npt.NDArray[np.int64]
-    """The action chosen for it."""
-    held: npt.NDArray[np.int64]
-    """Steps for which that action is still held after the next; NOT_CHOSEN where there is none."""
-    met: npt.NDArray[np.bool_]
-    """Whether the last step ended in a contact."""
-    streams: Streams
-    """Their exploration."""
-
-
-class Rollout(NamedTuple):
-    """What a roll-out brought; the first axis is the shard, the last its agents."""
-
-    inputs: npt.NDArray[Any]
-    """What was seen, as the network takes it: (shards, T + 1, inputs, columns)."""
-    actions: npt.NDArray[np.int64]
-    """What was chosen for it: (shards, T + 1, columns)."""
-    taken: npt.NDArray[Any]
-    """Q of that action; that of t = 0 is not used: (shards, T + 1, columns)."""
-    bootstraps: npt.NDArray[Any]
-    """Value of the place: Q of the action, or its expectation; likewise."""
-    rewards: npt.NDArray[Any]
-    """What each action brought, its repetitions added up: (shards, T, columns)."""
-    contacts: npt.NDArray[np.bool_]
-    """Whether it met an obstacle meanwhile: (shards, T, columns)."""
-    returns: npt.NDArray[Any]
-    """λ-returns: (shards, T, columns)."""
-    values: npt.NDArray[Any]
-    """Scratch: the units of a block: (shards, computed, columns)."""
-
-
-def new_rollout(
-    shards: int, steps: int, columns: int, layers: Layers, dtype: npt.DTypeLike
-) -> Rollout:
-    """Room for a roll-out."""
-    each, places = (shards, steps, columns), (shards, steps + 1, columns)
-    return Rollout(
-        inputs=np.zeros((shards, steps + 1, int(layers.sizes[0]), columns), dtype),
-        actions=np.zeros(places, np.int64),
-        taken=np.zeros(places, dtype),
-        bootstraps=np.zeros(places, dtype),
-        rewards=np.zeros(each, dtype),
-        contacts=np.zeros(each, np.bool_),
-        returns=np.zeros(each, dtype),
-        values=np.zeros((shards, layers.computed, columns), dtype),
-    )
 
 
 @fused
 def roll_out(
     layers: Layers,
     weights: npt.NDArray[Any],
-    manner: Manner,
-    place: Place,
-    pending: Pending,
+    rules: RolloutRules,
+    world: WorldAccess,
+    agents: AgentStates,
     rollout: Rollout,
     shard: int,
     epsilon: float,
     average_reward: float,
 ) -> None:
-    """Fill the shard's rows of `rollout` from where its agents stand, and leave them behind it.
+    """Fill a shard's rows of `rollout`, and move its agents to the end of the roll-out.
 
-    In a new world they choose their first actions before.
+    Args:
+        layers: shape of the network.
+        weights: (parameters,).
+        rules: the constants of the run.
+        world: where the agents are.
+        agents: where the roll-out begins; those in a new world choose their first action.
+        rollout: filled.
+        shard: number of the shard.
+        epsilon: ε.
+        average_reward: subtracted from the reward of every world step.
     """
-    steps, columns = rollout.rewards.shape[1], rollout.rewards.shape[2]
-    first, end = shard * columns, (shard + 1) * columns
-    _stand(layers, weights, manner, pending, rollout, shard, epsilon)
+    _, steps, columns = rollout.rewards.shape
+    first = shard * columns
+    _begin(layers, weights, rules, agents, rollout, shard, epsilon)
     for t in range(steps):
-        contacts, rewards = rollout.contacts[shard, t], rollout.rewards[shard, t]
-        contacts[:], rewards[:] = False, 0
-        for repeated in range(1, manner.action_repeat + 1):
-            tasks = MOVE + LOOK if repeated == manner.action_repeat else MOVE
-            step_world(place.step, place.held, pending.action, pending.met, tasks, first, end)
-            _reap(manner, pending.met[first:end], average_reward, contacts, rewards)
-        for c in range(columns):
-            _see(manner.curve, place.stack[first + c], rollout.inputs[shard, t + 1], c)
-        choose_all(layers, weights, manner, pending, rollout, shard, t + 1, epsilon)
-    for i in range(first, end):
-        _keep(place.stack[i], pending.seen[i])
+        _act(rules, world, agents, rollout, shard, t, average_reward)
+        choose_all(layers, weights, rules, agents, rollout, shard, t + 1, epsilon)
+    for i in range(first, first + columns):
+        _copy(world.stack[i], agents.seen[i])
     lambda_returns(
         rollout.rewards[shard],
         rollout.contacts[shard],
         rollout.taken[shard],
         rollout.bootstraps[shard],
-        manner.gamma,
-        manner.trace_decay,
-        manner.terminal,
+        rules.gamma,
+        rules.trace_decay,
+        rules.terminal,
         rollout.returns[shard],
     )
-
-
-@fused
-def _stand(
-    layers: Layers,
-    weights: npt.NDArray[Any],
-    manner: Manner,
-    pending: Pending,
-    rollout: Rollout,
-    shard: int,
-    epsilon: float,
-) -> None:
-    """Fill in what the agents see at t = 0 and what they have chosen for it, or choose it now."""
-    actions = rollout.actions[shard, 0]
-    first = shard * len(actions)
-    for c in range(len(actions)):
-        _see(manner.curve, pending.seen[first + c], rollout.inputs[shard, 0], c)
-        actions[c] = pending.action[first + c]
-    if pending.held[first] == NOT_CHOSEN:
-        choose_all(layers, weights, manner, pending, rollout, shard, 0, epsilon)
 
 
 @fused
 def choose_all(
     layers: Layers,
     weights: npt.NDArray[Any],
-    manner: Manner,
-    pending: Pending,
+    rules: RolloutRules,
+    agents: AgentStates,
     rollout: Rollout,
     shard: int,
     t: int,
     epsilon: float,
 ) -> None:
-    """Choose an action for every agent of a shard at step t, and say what it is worth.
+    """Choose the action a_t of every agent of a shard, and fill in its values Q_t and V_t.
 
-    ε-greedy, but for actions that are still held; a contact ends the hold.
+    The choice is ε-greedy, but for actions that are still held; a contact ends the hold.
     """
     values, actions = rollout.values[shard], rollout.actions[shard, t]
     forward(layers, weights, rollout.inputs[shard, t], values)
     q_values = values[len(values) - layers.sizes[-1] :]
     for c in range(len(actions)):
         i = shard * len(actions) + c
-        if pending.held[i] > 0 and not pending.met[i]:
-            pending.held[i] -= 1
+        if agents.held_actions[i] > 0 and not agents.met[i]:
+            agents.held_actions[i] -= 1
         else:
-            pending.held[i] = manner.held_actions - 1
-            pending.action[i] = choose(q_values, c, epsilon, pending.streams, i)
-        actions[c] = pending.action[i]
-    taken, worth = rollout.taken[shard, t], rollout.bootstraps[shard, t]
-    _value(manner, q_values, actions, epsilon, taken, worth)
+            agents.held_actions[i] = rules.held_actions - 1
+            agents.action[i] = choose(q_values, c, epsilon, agents.streams, i)
+        actions[c] = agents.action[i]
+    taken, bootstraps = rollout.taken[shard, t], rollout.bootstraps[shard, t]
+    _fill_values(rules, q_values, actions, epsilon, taken, bootstraps)
 
 
 @fused
-def _see(
+def _begin(
+    layers: Layers,
+    weights: npt.NDArray[Any],
+    rules: RolloutRules,
+    agents: AgentStates,
+    rollout: Rollout,
+    shard: int,
+    epsilon: float,
+) -> None:
+    """Fill in state and action of t = 0; where no action is chosen yet, choose it."""
+    actions = rollout.actions[shard, 0]
+    first = shard * len(actions)
+    for c in range(len(actions)):
+        _encode(rules.curve, agents.seen[first + c], rollout.inputs[shard, 0], c)
+        actions[c] = agents.action[first + c]
+    if agents.held_actions[first] == NOT_CHOSEN:
+        choose_all(layers, weights, rules, agents, rollout, shard, 0, epsilon)
+
+
+@fused
+def _act(
+    rules: RolloutRules,
+    world: WorldAccess,
+    agents: AgentStates,
+    rollout: Rollout,
+    shard: int,
+    t: int,
+    average_reward: float,
+) -> None:
+    """Do the actions a_t; fill in their rewards and contacts, and the inputs of s_{t+1}."""
+    contacts, rewards = rollout.contacts[shard, t], rollout.rewards[shard, t]
+    first, end = shard * len(rewards), (shard + 1) * len(rewards)
+    contacts[:], rewards[:] = False, 0
+    for repeated in range(1, rules.action_repeat + 1):
+        tasks = MOVE + LOOK if repeated == rules.action_repeat else MOVE
+        step_world(world.step, world.held, agents.action, agents.met, tasks, first, end)
+        _add_rewards(rules, agents.met[first:end], average_reward, contacts, rewards)
+    for c in range(len(rewards)):
+        _encode(rules.curve, world.stack[first + c], rollout.inputs[shard, t + 1], c)
+
+
+@fused
+def _encode(
     curve: npt.NDArray[Any],
     retina: npt.NDArray[np.uint8],
     inputs: Block,
     column: int,
 ) -> None:
-    """Put a retina's bytes through the input curve into a column."""
+    """Fill a column of inputs from a retina's bytes, by the input curve."""
     for i in range(len(retina)):
         inputs[i, column] = curve[retina[i]]
 
 
 @fused
-def _keep(retina: npt.NDArray[np.uint8], seen: npt.NDArray[np.uint8]) -> None:
+def _copy(retina: npt.NDArray[np.uint8], seen: npt.NDArray[np.uint8]) -> None:
     for k in range(len(retina)):
         seen[k] = retina[k]
 
 
 @fused
-def _reap(
-    manner: Manner,
+def _add_rewards(
+    rules: RolloutRules,
     met: npt.NDArray[np.bool_],
     average_reward: float,
     contacts: npt.NDArray[np.bool_],
     rewards: npt.NDArray[Any],
 ) -> None:
-    """Add what a step of the world brought to what the action has brought so far."""
+    """Add the rewards and contacts of a world step to those of its transition: (columns,) each."""
     for c in range(len(rewards)):
-        reward = manner.reward_contact if met[c] else manner.reward_step
+        reward = rules.reward_contact if met[c] else rules.reward_step
         rewards[c] += reward - average_reward
         contacts[c] |= met[c]
 
 
 @fused
-def _value(
-    manner: Manner,
+def _fill_values(
+    rules: RolloutRules,
     q_values: Block,
     actions: npt.NDArray[np.int64],
     epsilon: float,
     taken: npt.NDArray[Any],
     bootstraps: npt.NDArray[Any],
 ) -> None:
-    """What the chosen action is worth, and the place; both are the best action's where greedy."""
+    """Fill Q_t and V_t (columns,) of the chosen actions; with Q(λ), both are the largest value."""
     for c in range(len(actions)):
         q = q_values[actions[c], c]
         taken[c] = q
-        bootstraps[c] = expected_value(q_values, c, epsilon) if manner.expected else q
-        if manner.greedy:
+        bootstraps[c] = expected_value(q_values, c, epsilon) if rules.expected else q
+        if rules.greedy:
             taken[c] = bootstraps[c] = q_values[winner(q_values, c), c]

@@ -1,195 +1,171 @@
-r"""SARSA(λ) over many agents at once: λ-returns, a gradient, an optimiser; compiled.
+r"""Batched SARSA(λ): many agents, λ-returns, a gradient and an optimiser; compiled.
 
-The second form of the algorithm in `reference.py`. An update is
+The second form of the algorithm in `reference.py`; it is built like PQN (arXiv 2407.04811), with
+the value of the chosen action in place of the largest one. An update is
 
-    roll out      every shard of agents, T steps with the same weights       `rollout.py`
-    return        G_t, backwards                                             `returns.py`
-    gradient      of ½ mean (G_t − Q(s_t, a_t))², shard by shard             `block.py`
-    descend       the sum over shards in their order, clipped, Adam          `optimiser.py`
+    roll out      every shard of agents, T transitions with the same weights   `rollout.py`
+    returns       G_t, backwards from the end                                  `returns.py`
+    gradient      of ½ mean (G_t − Q(s_t, a_t))², shard by shard               `network_pass.py`
+    descend       the sum over shards in their order, clipped, Adam            `optimiser.py`
 
-and the last two as often as there are minibatches and epochs. A minibatch is every so many-th step
-of every agent. Threads share out the shards and nothing else: the same bits on any number of them.
+The last two are done once per minibatch and epoch; a minibatch is every n-th transition of every
+agent. Each thread computes shards of its own, and sums over shards have a fixed order, so that the
+bits do not depend on the number of threads.
 """
 
-from typing import Any, NamedTuple
+from typing import Any
 
-import numpy as np
 import numpy.typing as npt
 
 from reflexarc_sim_bridge.native.decorators import compiled, fused, fused_free
 from reflexarc_trainer.sarsa import schedules
-from reflexarc_trainer.sarsa.batched.barrier import Gate, meet
+from reflexarc_trainer.sarsa.batched.barrier import Barrier, wait_for_all
 from reflexarc_trainer.sarsa.batched.network_pass import backward, forward
 from reflexarc_trainer.sarsa.batched.optimiser import Moments, clip_norm, descend
-from reflexarc_trainer.sarsa.batched.rollout import Manner, Pending, Place, Rollout, roll_out
+from reflexarc_trainer.sarsa.batched.rollout import roll_out
+from reflexarc_trainer.sarsa.batched.state import (
+    Learning,
+    Rollout,
+    RolloutRules,
+    UpdateRules,
+    WeightState,
+    WorldAccess,
+)
 from reflexarc_trainer.sarsa.network_shape import Layers
 
 linear = compiled(schedules.linear)
 
 
-class Pace(NamedTuple):
-    """The course of a run."""
-
-    updates: float
-    """Roll-outs of the whole run."""
-    epochs: int
-    minibatches: int
-    learning_rate: float
-    learning_rate_end: float
-    """Share of it that is left at the end."""
-    max_gradient_norm: float
-    rectified: bool
-    epsilon_start: float
-    epsilon_end: float
-    epsilon_updates: float
-    """Roll-outs over which ε decays."""
-    centring: float
-    averaging: float
-
-
-class Sums(NamedTuple):
-    """The weights, and what moves them."""
-
-    weights: npt.NDArray[Any]
-    """(parameters,)"""
-    averaged: npt.NDArray[Any]
-    """Their average over the updates: (parameters,)."""
-    back: npt.NDArray[Any]
-    """Scratch: ∂L/∂ of a block's units: (shards, computed, columns)."""
-    gradients: npt.NDArray[Any]
-    """A row a shard: (shards, parameters)."""
-    errors: npt.NDArray[np.float64]
-    """Σ|G − Q| of each shard since the last report: (shards,)."""
-    progress: npt.NDArray[np.float64]
-    """Roll-outs done, average reward: (2,)."""
-
-
-class Learning(NamedTuple):
-    """Everything that an update reads and writes, but for the world."""
-
-    layers: Layers
-    manner: Manner
-    pace: Pace
-    pending: Pending
-    rollout: Rollout
-    sums: Sums
-    moments: Moments
-
-
 @fused_free
 def learn(
     learning: Learning,
-    place: Place,
-    gate: Gate,
+    world: WorldAccess,
+    barrier: Barrier,
     threads: int,
     first: int,
     end: int,
     updates: int,
 ) -> None:
-    """One thread's part of `updates` updates: all for the shards from `first` to `end`.
+    """Do one thread's part of a number of updates: the shards from `first` to before `end`.
 
     The thread that has the first shard moves the weights, while the others wait.
 
     Args:
         learning: shared by all threads.
-        place: this thread's.
-        gate: where the threads meet.
+        world: this thread's access to the world.
+        barrier: shared by all threads.
         threads: how many there are.
-        first: first shard.
-        end: shard behind the last.
-        updates: how often.
+        first: number of the first shard.
+        end: number of the last shard, plus 1.
+        updates: how many.
     """
-    layers, manner, pace, pending, rollout, sums, moments = learning
-    parts = pace.epochs * pace.minibatches
+    layers, rollout_rules, rules, agents, rollout, state, moments = learning
+    parts = rules.epochs * rules.minibatches
     for _ in range(updates):
-        epsilon, average_reward = epsilon_now(pace, sums.progress), sums.progress[1]
+        epsilon, reward = epsilon_now(rules, state), state.progress[0].average_reward
         for shard in range(first, end):
-            weights = sums.weights
-            roll_out(
-                layers, weights, manner, place, pending, rollout, shard, epsilon, average_reward
-            )
+            weights = state.weights
+            roll_out(layers, weights, rollout_rules, world, agents, rollout, shard, epsilon, reward)
         for part in range(parts):
             for shard in range(first, end):
-                shard_gradient(layers, pace, rollout, sums, shard, part)
-            meet(gate, threads)
+                shard_gradient(layers, rules, rollout, state, shard, part)
+            wait_for_all(barrier, threads)
             if first == 0:
-                update_weights(pace, sums, moments, rollout.rewards.size)
+                move_weights(rules, state, moments, rollout.rewards.size)
                 if part == parts - 1:
-                    finish_update(manner, pace, sums, rollout.rewards)
-            meet(gate, threads)
+                    finish_update(rollout_rules, rules, state, rollout.rewards)
+            wait_for_all(barrier, threads)
 
 
 @fused
-def epsilon_now(pace: Pace, progress: npt.NDArray[np.float64]) -> float:
-    """Share of random actions in the next roll-out."""
-    return linear(progress[0], pace.epsilon_start, pace.epsilon_end, pace.epsilon_updates)
+def epsilon_now(rules: UpdateRules, state: WeightState) -> float:
+    """The exploration rate ε of the next roll-out."""
+    updates = state.progress[0].updates
+    return linear(updates, rules.epsilon_start, rules.epsilon_end, rules.epsilon_updates)
 
 
 @fused
 def shard_gradient(
-    layers: Layers, pace: Pace, rollout: Rollout, sums: Sums, shard: int, part: int
+    layers: Layers,
+    rules: UpdateRules,
+    rollout: Rollout,
+    state: WeightState,
+    shard: int,
+    part: int,
 ) -> None:
-    """Gradient of ½ Σ (G − Q)² over a minibatch of a shard, into the shard's row.
+    """Compute the gradient of ½ Σ (G − Q)² over a shard's part of a minibatch.
 
     Args:
         layers: shape of the network.
-        pace: says how many minibatches there are.
-        rollout: with returns.
-        sums: the weights, and where gradient and errors go.
-        shard: which one.
+        rules: give the number of minibatches.
+        rollout: with its returns.
+        state: the weights; the shard's gradient is filled, its errors are added to.
+        shard: number of the shard.
         part: number of the minibatch, counted through all epochs.
     """
-    gradient, back, values = sums.gradients[shard], sums.back[shard], rollout.values[shard]
+    gradient, back, values = state.gradients[shard], state.back[shard], rollout.values[shard]
     q_values = values[len(values) - layers.sizes[-1] :]
-    down, total = back[len(values) - layers.sizes[-1] :], 0.0
+    q_back, total = back[len(values) - layers.sizes[-1] :], 0.0
     gradient[:] = 0
-    for t in range(part % pace.minibatches, rollout.rewards.shape[1], pace.minibatches):
+    for t in range(part % rules.minibatches, rollout.rewards.shape[1], rules.minibatches):
         inputs, returns = rollout.inputs[shard, t], rollout.returns[shard, t]
-        forward(layers, sums.weights, inputs, values)
-        down[:] = 0
+        forward(layers, state.weights, inputs, values)
+        q_back[:] = 0
         for c in range(len(returns)):
             action = rollout.actions[shard, t, c]
             error = q_values[action, c] - returns[c]
-            down[action, c] = error
+            q_back[action, c] = error
             total += abs(error)
-        backward(layers, sums.weights, inputs, values, back, gradient)
-    if part < pace.minibatches:
-        sums.errors[shard] += total
+        backward(layers, state.weights, inputs, values, back, gradient)
+    if part < rules.minibatches:
+        state.errors[shard] += total
 
 
 @fused
-def update_weights(pace: Pace, sums: Sums, moments: Moments, steps: int) -> None:
-    """Sum the shards' gradients in their order, and move the weights.
+def move_weights(rules: UpdateRules, state: WeightState, moments: Moments, steps: int) -> None:
+    """Sum the shards' gradients in their order, and update the weights.
 
     Args:
-        pace: the course of the run.
-        sums: the gradients, each a sum over its shard's part of a minibatch.
+        rules: the constants of the run.
+        state: the weights, and each shard's gradient, a sum over its transitions.
         moments: the optimiser's.
         steps: transitions of a roll-out, all agents together.
     """
-    gradients, total = sums.gradients, sums.gradients[0]
+    gradients, total = state.gradients, state.gradients[0]
     for shard in range(1, len(gradients)):
         for k in range(len(total)):
             total[k] += gradients[shard, k]
-    share = total.dtype.type(pace.minibatches / steps)
+    share = total.dtype.type(rules.minibatches / steps)
     for k in range(len(total)):
         total[k] *= share
-    clip_norm(total, pace.max_gradient_norm)
-    end = pace.learning_rate * pace.learning_rate_end
-    rate = linear(sums.progress[0], pace.learning_rate, end, pace.updates)
-    descend(sums.weights, total, moments, rate, pace.rectified)
+    clip_norm(total, rules.max_gradient_norm)
+    end = rules.learning_rate * rules.learning_rate_end
+    rate = linear(state.progress[0].updates, rules.learning_rate, end, rules.updates)
+    descend(state.weights, total, moments, rate, rules.rectified)
 
 
 @fused
-def finish_update(manner: Manner, pace: Pace, sums: Sums, rewards: npt.NDArray[Any]) -> None:
-    """Count the roll-out and move the averages; `rewards` have the average one subtracted."""
-    weights, averaged = sums.weights, sums.averaged
-    keep = weights.dtype.type(pace.averaging)
-    take = weights.dtype.type(1.0 - pace.averaging)
+def finish_update(
+    rollout_rules: RolloutRules,
+    rules: UpdateRules,
+    state: WeightState,
+    rewards: npt.NDArray[Any],
+) -> None:
+    """Count the update; move the averages of weights and reward.
+
+    Args:
+        rollout_rules: give the number of world steps per transition.
+        rules: the constants of the run.
+        state: the weights and their average.
+        rewards: of the roll-out, less the average reward: (shards, T, columns).
+    """
+    weights, averaged, progress = state.weights, state.averaged, state.progress[0]
+    keep = weights.dtype.type(rules.averaging)
+    take = weights.dtype.type(1.0 - rules.averaging)
     for k in range(len(weights)):
         averaged[k] = keep * averaged[k] + take * weights[k]
     excess = 0.0
     for reward in rewards.flat:
-        excess += reward / (rewards.size * manner.action_repeat)
-    sums.progress[1] += pace.centring * excess
-    sums.progress[0] += 1.0
+        excess += reward / (rewards.size * rollout_rules.action_repeat)
+    progress.average_reward += rules.centring * excess
+    progress.updates += 1

@@ -1,8 +1,8 @@
-"""One agent that learns in one endless world: the compiled loop, and its face in Python.
+"""The online learner: one agent that learns in one endless world, by the compiled `update.drive`.
 
-The loop is `reference.learn` with the world inside: act, look, learn, `steps` times over. It is
-called for some ten thousand steps at a time; how a run is cut into calls changes nothing, for all
-that it needs lies in arrays that a checkpoint carries.
+It does what `reference.learn` does, with the world inside the compiled loop. The loop runs for some
+ten thousand transitions per call; how a run is divided into calls does not change its results, for
+all that it depends on is in arrays, which a checkpoint carries.
 """
 
 import math
@@ -20,12 +20,13 @@ from reflexarc_trainer.config.train_config import TrainConfig
 from reflexarc_trainer.config.training_world import stage_at, stage_ends
 from reflexarc_trainer.sarsa.exploration import new_streams
 from reflexarc_trainer.sarsa.initial_weights import initial_weights
-from reflexarc_trainer.sarsa.learner import (
+from reflexarc_trainer.sarsa.learner_interface import (
     WORLD,
     Arrays,
     Report,
     check_finite,
-    driven_m,
+    counts,
+    report_between,
     restore_arrays,
     world_arrays,
 )
@@ -49,14 +50,15 @@ SIZES = "sizes"
 
 
 class OnlineLearner:
-    """A learner at some step of its run.
+    """A learner at some step of its run; see `Learner`.
 
     Args:
         config: the run; its seed gives the initial weights, the exploration and the world.
-        weights: what to begin with instead, in the order of `weights.py`: (parameters,).
+        weights: initial weights to take instead, in the order of `policy/weights.py`:
+            (parameters,).
 
     Raises:
-        WorldError: there is no such world, or it cannot give what the eye asks for.
+        WorldError: the world does not exist, or does not support the eye.
     """
 
     def __init__(self, config: TrainConfig, weights: Floats | None = None) -> None:
@@ -67,22 +69,23 @@ class OnlineLearner:
         self._rules = rules_for(config)
         self._sizes = sizes_of(config)
         self._state, self._scratch = new_learning(config, weights)
+        self._reported = counts(0, 0, 0.0)
         self._begin()
 
     @property
     def step(self) -> int:
         """Transitions learned from so far."""
-        return int(self._state.pending[2])
+        return int(self._state.progress["step"][0])
 
     @property
     def epsilon(self) -> float:
-        """Share of random actions now."""
+        """The exploration rate ε now."""
         rules = self._rules
         return linear(self.step, rules.epsilon_start, rules.epsilon_end, rules.epsilon_steps)
 
     @property
     def weights(self) -> Floats:
-        """What has been learned, in the order of `weights.py`: (parameters,)."""
+        """The learned weights, in the order of `policy/weights.py`: (parameters,)."""
         averaged = self.config.learner.averaged_weights > 0.0
         chosen = self._state.averaged if averaged else self._state.weights
         return from_online(chosen, *self._sizes).astype(np.float64)
@@ -96,54 +99,54 @@ class OnlineLearner:
         while steps > 0:
             left = self._ends[self._stage] - self.step
             part = steps if left == math.inf else min(steps, math.ceil(left))
-            self._drive(part)
+            self._learn_in_stage(part)
             steps -= part
 
     def report(self) -> Report:
         """What happened since the last mark."""
-        td_errors, contacts, step, distance_m = self._state.totals.tolist()
-        dt_s, transitions = self._simulation.dt_s, self.step - step
-        repeat = self.config.learner.exploration.action_repeat
-        contacts = float(self._simulation.contacts[0]) - contacts
-        distance_m = float(self._simulation.distance_m[0]) - distance_m
-        driven = driven_m(self.config, dt_s, transitions * repeat, distance_m)
-        return Report(
-            mean_abs_error=td_errors / max(1.0, transitions),
-            contacts_per_100m=100.0 * contacts / driven,
-        )
+        sum_abs_error = float(self._state.progress["sum_abs_error"][0])
+        dt_s = self._simulation.dt_s
+        return report_between(self._reported, self._counts(), sum_abs_error, self.config, dt_s)
 
     def mark(self) -> None:
-        """The next report begins here."""
-        world = self._simulation
-        self._state.totals[:] = 0.0, world.contacts[0], self.step, world.distance_m[0]
+        """Let the next report begin here."""
+        self._state.progress["sum_abs_error"] = 0.0
+        self._reported[:] = self._counts()
 
     def arrays(self) -> Arrays:
         """Everything that the rest of the run depends on, by name."""
         world = {WORLD + name: array for name, array in self._simulation.state().items()}
-        return {**self._state._asdict(), **world, SIZES: np.array(self._sizes)}
+        return {**self._own(), **world, SIZES: np.array(self._sizes)}
 
     def restore(self, arrays: Mapping[str, npt.NDArray[Any]]) -> None:
-        """Go on from what `arrays` gave.
+        """Continue from a state that `arrays` returned.
 
         Raises:
-            UsageError: an array is missing, or of another shape or network.
+            UsageError: an array is missing, or of another shape, type or network.
         """
-        # Networks of other sizes may fill up to vectors of the same length.
-        if not np.array_equal(arrays.get(SIZES, ()), self._sizes):
-            raise UsageError(f"checkpoint: weights: expected shape {self._sizes}; train anew")
-        restore_arrays(self._state._asdict(), arrays)
+        # Vectors of two networks may have the same length, as their rows are filled up.
+        sizes = tuple(arrays.get(SIZES, np.zeros(0, np.int64)).tolist())
+        if sizes != self._sizes:
+            raise UsageError(
+                f"checkpoint: weights: expected shape {self._sizes}, got {sizes}; train anew"
+            )
+        restore_arrays(self._own(), arrays)
         self._enter(stage_at(self._ends, self.step))
         self._simulation.restore(world_arrays(arrays))
 
-    def _drive(self, steps: int) -> None:
-        """Learn, and go on to the next world where this one's part is over."""
+    def _own(self) -> Arrays:
+        """The arrays that are not the simulation's."""
+        return {**self._state._asdict(), "reported": self._reported}
+
+    def _learn_in_stage(self, steps: int) -> None:
+        """Learn in the present world, and enter the next one where its share of the run ends."""
         self._call(False, steps)
         check_finite(self._state.weights, self.step, self.config)
         stage = stage_at(self._ends, self.step)
         if stage != self._stage:
-            # The new one counts from zero.
-            self._state.totals[1] -= self._simulation.contacts[0]
-            self._state.totals[3] -= self._simulation.distance_m[0]
+            # The next world counts from zero: what the report has of this one becomes negative.
+            self._reported["contacts"] -= self._simulation.contacts[0]
+            self._reported["distance_m"] -= self._simulation.distance_m[0]
             self._enter(stage)
             self._begin()
 
@@ -156,8 +159,12 @@ class OnlineLearner:
         if stage != self._stage:
             self._stage, self._simulation = stage, self._world_of_stage(stage)
 
+    def _counts(self) -> npt.NDArray[np.void]:
+        """Transitions of the run; contacts and progress in this world: `COUNTS_DTYPE` (1,)."""
+        return counts(self.step, self._simulation.contacts[0], self._simulation.distance_m[0])
+
     def _begin(self) -> None:
-        """Look for the first time in a world, and choose the first action; nothing led here."""
+        """Sense for the first time in a world, and choose an action; no trace leads here."""
         self._state.trace[:] = 0.0
         self._simulation.sense()
         self._call(True, 0)
@@ -170,7 +177,7 @@ class OnlineLearner:
 
 
 def sizes_of(config: TrainConfig) -> tuple[int, int, int]:
-    """Inputs, hidden units, actions."""
+    """Numbers of inputs, hidden units and actions."""
     contract = config.contract()
     inputs = contract.retina.frames * contract.retina.size
     return inputs, config.network.hidden[0], len(contract.actions)
@@ -179,7 +186,7 @@ def sizes_of(config: TrainConfig) -> tuple[int, int, int]:
 def new_learning(
     config: TrainConfig, weights: Floats | None = None
 ) -> tuple[LearnerState, Scratch]:
-    """State and buffers before the first step; `weights` as for `OnlineLearner`."""
+    """State and buffers before the first transition; `weights` as for `OnlineLearner`."""
     inputs, hidden, actions = sizes_of(config)
     precision = config.learner.online.precision
     plain = (initial_weights(config) if weights is None else weights).astype(precision)
@@ -189,7 +196,7 @@ def new_learning(
 
 
 def compile_learner(config: TrainConfig) -> None:
-    """Compile what a run learns with, unless that is done: it learns for no step."""
+    """Compile the code that a run learns with, unless it is compiled: a call of no transition."""
     rules, (state, scratch) = rules_for(config), new_learning(config)
     drive(
         rules,

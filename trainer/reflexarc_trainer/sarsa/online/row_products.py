@@ -1,4 +1,8 @@
-"""What the online learner does to rows of weights; compiled. A row is a whole number of vectors."""
+"""Products of rows of weights with vectors, for the online learner; compiled.
+
+A row is filled up to a whole number of vector registers (`weight_rows.py`), so that the innermost
+loops have no remainder.
+"""
 
 import numpy as np
 import numpy.typing as npt
@@ -9,12 +13,20 @@ Floats = npt.NDArray[np.floating]
 
 
 @fused_disjoint
-def weigh_two(
+def affine_of_two(
     matrix: Floats, bias: Floats, x: Floats, y: Floats, of_x: Floats, of_y: Floats
 ) -> None:
-    """Do of_x = matrixᵀ x + bias, and the same with y; (n, m), (m,), twice (n,), twice (m,).
+    """Do of_x = matrixᵀ x + bias and of_y = matrixᵀ y + bias, reading the matrix once.
 
-    Four rows at a time, each read once for both.
+    Four rows at a time: each pass over the outputs then does eight products.
+
+    Args:
+        matrix: (n, m).
+        bias: (m,).
+        x: (n,).
+        y: (n,).
+        of_x: filled: (m,).
+        of_y: filled: (m,).
     """
     whole = len(x) // 4 * 4
     for h in range(len(bias)):

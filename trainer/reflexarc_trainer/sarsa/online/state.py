@@ -1,4 +1,8 @@
-"""What the online learner carries from step to step, and the buffers of one step."""
+"""Memory of the online learner: a run's constants, what changes, and the buffers of one update.
+
+Compiled code is given these tuples of numbers and arrays. Single numbers that change are fields of
+one structured row, `PROGRESS_DTYPE`; a checkpoint carries every array of `LearnerState`.
+"""
 
 import math
 from typing import Any, NamedTuple
@@ -9,107 +13,128 @@ import numpy.typing as npt
 from reflexarc_trainer.sarsa.exploration import Streams
 from reflexarc_trainer.sarsa.online.weight_rows import Matrices, matrices
 
+NOW, NEXT = 0, 1
+"""First index of the buffers that hold two states: s, and s′ to which the action has led."""
+
 _VECTOR = 8
+"""Q-values are filled up with zeros to a multiple of this length."""
 
 Floats = npt.NDArray[Any]
-"""Of the learner's precision."""
+"""float32 or float64, as `learner.online.precision` says."""
 Bytes = npt.NDArray[np.uint8]
+
+PROGRESS_DTYPE = np.dtype(
+    [
+        # Further transitions for which the pending action is held.
+        ("held_actions", np.int64),
+        # Transitions learned from so far.
+        ("step", np.int64),
+        # Running averages: of the reward, and of δ² (for the intentional step).
+        ("average_reward", np.float64),
+        ("mean_square", np.float64),
+        # Σ|δ| since the last report.
+        ("sum_abs_error", np.float64),
+    ],
+    align=True,
+)
+"""The single numbers that change from transition to transition."""
 
 
 class Rules(NamedTuple):
-    """What stays the same over a run: the learner's constants."""
+    """The constants of a run; the configuration documents those without a docstring here."""
 
     hidden: int
     """Number of hidden units."""
     units: int
-    """Code of the hidden units."""
+    """Kind of the hidden units: a code of `units.py`."""
     output: int
-    """Code of the output units."""
+    """Kind of the output units."""
     step: int
-    """Code of the step rule."""
+    """Step rule: a code of `traces.py`."""
     alpha: float
     alpha_end: float
     """α at the end of the run."""
     kappa: float
     steps: float
-    """Length of the run."""
+    """Transitions of the whole run."""
     gamma: float
     trace_decay: float
     expected: bool
+    """Whether the target takes the expectation over a′ in place of Q(s′, a′)."""
     reward_step: float
     reward_contact: float
     centring: float
+    """`learner.reward_centring`."""
     averaging: float
+    """`learner.averaged_weights`."""
     terminal: bool
+    """Whether the value of s′ counts as 0 after a contact."""
     epsilon_start: float
     epsilon_end: float
     epsilon_steps: float
+    """Transitions over which ε decays."""
     held_actions: int
     action_repeat: int
-    """Steps of the world an action."""
+    """World steps per transition."""
 
 
 class LearnerState(NamedTuple):
-    """What changes from step to step."""
+    """Everything that changes from transition to transition."""
 
     weights: Floats
-    """(parameters,)"""
+    """w, in the order of `weight_rows.py`, as all arrays of this length: (parameters,)."""
     averaged: Floats
-    """Average of the weights over the updates; not kept up without averaging: (parameters,)."""
+    """Average of w over the updates; w at the start where averaging is off: (parameters,)."""
     trace: Floats
-    """(parameters,)"""
+    """e: (parameters,)."""
     squares: Floats
-    """Running mean of the squares of the gradients (intentional step) or of δe (rmsprop):
-    (parameters,)."""
+    """Running mean of (∇Q)² (intentional step) or of (δe)² (step by RMS): (parameters,)."""
     scales: Floats
-    """1 / RMS(δe) as last taken, for the step by RMS: (parameters,)."""
+    """1 / RMS(δe) as it was last computed, for the step by RMS: (parameters,)."""
     inputs: Floats
-    """What the agent sees where it stands, as the network takes it: (inputs,)."""
-    pending: npt.NDArray[np.int64]
-    """The action chosen for the next step, the steps for which it is still held, the number of
-    steps done: (3,)."""
+    """What the network sees of the state s: (inputs,)."""
+    action: npt.NDArray[np.int64]
+    """The action chosen for s; an array, for the world reads it at its address: (1,)."""
+    progress: npt.NDArray[np.void]
+    """`PROGRESS_DTYPE`: (1,)."""
     streams: Streams
-    """Exploration: (1,)."""
-    running: npt.NDArray[np.float64]
-    """Average reward, mean square of δ: (2,)."""
-    totals: npt.NDArray[np.float64]
-    """Σ|δ| since the last report; at it contacts, transitions and distance_m: (4,)."""
+    """Random stream of the exploration: (1,)."""
 
 
 class Scratch(NamedTuple):
-    """Views of the weights, and buffers of one step; nothing in the latter outlives it."""
+    """Views of the weights, and buffers that every update fills anew."""
 
     weights: Matrices
-    """The weights of the state as matrices: the same memory."""
+    """The state's weights as matrices: the same memory."""
     gradient: Floats
     """∇Q(s, a): (parameters,)."""
     gradients: Matrices
-    """The same memory as matrices."""
+    """The gradient as matrices: the same memory."""
     curve: Floats
     """What the network sees of each byte: (256,)."""
     inputs: Floats
-    """Of the place where the agent stood, and of the next: (2, inputs); so the two below."""
+    """Of s and s′: (2, inputs)."""
     hidden: Floats
-    """Hidden units, the constant 1, zeros: (2, padded)."""
+    """Activations of the hidden units, the constant 1, zeros; of s and s′: (2, padded)."""
     q_values: Floats
-    """Values of the actions, and what fills up the vector: (2, padded)."""
+    """Q-values, zeros; of s and s′: (2, padded)."""
     choices: Floats
-    """Those in the next place as choices: the same memory: (actions, 1)."""
+    """Q(s′, ·) as the exploration takes it, the same memory: (actions, 1)."""
     back: Floats
-    """∂Q/∂(weighted sum of each hidden unit): (padded,)."""
+    """∂Q(s, a) / ∂(weighted sum of each hidden unit): (padded,)."""
     slope: Floats
-    """∂Q/∂(weighted sum of the chosen action's unit): (1,)."""
+    """∂Q(s, a) / ∂(weighted sum of the output unit of a): (1,)."""
     met: npt.NDArray[np.bool_]
-    """Whether the step ended in a contact: (1,)."""
+    """Whether the last world step ended in a contact: (1,)."""
 
 
 def new_state(weights: Floats, inputs: int, streams: Streams) -> LearnerState:
-    """The state before the first step; `begin` looks and chooses.
+    """The state before the first transition, with no action chosen: `update.begin` chooses one.
 
     Args:
-        weights: in the order of `online_weights`.
-        inputs: how many.
-        streams: the exploration's: (1,).
+        weights: in the order of `weight_rows.py`: (parameters,).
+        inputs: number of inputs.
+        streams: of the exploration: (1,).
     """
     return LearnerState(
         weights=weights.copy(),
@@ -118,15 +143,14 @@ def new_state(weights: Floats, inputs: int, streams: Streams) -> LearnerState:
         squares=np.zeros_like(weights),
         scales=np.zeros_like(weights),
         inputs=np.zeros(inputs, weights.dtype),
-        pending=np.zeros(3, np.int64),
+        action=np.zeros(1, np.int64),
+        progress=np.zeros(1, PROGRESS_DTYPE),
         streams=streams.copy(),
-        running=np.zeros(2),
-        totals=np.zeros(4),
     )
 
 
 def new_scratch(state: LearnerState, hidden: int, actions: int, curve: Floats) -> Scratch:
-    """Views and buffers for a state."""
+    """Views and buffers for a state; `curve` is that of `network_shape.input_curve`: (256,)."""
     inputs, gradient = len(state.inputs), np.zeros_like(state.weights)
     views = matrices(state.weights, inputs, hidden)
     padded = views.second.shape[1]
@@ -140,7 +164,7 @@ def new_scratch(state: LearnerState, hidden: int, actions: int, curve: Floats) -
         inputs=np.zeros((2, inputs), dtype),
         hidden=np.zeros((2, padded), dtype),
         q_values=q_values,
-        choices=q_values[1, :actions, np.newaxis],
+        choices=q_values[NEXT, :actions, np.newaxis],
         back=np.zeros(padded, dtype),
         slope=np.zeros(1, dtype),
         met=np.zeros(1, np.bool_),

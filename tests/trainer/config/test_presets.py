@@ -1,0 +1,30 @@
+"""Presets by name; the paper's numbers in the preset of that name."""
+
+import pytest
+
+from reflexarc_runtime.contract import Shading
+from reflexarc_runtime.errors import UsageError
+from reflexarc_trainer.config.presets import HELP, PRESETS, preset_named
+
+
+def test_unknown_preset_is_refused_and_the_known_are_listed() -> None:
+    with pytest.raises(
+        UsageError,
+        match=f"'reflexes'; known: {', '.join(PRESETS)}",
+    ):
+        preset_named("reflexes")
+
+
+def test_every_preset_has_a_help_and_carries_its_name() -> None:
+    assert set(HELP) == set(PRESETS)
+    assert all(HELP[name] and config.preset == name for name, config in PRESETS.items())
+
+
+def test_paper_preset_is_the_papers_learner_and_its_literal_eye() -> None:
+    paper = preset_named("paper")
+    learner = paper.learner
+    assert (learner.online.alpha, learner.trace_decay, learner.gamma) == (0.5, 0.9, 0.9)
+    sizes = (paper.retina.rays, *paper.network.hidden, len(paper.contract().actions))
+    assert sizes == (16, 10, 3)
+    assert (learner.reward_step, learner.reward_contact) == (0.1, -1.0)
+    assert paper.retina.shading is Shading.COLOUR
