@@ -60,7 +60,7 @@ from reflexarc_trainer.sarsa.step_rules import (
 )
 
 
-class Body(Protocol):
+class AgentBody(Protocol):
     """One agent in a world, for example a `Simulation` of one agent."""
 
     def sense(self) -> npt.NDArray[np.uint8]:
@@ -210,7 +210,7 @@ class Explorer:
 
 
 def learn(
-    network: nn.Module, body: Body, config: LearnerConfig, streams: Streams, steps: int
+    network: nn.Module, body: AgentBody, config: LearnerConfig, streams: Streams, steps: int
 ) -> Iterator[Transition]:
     """Act, sense and learn for a number of transitions; yields each.
 
@@ -238,7 +238,7 @@ def learn(
         s, a = s_next, a_next
 
 
-def _sense(body: Body) -> Tensor:
+def _sense(body: AgentBody) -> Tensor:
     """What the agent sees (1, 1, eyes, rays, channels): a copy, as a body may reuse its buffer."""
     return torch.tensor(body.sense()[:, np.newaxis])
 

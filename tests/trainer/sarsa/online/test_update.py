@@ -24,7 +24,7 @@ from reflexarc_trainer.sarsa.online.learner import sizes_of
 from reflexarc_trainer.sarsa.online.state import LearnerState, Rules, Scratch
 from reflexarc_trainer.sarsa.online.update import AVERAGED_EVERY
 from reflexarc_trainer.sarsa.online.weight_rows import from_online
-from reflexarc_trainer.sarsa.reference import Body, learn
+from reflexarc_trainer.sarsa.reference import AgentBody, learn
 from support.compiled_calls import from_python
 from support.learning import gradient_of, set_up
 from support.precision import in_double
@@ -36,7 +36,7 @@ SIZES = sizes_of(TrainConfig())
 
 
 def transitions(
-    body: Body, config: TrainConfig, rules: Rules, state: LearnerState, scratch: Scratch
+    body: AgentBody, config: TrainConfig, rules: Rules, state: LearnerState, scratch: Scratch
 ) -> Iterator[tuple[int, bool, float]]:
     """The compiled learner, one visible transition after another: (action, contact, TD error)."""
     begin(rules, state, scratch, body.sense().ravel())
