@@ -159,12 +159,18 @@ class TrainConfig:
         return hashlib.sha256(text.encode()).hexdigest()
 
     @classmethod
-    def from_resolved(cls, document: Mapping[str, Any]) -> Self:
+    def from_resolved(cls, document: object) -> Self:
         """Read back what `resolved` wrote.
 
+        Args:
+            document: a mapping, as JSON gives it.
+
         Raises:
-            UsageError: a field is missing, unknown or out of range.
+            UsageError: it is none, or a field is missing, unknown or out of range.
         """
+        if not isinstance(document, Mapping):
+            got = type(document).__name__
+            raise UsageError(f"{_OTHER_VERSION} (expected a mapping, got {got}); train anew")
         source = MappingSource(_with_layers(document), "configuration")
         try:
             _require_parts(source)

@@ -78,7 +78,7 @@ CASES: dict[str, TrainConfig] = {
 
 @pytest.mark.parametrize("name", CASES)
 def test_compiled_learner_equals_the_reference_on_the_same_stream(
-    name: str, recorded_body: Callable[..., Body]
+    name: str, recorded_body: Callable[..., AgentBody]
 ) -> None:
     config = in_double(dataclasses.replace(CASES[name], steps=500, seed=1))
     rules, state, scratch = set_up(config)
@@ -97,7 +97,7 @@ def test_compiled_learner_equals_the_reference_on_the_same_stream(
 
 @pytest.mark.parametrize("name", CASES)
 def test_single_precision_learns_the_same_but_for_rounding(
-    name: str, recorded_body: Callable[..., Body]
+    name: str, recorded_body: Callable[..., AgentBody]
 ) -> None:
     case = dataclasses.replace(CASES[name], steps=40, seed=1)
     runs = []
@@ -113,7 +113,7 @@ def test_single_precision_learns_the_same_but_for_rounding(
         np.testing.assert_allclose(single, double, rtol=0, atol=1e-4)
 
 
-def test_averaged_weights_are_what_is_learned(recorded_body: Callable[..., Body]) -> None:
+def test_averaged_weights_are_what_is_learned(recorded_body: Callable[..., AgentBody]) -> None:
     keep, learner = 0.999, LearnerConfig(averaged_weights=0.999)
     config = in_double(TrainConfig(steps=3000, learner=learner))
     rules, state, scratch = set_up(config)
@@ -128,7 +128,7 @@ def test_averaged_weights_are_what_is_learned(recorded_body: Callable[..., Body]
 
 
 def test_td_errors_times_traces_sum_to_the_lambda_returns(
-    recorded_body: Callable[..., Body],
+    recorded_body: Callable[..., AgentBody],
 ) -> None:
     """With frozen weights Σ δ_t e_t = Σ (G_t − Q_t) ∇Q_t, where a contact ends λ's reach."""
     learner = LearnerConfig(online=OnlineConfig(step="literal"))
@@ -167,7 +167,7 @@ def lambda_returns_sum(
     return total
 
 
-def test_held_actions_are_repeated_until_a_contact(recorded_body: Callable[..., Body]) -> None:
+def test_held_actions_are_repeated_until_a_contact(recorded_body: Callable[..., AgentBody]) -> None:
     explore = ExplorationConfig(held_actions=4, epsilon_end=1.0)
     config = TrainConfig(steps=400, learner=LearnerConfig(exploration=explore))
     rows = list(transitions(recorded_body(1, 400), config, *set_up(config)))
