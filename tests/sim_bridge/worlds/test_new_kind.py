@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from reflexarc_runtime.config import fill
+from reflexarc_runtime.config import annotations
 from reflexarc_runtime.contract import Action, PolicyContract, RetinaSpec
 from reflexarc_runtime.errors import WorldError
 from reflexarc_sim_bridge.arrays.layout import layer_dtype
@@ -44,9 +44,9 @@ def _with_fences(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     extended = layers.Layer | Fence
     monkeypatch.setattr(layers, "Layer", extended)
     monkeypatch.setitem(World.__annotations__, "layers", tuple[extended, ...])
-    fill._fields.cache_clear()
+    annotations.fields_of.cache_clear()
     yield
-    fill._fields.cache_clear()
+    annotations.fields_of.cache_clear()
 
 
 def world() -> World:
