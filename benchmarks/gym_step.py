@@ -122,7 +122,7 @@ def main() -> None:
     set_thread_count(1)
     found = {}
     for agents in AGENTS:
-        ways = {"bare kernel": bare_way(agents), "gymnasium.make_vec": together(agents)}
+        ways = {"bare step": bare_way(agents), "gymnasium.make_vec": together(agents)}
         found[agents] = measured({**ways, **dict(wrapped())} if agents == 1 else ways, agents)
     if as_json:
         print(json.dumps({"agent_step": found}))

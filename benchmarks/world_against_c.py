@@ -26,8 +26,8 @@ from world_scenes import MODES, Advance, Scene, actions_of, advancing, rounds_s
 from reflexarc_runtime.arrays import Actions
 from reflexarc_sim_bridge.arrays.layout import AGENT_DTYPE, BOXES
 from reflexarc_sim_bridge.native.threads import set_thread_count
-from reflexarc_sim_bridge.simulation import step as kernel
 from reflexarc_sim_bridge.simulation.simulation import Simulation, motions_of
+from reflexarc_sim_bridge.simulation.step import LOOK, MOVE
 from reflexarc_sim_bridge.worlds.layers import CHUNK_M
 
 SOURCE = Path(__file__).parent / "world_c" / "world.c"
@@ -91,7 +91,7 @@ class Rival:
         """Let all agents move, or look, or both in one pass."""
         fixed = ctypes.byref(self._world), ctypes.byref(self._agents), _pointer(self._motions)
         n = ctypes.c_int64(len(self.met))
-        modes = ctypes.c_bool(tasks & kernel.MOVE != 0), ctypes.c_bool(tasks & kernel.LOOK != 0)
+        modes = ctypes.c_bool(tasks & MOVE != 0), ctypes.c_bool(tasks & LOOK != 0)
         met = _pointer(self.met)
         return lambda actions: self._advance(*fixed, _pointer(actions), met, n, *modes)
 

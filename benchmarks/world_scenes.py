@@ -10,8 +10,8 @@ import numpy.typing as npt
 
 from reflexarc_runtime.arrays import Actions
 from reflexarc_sim_bridge.native.threads import shared
-from reflexarc_sim_bridge.simulation import step as kernel
 from reflexarc_sim_bridge.simulation.simulation import Simulation
+from reflexarc_sim_bridge.simulation.step import LOOK, MOVE, PLACE
 from reflexarc_sim_bridge.worlds.files import world_named
 from reflexarc_sim_bridge.worlds.layers import CHUNK_M, Scatter
 from reflexarc_sim_bridge.worlds.reference_contract import (
@@ -23,7 +23,7 @@ from reflexarc_sim_bridge.worlds.seeds import training_seeds
 from reflexarc_sim_bridge.worlds.shapes import Curves, Rectangles, Shape
 from reflexarc_sim_bridge.worlds.world import World
 
-MODES = {"look": kernel.LOOK, "move": kernel.MOVE, "both": kernel.MOVE + kernel.LOOK}
+MODES = {"look": LOOK, "move": MOVE, "both": MOVE + LOOK}
 HELD_STEPS = 3
 HALF_TURN_RAD = 3.141592653589793
 
@@ -110,4 +110,4 @@ def rounds_s(
 
 def _carry_to(simulation: Simulation, x_m: float) -> None:
     simulation.params.agents.state["cell_x"] = int(x_m / CHUNK_M)
-    advancing(simulation, kernel.PLACE)(np.zeros(len(simulation), np.int64))
+    advancing(simulation, PLACE)(np.zeros(len(simulation), np.int64))

@@ -15,7 +15,7 @@ from reflexarc_sim_bridge.arrays.world_tables import world_tables
 from reflexarc_sim_bridge.native.decorators import compiled
 from reflexarc_sim_bridge.obstacles.keys import layer_key
 from reflexarc_sim_bridge.obstacles.kinds.corridor import corridor_middle_m
-from reflexarc_sim_bridge.simulation.simulation import covered
+from reflexarc_sim_bridge.simulation.covered_places import covered
 from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
 from reflexarc_sim_bridge.worlds.world import World, WorldSource
 

@@ -17,11 +17,11 @@ from reflexarc_sim_bridge.native.cache import prepare
 from reflexarc_sim_bridge.native.function_pointers import FunctionPointer
 from reflexarc_sim_bridge.native.struct_pointers import Struct
 from reflexarc_sim_bridge.native.threads import shared
-from reflexarc_sim_bridge.simulation import step as kernel
 from reflexarc_sim_bridge.simulation.array_checks import check_actions, check_same_form, check_seeds
 from reflexarc_sim_bridge.simulation.lost_obstacles import require_nothing_lost
 from reflexarc_sim_bridge.simulation.scene import Outline, outlines_near
-from reflexarc_sim_bridge.simulation.step_compilation import cast_for, cover_for, step_for
+from reflexarc_sim_bridge.simulation.step import LOOK, MOVE, PLACE, call_cast, direct_call_step
+from reflexarc_sim_bridge.simulation.step_compilation import cast_for, step_for
 from reflexarc_sim_bridge.simulation.step_pointer import new_held
 from reflexarc_sim_bridge.worlds.layers import CHUNK_M
 from reflexarc_sim_bridge.worlds.world import World, WorldSource
@@ -29,35 +29,12 @@ from reflexarc_sim_bridge.worlds.world import World, WorldSource
 _OF_THIS_PROCESS = "_step", "_held", "_call_step"
 """Attributes of a simulation that hold addresses."""
 
-__all__ = ["Params", "Simulation", "covered", "motions_of"]
+__all__ = ["Params", "Simulation", "motions_of"]
 
 
 def motions_of(contract: PolicyContract) -> npt.NDArray[np.float64]:
     """Linear, lateral and angular speed of each action: (actions, 3)."""
     return np.array([(a.linear_mps, a.lateral_mps, a.angular_radps) for a in contract.actions])
-
-
-def covered(
-    world: World, contract: PolicyContract, seed: int, places_m: npt.NDArray[np.float64]
-) -> npt.NDArray[np.bool_]:
-    """Whether the body of an agent would cover or touch an obstacle, at the start.
-
-    Args:
-        world: which world.
-        contract: whose agent.
-        seed: which of the world's variants.
-        places_m: x and y: (n, 2).
-
-    Returns:
-        (n,)
-    """
-    simulation = Simulation(world, contract, np.array([seed], np.uint64))
-    found = np.empty(len(places_m), np.bool_)
-    at = cover_for(simulation.params, motions_of(contract))
-    held = simulation.held_step()[1]
-    kernel.call_cover(at, held, np.ascontiguousarray(places_m, np.float64), found)
-    simulation.require_nothing_lost(held)
-    return found
 
 
 class Simulation:
@@ -125,7 +102,7 @@ class Simulation:
     def _find_step(self) -> None:
         self._step = step_for(self.world, self._params, self._motions)
         self._held: dict[int, Struct] = {}  # one a thread
-        self._call_step = kernel.direct_call_step()
+        self._call_step = direct_call_step()
 
     def __len__(self) -> int:
         return len(self.params.agents.state)
@@ -176,12 +153,12 @@ class Simulation:
     def advance(
         self, actions: Actions, met: npt.NDArray[np.bool_], tasks: int, first: int, end: int
     ) -> None:
-        """What `kernel.advance` does, for some of the agents, by the thread that calls.
+        """What `step.advance` does, for some of the agents, by the thread that calls.
 
         Args:
             actions: one an agent: (n,).
             met: filled where they move: which met an obstacle: (n,).
-            tasks: sum of `kernel.PLACE`, `MOVE` and `LOOK`.
+            tasks: sum of `PLACE`, `MOVE` and `LOOK`.
             first: first agent.
             end: agent behind the last.
 
@@ -215,12 +192,12 @@ class Simulation:
 
     def sense(self) -> npt.NDArray[np.uint8]:
         """Let every agent look, once a step: (n, eyes, rays, channels), a new array."""
-        self._advance(self._no_actions, self._met, kernel.LOOK)
+        self._advance(self._no_actions, self._met, LOOK)
         return self.stacks[:, -1].copy()
 
     def look(self, first: int, end: int) -> None:
         """Let only the agents from `first` to `end` look; what they see is in `stacks`."""
-        self.advance(self._no_actions, self._met, kernel.LOOK, first, end)
+        self.advance(self._no_actions, self._met, LOOK, first, end)
 
     def step(self, actions: Actions) -> npt.NDArray[np.bool_]:
         """Move every agent for a step of its world.
@@ -237,7 +214,7 @@ class Simulation:
         """
         check_actions(actions, len(self), len(self._motions))
         met = np.empty(len(self), np.bool_)
-        self._advance(actions, met, kernel.MOVE)
+        self._advance(actions, met, MOVE)
         return met
 
     def step_and_sense(self, actions: Actions) -> npt.NDArray[np.bool_]:
@@ -247,12 +224,12 @@ class Simulation:
         """
         check_actions(actions, len(self), len(self._motions))
         met = np.empty(len(self), np.bool_)
-        self._advance(actions, met, kernel.MOVE + kernel.LOOK)
+        self._advance(actions, met, MOVE + LOOK)
         return met
 
     def _put(self, first: int, end: int) -> None:
         """Let some of the agents take places."""
-        self.advance(self._no_actions, self._met, kernel.PLACE, first, end)
+        self.advance(self._no_actions, self._met, PLACE, first, end)
 
     def _advance(self, actions: Actions, met: npt.NDArray[np.bool_], tasks: int) -> None:
         shared(partial(self.advance, actions, met, tasks), len(self))
@@ -262,7 +239,7 @@ class Simulation:
         motions = np.array([[linear_mps, lateral_mps, angular_radps]])
         action, met = np.zeros(1, np.int64), np.empty(1, np.bool_)
         held = self._new_held(motions)
-        self._call_step(self._step.advance, held, action, met, kernel.MOVE, 0, 1)
+        self._call_step(self._step.advance, held, action, met, MOVE, 0, 1)
         self.require_nothing_lost(held)
         return bool(met[0])
 
@@ -295,7 +272,7 @@ class Simulation:
         The range where it would meet nothing. No look: nothing is remembered, nothing disturbed.
         """
         held, spec = self._new_held(self._motions), self.contract.retina
-        kernel.call_cast(cast_for(self.params, self._motions), held)
+        call_cast(cast_for(self.params, self._motions), held)
         self.require_nothing_lost(held)
         distance_m: npt.NDArray[np.float32] = held.value.work.distance_m
         return distance_m[: spec.rays * spec.samples]

@@ -56,7 +56,7 @@ _structref.define_proxy(OneHeld, OneHeldType, _FIELDS)
 
 @compiled_allocating
 def advance_one(held: Any, tasks: int, action: int) -> Outcome:
-    """Let agent 0 do its tasks (sum of `kernel.MOVE` and `LOOK`), moving by an action."""
+    """Let agent 0 do its tasks (sum of `step.MOVE` and `step.LOOK`), moving by an action."""
     if not 0 <= action < held.known:
         return REFUSED, 0.0, 0.0, 0.0, 0
     held.actions[0], held.met[0] = action, False
@@ -102,7 +102,7 @@ class OneAgent:
         known = len(simulation.contract.actions)
         losses = self._world.value.work.losses.counts
         held = hold(step, self._world, agents.state, world.planes, losses, known)
-        held.kept = self._world  # whoever can still call needs it, though `self` may be gone
+        held.kept = self._world  # who holds the function needs it, though `self` may be gone
         self.simulation = simulation
         self.stack = agents.stack[0]
         """What it sees: uint8 (frames · eyes · rays · channels,). Changes with every look."""

@@ -1,4 +1,4 @@
-"""The compiled step of agents in their worlds: sense, move, and keep near what can be met.
+"""The compiled step of agents in their worlds: each moves, then looks.
 
 `advance` treats a range of agents. Whatever an agent does touches its own rows only, so the bits
 are the same on any number of threads.
@@ -25,7 +25,7 @@ from reflexarc_sim_bridge.vision.ray_casting import look
 __all__ = ["LOOK", "MOVE", "PLACE", "advance", "call_cast", "call_cover", "call_step"]
 
 PLACE, MOVE, LOOK = 1, 2, 4
-"""What `advance` does, in this order; their sum for several."""
+"""Tasks of `advance`, which are done in this order; a sum stands for several."""
 
 
 @compiled_called
@@ -112,11 +112,11 @@ def call_cover(
     places_m: npt.NDArray[np.float64],
     found_out: npt.NDArray[np.bool_],
 ) -> None:
-    """The same of `cover`."""
+    """Call `cover` from Python; `held` is a `Held`."""
     call(cover_at, (held, places_m, found_out))
 
 
 @compiled_free
 def call_cast(cast_at: FunctionPointer, held: Struct) -> None:
-    """The same of `cast`."""
+    """Call `cast` from Python; `held` is a `Held`."""
     call(cast_at, (held,))

@@ -42,7 +42,7 @@ NO_STEP, NOTHING_HELD = FunctionPointer(STEP), Struct.nowhere(Held)
 
 
 def new_held(params: Params, motions: npt.NDArray[np.float64], parts: Parts) -> Struct:
-    """Parameters, scratch and motions of a simulation, put down for one thread: a `Held`.
+    """A `Held` in memory: parameters, scratch and motions of a simulation, for one thread.
 
     Args:
         params: the simulation's; its memory is shared.
