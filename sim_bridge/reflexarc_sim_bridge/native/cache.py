@@ -52,12 +52,15 @@ _config: Any = numba.config  # its stub names no settings
 _log = logging.getLogger("reflexarc")
 
 _waiting: list[Any] = []
-"""Functions that are not kept yet, because nobody has called `prepare` since they were made."""
+"""Functions that are not kept yet, because nobody has called `prepare`."""
+_state = {"prepared": False}
 
 
 def keep_on_disk(dispatcher: _Dispatcher) -> _Dispatcher:
-    """Have what Numba compiles of a function kept, from the next `prepare` on."""
+    """Have what Numba compiles of a function kept, once `prepare` has been called."""
     _waiting.append(dispatcher)
+    if _state["prepared"]:  # of a module that was imported later
+        _enable_waiting()
     return dispatcher
 
 
@@ -66,6 +69,11 @@ def prepare() -> None:
 
     To be called before anything is compiled or loaded; calling it again costs next to nothing.
     """
+    _state["prepared"] = True
+    _enable_waiting()
+
+
+def _enable_waiting() -> None:
     if not _waiting:
         return
     before = _config.CACHE_DIR

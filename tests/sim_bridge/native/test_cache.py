@@ -237,3 +237,47 @@ def test_where_nothing_can_be_locked_everybody_compiles(monkeypatch: pytest.Monk
 def test_an_error_within_is_no_lock_that_fails():
     with pytest.raises(PermissionError), compiling_alone("world"):
         raise PermissionError
+
+
+STEP = """
+import sys
+import numpy as np
+from numba.core.dispatcher import Dispatcher
+from reflexarc_sim_bridge.simulation.simulation import Simulation
+from reflexarc_sim_bridge.worlds.files import world_named
+from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
+from reflexarc_trainer.config.presets import PRESETS
+from reflexarc_trainer.sarsa.forms import new_learner
+
+for name in ("reference-1", "gates", "corridor-20", "automaton", "discs"):
+    simulation = Simulation(world_named(name), reference_contract(), np.arange(2, dtype=np.uint64))
+    simulation.step_and_sense(np.zeros(2, np.int64))
+    simulation.distances()
+    simulation.outlines_near(0)
+for form in ("reflex", "online"):
+    new_learner(PRESETS[form]).run(1)
+
+compiled = []
+for name, module in list(sys.modules.items()):
+    if name.startswith("reflexarc"):
+        for function in vars(module).values():
+            if isinstance(function, Dispatcher):
+                loaded = sum(function.stats.cache_hits.values())
+                if len(function.overloads) > loaded:
+                    compiled.append(function.py_func.__qualname__)
+print(*sorted(set(compiled)))
+"""
+
+
+def test_what_one_process_compiled_no_other_compiles_again(tmp_path: Path):
+    """Of all kinds of layers, whose modules are imported when a world needs them, and learners."""
+    cache = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    command = [sys.executable, "-c", STEP]
+    first, second = (
+        subprocess.run(
+            command, env=cache, capture_output=True, text=True, check=True
+        ).stdout.split()
+        for _ in range(2)
+    )
+    assert {"advance", "learn", "drive"} <= set(first)
+    assert second == []
