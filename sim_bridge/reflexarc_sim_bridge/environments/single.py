@@ -98,9 +98,9 @@ class ReferenceEnv(gymnasium.Env[npt.NDArray[np.uint8], np.int64]):
             raise gymnasium.error.ResetNeeded("call reset() before step()")
         try:
             met, x_m, y_m, distance_m, contacts = self._agent.step_and_sense(index(action))
-        except OverflowError:
+        except OverflowError:  # a list was full; or the action is beyond 64 bits
             self._agent.require_nothing_lost()
-            raise
+            met = REFUSED
         if met == REFUSED:
             known = len(self._contract.actions)
             raise WorldError(f"action: expected 0 to {known - 1}, the contract's, got {action}")

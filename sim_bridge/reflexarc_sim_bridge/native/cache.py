@@ -12,9 +12,11 @@ import atexit
 import contextlib
 import fcntl
 import hashlib
+import inspect
 import logging
 import shutil
 import tempfile
+import threading
 import time
 from collections.abc import Callable, Iterator
 from functools import lru_cache
@@ -22,6 +24,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import IO, Any, TypeVar
 
+import llvmlite  # type: ignore[import-untyped]  # it has no stubs
 import numba
 
 KEPT_STATES = 4
@@ -51,6 +54,7 @@ _Dispatcher = TypeVar("_Dispatcher")
 _config: Any = numba.config  # its stub names no settings
 _log = logging.getLogger("reflexarc")
 
+_lock = threading.RLock()
 _waiting: list[Any] = []
 """Functions that are not kept yet, because nobody has called `prepare`."""
 _state = {"prepared": False}
@@ -74,56 +78,66 @@ def prepare() -> None:
 
 
 def _enable_waiting() -> None:
-    if not _waiting:
-        return
-    before = _config.CACHE_DIR
-    _config.CACHE_DIR = str(cache_folder())
-    try:
-        while _waiting:
-            _waiting.pop().enable_caching()
-    finally:
-        _config.CACHE_DIR = before
+    with _lock:  # the setting belongs to the whole process
+        folder = cache_folder() if _waiting else None
+        if folder is None:
+            return
+        before = _config.CACHE_DIR
+        _config.CACHE_DIR = str(folder)
+        try:
+            while _waiting:
+                _waiting.pop().enable_caching()
+        finally:
+            _config.CACHE_DIR = before
 
 
 @lru_cache(maxsize=1)
-def cache_folder() -> Path:
-    """The folder for the sources as they are now; made if need be."""
-    home = Path(_config.CACHE_DIR or Path.home() / ".cache" / "reflexarc")
-    folder = home / f"{_PREFIX}{source_key(COMPILED_FROM)}"
+def cache_folder() -> Path | None:
+    """The folder for the sources as they are now, made if need be; None if none can be made."""
+    home = Path(_config.CACHE_DIR or "~/.cache/reflexarc")
     try:
+        home = home.expanduser()
+        folder = home / f"{_PREFIX}{source_key(COMPILED_FROM)}"
         folder.mkdir(parents=True, exist_ok=True)
         folder.touch()
         tempfile.TemporaryFile(dir=folder).close()
-    except OSError as error:
+    except (OSError, RuntimeError) as error:  # of what is no home, and of a user without one
         _log.warning(
             "%s: cannot keep compiled code (%s), so each process compiles anew; "
             "NUMBA_CACHE_DIR names another folder",
             home,
-            error.strerror or error,
+            getattr(error, "strerror", None) or error,
         )
         return _folder_of_this_process()
     _forget_old_states(home)
     return folder
 
 
-def _folder_of_this_process() -> Path:
-    folder = tempfile.mkdtemp(prefix="reflexarc-compiled-")
+def _folder_of_this_process() -> Path | None:
+    try:
+        folder = tempfile.mkdtemp(prefix="reflexarc-compiled-")
+    except OSError:
+        return None
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     return Path(folder)
 
 
 def is_kept(function: Callable[..., Any]) -> bool:
-    """Whether a function's machine code is on disk for every process that asks.
-
-    Where this process has a folder for itself alone, it is said to be: no other could add to it.
-    """
+    """Whether a function's machine code is on disk."""
     folder = cache_folder()
-    if not folder.name.startswith(_PREFIX):
-        return True
-    # Numba's own names: a folder for the module's folder, then module, function and line.
-    package, _, module = function.__module__.rpartition(".")
-    place = package.rpartition(".")[2]
-    return any(folder.glob(f"{place}_*/{module}.{function.__qualname__}-*.nbi"))
+    if folder is None:
+        return False
+    # Numba's own names: a folder for the module's folder and its path, then module, function, line.
+    source = Path(inspect.getfile(inspect.unwrap(function)))
+    path = hashlib.sha1(str(source.parent.absolute()).encode()).hexdigest()
+    place = f"{source.parent.name}_{path}"
+    return any(folder.glob(f"{place}/{source.stem}.{function.__qualname__}-*.nbi"))
+
+
+def is_shared() -> bool:
+    """Whether other processes find what this one compiles, and this one what they do."""
+    folder = cache_folder()
+    return folder is not None and folder.name.startswith(_PREFIX)
 
 
 @contextlib.contextmanager
@@ -134,9 +148,10 @@ def compiling_alone(what: str) -> Iterator[None]:
     seems stuck, all of them compile. Not to be nested.
     """
     with contextlib.ExitStack() as stack:
-        with contextlib.suppress(OSError):
-            file = stack.enter_context((cache_folder() / f"{what}.lock").open("w"))
-            _wait_for(file)
+        folder = cache_folder()
+        if folder is not None:
+            with contextlib.suppress(OSError):
+                _wait_for(stack.enter_context((folder / f"{what}.lock").open("w")))
         yield
 
 
@@ -151,13 +166,13 @@ def _wait_for(file: IO[str]) -> None:
 
 
 def source_key(places: tuple[str, ...]) -> str:
-    """Hash over every Python file of some places, by its path and its bytes, and Numba's version.
+    """Hash over every Python file of some places, by its path and its bytes, and the compiler.
 
     Args:
         places: folders or files, each from a package's name on; those that are not there count for
             nothing.
     """
-    digest = hashlib.sha256(numba.__version__.encode())
+    digest = hashlib.sha256(f"{numba.__version__} {llvmlite.__version__}".encode())
     for place in places:
         package, _, inside = place.partition("/")
         spec = find_spec(package)

@@ -54,7 +54,7 @@ class Compilation:
 
 @contextmanager
 def compilation(parts: Mapping[str, float]) -> Iterator[Compilation]:
-    """A compilation that the latest watcher sees begin and end; without parts nobody does."""
+    """A compilation that the latest watcher is told of; without parts no watcher is called."""
     begun = Compilation(parts)
     with _watchers[-1](begun) if _watchers and parts else nullcontext():
         yield begun

@@ -25,7 +25,7 @@ _LOOK_AGAIN_S = 0.5
 
 
 def has_room() -> bool:
-    """Whether there is a processor for it."""
+    """Whether a second processor is available."""
     return len(os.sched_getaffinity(0)) > 1
 
 
@@ -61,8 +61,8 @@ def at_work(module: str, given: bytes) -> Iterator[None]:
 
 
 def start(module: str, given: bytes) -> subprocess.Popen[bytes] | None:
-    """Start it; None if that fails."""
-    command, silent = [sys.executable, "-m", module], subprocess.DEVNULL
+    """Start a helper process; None if the system refuses."""
+    command, silent = [sys.executable, "-P", "-m", module], subprocess.DEVNULL
     try:
         helper = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=silent, stderr=silent)
     except OSError:

@@ -25,10 +25,7 @@ _READ, _KEEP_IN_ALL_CACHES, _DATA = 0, 3, 1
 
 @compiled
 def whole(count: int) -> int:
-    """So many and as many more as it takes for whole vectors.
-
-    A loop over them has no rest that goes one by one.
-    """
+    """Round a count up to a multiple of `LANES`: a loop over so many is whole vectors."""
     return (count + LANES - 1) // LANES * LANES
 
 

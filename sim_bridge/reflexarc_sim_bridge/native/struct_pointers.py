@@ -60,6 +60,11 @@ class AnyStruct(types.Type):
         self.of = of
         super().__init__(name=f"{of.__name__}*")
 
+    @property
+    def key(self) -> Any:
+        """The class itself: two classes may have one name."""
+        return self.of
+
     def takes(self, kind: Any) -> bool:
         """Whether such an address is of this class."""
         if isinstance(kind, StructPointer):

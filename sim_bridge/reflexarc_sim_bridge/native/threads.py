@@ -48,8 +48,11 @@ def together(work: Callable[[int, int], object], parts: int) -> None:
     call = _conductor().submit(_call_all, work, bounds)
     try:
         call.result()
-    finally:
+    except BaseException:
         wait([call])
+        if (raised := call.exception()) is not None:  # it counts more than an interrupt
+            raise raised from None
+        raise
 
 
 def _bounds(parts: int, threads: int) -> list[int]:
@@ -58,8 +61,10 @@ def _bounds(parts: int, threads: int) -> list[int]:
 
 def _call_all(work: Callable[[int, int], object], bounds: list[int]) -> None:
     calls = [_pool(len(bounds) - 1).submit(work, *pair) for pair in pairwise(bounds[1:])]
-    work(bounds[0], bounds[1])
-    wait(calls)
+    try:
+        work(bounds[0], bounds[1])
+    finally:  # nobody writes to the agents' rows any more when this returns, however it does
+        wait(calls)
     for call in calls:
         call.result()
 

@@ -20,6 +20,7 @@ from reflexarc_sim_bridge.arrays.layout import (
     WorldTables,
 )
 from reflexarc_sim_bridge.arrays.world_tables import world_tables
+from reflexarc_sim_bridge.native.cache import prepare
 from reflexarc_sim_bridge.native.decorators import compiled
 from reflexarc_sim_bridge.obstacles.chunks import DRAWN_DTYPE
 from reflexarc_sim_bridge.obstacles.gathering import compiled_kind
@@ -66,6 +67,7 @@ def outlines_of_chunk(world: World, seed: int, i: int, j: int) -> list[Outline]:
         i: the chunk along x: it spans `CHUNK_M` from i · `CHUNK_M` on.
         j: the chunk along y.
     """
+    prepare()
     tables = world_tables([world], PolicyContract())
     found = []
     for layer in range(len(world.layers)):

@@ -46,7 +46,7 @@ class OneHeld(structref.StructRefProxy):
     """A step and the world that it works on, by address, and what the agent does and meets."""
 
     kept: Any = None
-    """What the second one points to."""
+    """Keeps the memory alive whose address is in `world`."""
 
 
 _structref: Any = structref  # its functions have no types

@@ -1,6 +1,6 @@
 """Compiling the world's step, part by part; what no world of a process needs is never compiled."""
 
-from contextlib import nullcontext
+from contextlib import ExitStack
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,7 +9,7 @@ import numpy.typing as npt
 from reflexarc_sim_bridge.arrays.layout import Params
 from reflexarc_sim_bridge.arrays.workspace import IN_CELL, ON_AGENT, Parts
 from reflexarc_sim_bridge.motion.placing import go_to_free_place
-from reflexarc_sim_bridge.native.cache import compiling_alone, is_kept
+from reflexarc_sim_bridge.native.cache import compiling_alone, is_kept, is_shared
 from reflexarc_sim_bridge.native.compile_progress import compilation
 from reflexarc_sim_bridge.native.function_pointers import (
     FunctionPointer,
@@ -83,19 +83,36 @@ def _compile(params: Params, motions: Motions, gatherers: Gatherers) -> Compiled
     held = type_of_held(params, motions)
     pointed = held.field("params"), held.field("work")
     on_agent, in_cell = (*pointed, *ON_AGENT.arguments[2:]), (*pointed, *IN_CELL.arguments[2:])
-    parts = {} if is_kept(advance) else {PUTTING: 5.0, GATHERING: 4.0, STEPPING: 4.5, LOOKING: 6.0}
-    with compilation(parts) as compiling:
-        with compiled_meanwhile(sense_agent, on_agent) if parts and has_room() else nullcontext():
-            with compiling.part(PUTTING):
-                put = pointer_to(go_to_free_place, ON_AGENT, on_agent)
-            with compiling.part(GATHERING):
-                gathered = {k: pointer_to(one, IN_CELL, in_cell) for k, one in gatherers.items()}
-                table = function_table(IN_CELL, gathered, (len(layer_kinds()), 2))
-            with compiling.part(STEPPING):  # the last: where it is kept, a world is compiled
-                stepped = pointer_to(advance, STEP, (held, *STEP.arguments[1:]))
+    parts = _parts_to_compile(gatherers)
+    with compilation(parts) as compiling, ExitStack() as helped:
+        if LOOKING in parts and len(parts) > 1 and has_room() and is_shared():
+            helped.enter_context(compiled_meanwhile(sense_agent, on_agent))
+        with compiling.part(PUTTING):
+            put = pointer_to(go_to_free_place, ON_AGENT, on_agent)
+        with compiling.part(GATHERING):
+            gathered = {k: pointer_to(one, IN_CELL, in_cell) for k, one in gatherers.items()}
+            table = function_table(IN_CELL, gathered, (len(layer_kinds()), 2))
+        with compiling.part(STEPPING):
+            stepped = pointer_to(advance, STEP, (held, *STEP.arguments[1:]))
         with compiling.part(LOOKING):
+            helped.close()  # waits for the second process
             look = pointer_to(sense_agent, ON_AGENT, on_agent)
     return CompiledStep(stepped, Parts(look, put, table))
+
+
+def _parts_to_compile(gatherers: Gatherers) -> dict[str, float]:
+    """The parts that are not on disk yet, and how many seconds each takes."""
+    needed = {
+        PUTTING: ([go_to_free_place], 5.0),
+        GATHERING: (list(gatherers.values()), 4.0),
+        STEPPING: ([advance], 4.5),
+        LOOKING: ([sense_agent], 6.0),
+    }
+    return {
+        part: expected_s
+        for part, (functions, expected_s) in needed.items()
+        if not all(map(is_kept, functions))
+    }
 
 
 def _form(value: Any) -> Any:

@@ -193,3 +193,11 @@ def test_a_world_s_name_is_its_environment_s_but_for_the_reference_s_number(
 def told(simulation: Simulation) -> dict[str, float]:
     names = ("x_m", "y_m", "distance_m", "contacts")
     return {name: getattr(simulation, name)[0] for name in names}
+
+
+@pytest.mark.parametrize("action", [-1, 3, 1 << 62, 1 << 70, -(1 << 70)])
+def test_an_action_that_the_contract_does_not_have_is_refused(action: int) -> None:
+    environment = ReferenceEnv()
+    environment.reset(seed=0)
+    with pytest.raises(WorldError, match=f"action: expected 0 to 2, the contract's, got {action}"):
+        environment.step(action)

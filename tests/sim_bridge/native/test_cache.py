@@ -6,6 +6,7 @@ import pkgutil
 import select
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from importlib.machinery import ModuleSpec
 from pathlib import Path
 from types import CodeType
@@ -19,12 +20,10 @@ from reflexarc_sim_bridge.native.cache import (
     COMPILED_FROM,
     cache_folder,
     compiling_alone,
-    is_kept,
     keep_on_disk,
     prepare,
     source_key,
 )
-from reflexarc_sim_bridge.simulation.step import advance, cover
 
 
 @pytest.fixture
@@ -160,31 +159,66 @@ def test_without_a_place_to_write_it_compiles_into_a_folder_that_ends_with_the_p
     assert not Path(asked.stdout.strip()).exists()
 
 
-def test_a_function_is_kept_once_it_has_been_compiled(
-    sources: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
-    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "cache"))
-    cache_folder.cache_clear()
-    try:
-        before = is_kept(advance)
-        package = cache_folder() / "simulation_1234"
-        package.mkdir()
-        (package / "step.advance-7.py311.nbi").touch()
-        assert (before, is_kept(advance), is_kept(cover)) == (False, True, False)
-    finally:
-        cache_folder.cache_clear()
+KEPT = """
+from reflexarc_sim_bridge.native.cache import is_kept, is_shared, prepare
+from reflexarc_sim_bridge.native.intrinsics import whole
+from reflexarc_sim_bridge.simulation.step import advance
+prepare()
+before = is_kept(whole)
+whole(1)
+print(before, is_kept(whole), is_kept(advance), is_shared())
+"""
 
 
-def test_where_nothing_can_be_kept_no_other_process_is_asked_to_compile(
-    monkeypatch: pytest.MonkeyPatch,
-):
-    monkeypatch.setattr(numba.config, "CACHE_DIR", "/proc/self/none")
-    cache_folder.cache_clear()
-    try:
-        assert is_kept(advance)
-        cache_folder().rmdir()
-    finally:
-        cache_folder.cache_clear()
+def asked(script: str, cache: Path | str, **more: str) -> str:
+    """What a process prints that keeps its compiled code there."""
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(cache), **more}
+    done = subprocess.run(
+        [sys.executable, "-c", script], env=environment, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip()
+
+
+def test_a_function_is_kept_once_it_has_been_compiled(tmp_path: Path):
+    assert asked(KEPT, tmp_path) == "False True False True"
+    assert asked(KEPT, tmp_path) == "True True False True"
+
+
+def test_where_nothing_can_be_kept_for_others_none_is_asked_to_compile():
+    assert asked(KEPT, "/proc/self/none") == "False True False False"
+
+
+def test_where_nothing_at_all_can_be_written_it_compiles_and_keeps_nothing():
+    nowhere = "import tempfile\ntempfile.mkdtemp = tempfile.TemporaryFile = refuse\n"
+    refuse = "def refuse(*_, **__):\n    raise OSError('nowhere')\n"
+    assert asked(refuse + nowhere + KEPT, "/proc/self/none") == "False False False False"
+
+
+def test_a_user_without_a_home_is_said_in_one_line():
+    environment = {k: v for k, v in os.environ.items() if k not in ("HOME", "NUMBA_CACHE_DIR")}
+    script = (
+        "import pathlib\n"
+        "def nobody(self): raise RuntimeError('Could not determine home directory.')\n"
+        "pathlib.Path.expanduser = nobody\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script + KEPT], env=environment, capture_output=True, text=True
+    )
+    assert done.stdout.strip() == "False True False False", done.stderr
+    assert done.stderr.count("\n") == 1
+    assert "cannot keep compiled code (Could not determine home directory.)" in done.stderr
+
+
+def test_threads_that_prepare_at_once_give_numba_s_folder_back():
+    before = numba.config.CACHE_DIR
+    for _ in range(20):
+        functions = [keep_on_disk(numba.njit(lambda x: x)) for _ in range(20)]
+        with ThreadPoolExecutor(4) as pool:
+            list(pool.map(lambda _: prepare(), range(8)))
+        assert before == numba.config.CACHE_DIR
+        folder = str(cache_folder())
+        assert all(each.stats.cache_path.startswith(folder) for each in functions)
 
 
 HOLD = """

@@ -1,11 +1,19 @@
 """Work that is shared out among threads."""
 
 import threading
+import time
 from collections.abc import Iterator
+from concurrent.futures import Future
 
 import pytest
 
-from reflexarc_sim_bridge.native.threads import set_thread_count, shared, thread_count, together
+from reflexarc_sim_bridge.native.threads import (
+    FEWEST_AGENTS,
+    set_thread_count,
+    shared,
+    thread_count,
+    together,
+)
 
 
 @pytest.fixture(params=[1, 2, 5])
@@ -13,6 +21,14 @@ def threads(request: pytest.FixtureRequest) -> Iterator[int]:
     before = thread_count()
     set_thread_count(request.param)
     yield request.param
+    set_thread_count(before)
+
+
+@pytest.fixture
+def two_threads() -> Iterator[None]:
+    before = thread_count()
+    set_thread_count(2)
+    yield
     set_thread_count(before)
 
 
@@ -58,3 +74,38 @@ def test_what_a_part_raises_reaches_the_caller(threads: int) -> None:
 
     with pytest.raises(ZeroDivisionError, match="the last one"):
         together(work, threads)
+
+
+def test_work_that_raises_is_waited_for_by_whoever_shared_it(two_threads: None) -> None:
+    """Nobody may still write to the agents' rows when the caller goes on."""
+    done: list[str] = []
+
+    def work(first: int, _: int) -> None:
+        if first == 0:
+            raise ZeroDivisionError("the caller's part")
+        time.sleep(0.2)
+        done.append("the other part")
+
+    with pytest.raises(ZeroDivisionError, match="the caller's part"):
+        shared(work, 2 * FEWEST_AGENTS)
+    assert done == ["the other part"]
+
+
+def test_what_a_part_raises_counts_more_than_an_interrupt(
+    two_threads: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A policy from a world with holes must not be saved because somebody pressed Ctrl-C."""
+    result = Future.result
+
+    def interrupted(call: "Future[object]", timeout: float | None = None) -> object:
+        if threading.current_thread() is threading.main_thread():
+            raise KeyboardInterrupt
+        return result(call, timeout)
+
+    def work(first: int, _: int) -> None:
+        time.sleep(0.1)
+        raise ZeroDivisionError("a hole")
+
+    monkeypatch.setattr(Future, "result", interrupted)
+    with pytest.raises(ZeroDivisionError, match="a hole"):
+        together(work, 2)

@@ -106,7 +106,7 @@ def test_a_learner_is_compiled_as_no_other_process_does(
     monkeypatch.setattr(online_learner, "compile_learner", lambda config: done.append("compiled"))
     for _ in range(2):
         compile_side_by_side(CONFIG)
-    assert done == ["drive locked", "compiled", "unlocked"]
+    assert done == ["learner locked", "compiled", "unlocked"]
 
 
 def test_a_world_that_does_not_fit_the_eye_is_refused_before_a_learner_is_compiled(

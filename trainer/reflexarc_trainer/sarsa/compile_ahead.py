@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from reflexarc_runtime.errors import UsageError
-from reflexarc_sim_bridge.native.cache import compiling_alone, is_kept, prepare
+from reflexarc_sim_bridge.native.cache import compiling_alone, is_kept, is_shared, prepare
 from reflexarc_sim_bridge.native.compile_progress import compilation
 from reflexarc_sim_bridge.native.helper_process import at_work, end_with_parent, has_room
 from reflexarc_sim_bridge.native.numba_compiler import without_garbage_collection
@@ -45,7 +45,7 @@ def compile_side_by_side(config: TrainConfig) -> None:
     learner = _LEARNERS[config.learner.form]
     parts = {} if is_kept(learner) else {"how it learns": _EXPECTED_S[config.learner.form]}
     with ExitStack() as helped:
-        if parts and has_room() and not is_kept(advance):
+        if parts and has_room() and is_shared() and not is_kept(advance):
             given = json.dumps(config.resolved()).encode()
             helped.enter_context(at_work(__name__, given))
         Simulation(config.worlds[0].source(), config.contract(), np.zeros(1, np.uint64))
@@ -59,7 +59,7 @@ def compile_learner(config: TrainConfig) -> None:
     """Compile the learner of a run, or wait for the process that is compiling it."""
     prepare()
     form = batched_learner if config.learner.form == "batched" else online_learner
-    with compiling_alone(_LEARNERS[config.learner.form].__qualname__), without_garbage_collection():
+    with compiling_alone("learner"), without_garbage_collection():
         form.compile_learner(config)
 
 

@@ -18,6 +18,8 @@ Arrays = dict[str, npt.NDArray[Any]]
 
 WORLD = "world."
 """Prefix of the simulation's arrays among those of a learner."""
+STAGE = "stage"
+"""Name, in a checkpoint, of the number of the stage whose world its arrays are of."""
 
 COUNTS_DTYPE = np.dtype(
     # Transitions of the whole run; contacts and progress along x in the present world.
@@ -179,6 +181,20 @@ def restore_arrays(mine: Mapping[str, npt.NDArray[Any]], arrays: Mapping[str, An
                 "train anew"
             )
         array[...] = saved
+
+
+def saved_stage(arrays: Mapping[str, npt.NDArray[Any]], stages: int) -> int:
+    """The stage whose world the saved arrays belong to.
+
+    Raises:
+        UsageError: there is none, or no such stage.
+    """
+    saved = arrays.get(STAGE, np.zeros(0, np.int64))
+    if saved.shape != (1,) or not 0 <= saved[0] < stages:
+        raise UsageError(
+            f"checkpoint: {STAGE}: expected 0 to {stages - 1}, got {saved.tolist()}; train anew"
+        )
+    return int(saved[0])
 
 
 def world_arrays(arrays: Mapping[str, npt.NDArray[Any]]) -> Arrays:

@@ -109,4 +109,5 @@ class Crew:
 
 
 def _has_compiled() -> bool:
-    return next(cache_folder().rglob("*.nbc"), None) is not None
+    folder = cache_folder()
+    return folder is not None and next(folder.rglob("*.nbc"), None) is not None

@@ -25,6 +25,7 @@ from reflexarc_trainer.sarsa.batched.state import (
 )
 from reflexarc_trainer.sarsa.batched.update import learn
 from reflexarc_trainer.sarsa.learner_interface import (
+    STAGE,
     WORLD,
     Arrays,
     Report,
@@ -32,6 +33,7 @@ from reflexarc_trainer.sarsa.learner_interface import (
     counts,
     report_between,
     restore_arrays,
+    saved_stage,
     world_arrays,
 )
 from reflexarc_trainer.sarsa.schedules import linear
@@ -102,7 +104,8 @@ class BatchedLearner:
     def arrays(self) -> Arrays:
         """Everything that the rest of the run depends on, by name."""
         world = {WORLD + name: array for name, array in self._simulation.state().items()}
-        return {**{name: array.copy() for name, array in self._own().items()}, **world}
+        own = {name: array.copy() for name, array in self._own().items()}
+        return {**own, **world, STAGE: np.array([self._stage])}
 
     def restore(self, arrays: Mapping[str, npt.NDArray[Any]]) -> None:
         """Continue from a state that `arrays` returned.
@@ -111,7 +114,7 @@ class BatchedLearner:
             UsageError: an array is missing, or of another shape or type.
         """
         restore_arrays(self._own(), arrays)
-        self._enter(stage_at(self._ends, self._updates))
+        self._enter(saved_stage(arrays, len(self._ends)))
         self._simulation.restore(world_arrays(arrays))
 
     @property
@@ -125,11 +128,13 @@ class BatchedLearner:
         shards = len(learning.state.gradients)
         threads = min(thread_count(), shards)
 
+        # Made beforehand: where one thread fails, the others would wait at the barrier for ever.
+        accesses = [self._world_access() for _ in range(threads)]
+
         def learn_part(first: int, end: int) -> None:
-            step, held = self._simulation.held_step()
-            world = WorldAccess(step, held, self._simulation.params.agents.stack)
+            world = accesses.pop()
             learn(learning, world, barrier, threads, first, end, updates)
-            self._simulation.require_nothing_lost(held)
+            self._simulation.require_nothing_lost(world.held)
 
         together(learn_part, shards)
         check_finite(learning.state.weights, self.step, self.config)
@@ -140,6 +145,10 @@ class BatchedLearner:
             self._reported["distance_m"] -= self._simulation.distance_m.sum()
             self._enter(stage)
             self._begin()
+
+    def _world_access(self) -> WorldAccess:
+        step, held = self._simulation.held_step()
+        return WorldAccess(step, held, self._simulation.params.agents.stack)
 
     def _world_of_stage(self, stage: int) -> Simulation:
         return Simulation(self.config.worlds[stage].source(), self.contract, _seeds(self.config))

@@ -21,6 +21,7 @@ from reflexarc_trainer.config.training_world import stage_at, stage_ends
 from reflexarc_trainer.sarsa.exploration import new_streams
 from reflexarc_trainer.sarsa.initial_weights import initial_weights
 from reflexarc_trainer.sarsa.learner_interface import (
+    STAGE,
     WORLD,
     Arrays,
     Report,
@@ -28,6 +29,7 @@ from reflexarc_trainer.sarsa.learner_interface import (
     counts,
     report_between,
     restore_arrays,
+    saved_stage,
     world_arrays,
 )
 from reflexarc_trainer.sarsa.network_shape import input_curve
@@ -116,7 +118,8 @@ class OnlineLearner:
     def arrays(self) -> Arrays:
         """Everything that the rest of the run depends on, by name."""
         world = {WORLD + name: array for name, array in self._simulation.state().items()}
-        return {**self._own(), **world, SIZES: np.array(self._sizes)}
+        own = {SIZES: np.array(self._sizes), STAGE: np.array([self._stage])}
+        return {**self._own(), **world, **own}
 
     def restore(self, arrays: Mapping[str, npt.NDArray[Any]]) -> None:
         """Continue from a state that `arrays` returned.
@@ -131,7 +134,7 @@ class OnlineLearner:
                 f"checkpoint: weights: expected shape {self._sizes}, got {sizes}; train anew"
             )
         restore_arrays(self._own(), arrays)
-        self._enter(stage_at(self._ends, self.step))
+        self._enter(saved_stage(arrays, len(self._ends)))
         self._simulation.restore(world_arrays(arrays))
 
     def _own(self) -> Arrays:
@@ -172,8 +175,10 @@ class OnlineLearner:
     def _call(self, begins: bool, steps: int) -> None:
         step, held = self._simulation.held_step()
         stack = self._simulation.params.agents.stack[0]
-        drive(self._rules, self._state, self._scratch, step, held, stack, begins, steps)
-        self._simulation.require_nothing_lost(held)
+        try:
+            drive(self._rules, self._state, self._scratch, step, held, stack, begins, steps)
+        finally:  # also after an interrupt: what was learned so far is about to be saved
+            self._simulation.require_nothing_lost(held)
 
 
 def sizes_of(config: TrainConfig) -> tuple[int, int, int]:
