@@ -95,6 +95,18 @@ def test_the_paper_s_actions_stay_first_so_that_a_tie_stays():
         (edited(actions=[{"name": "stay"}]), "contract.actions[0].linear_mps: missing"),
         (edited(golden={"retinas": [[0]], "q_values": [], "actions": []}), "golden"),
         (
+            edited(golden={"retinas": [0] * 4, "q_values": [[0.0] * 3], "actions": [0]}),
+            "contract.golden.retinas[0]: expected a list of whole numbers, got 0",
+        ),
+        (
+            edited(golden={"retinas": [[0] * 4], "q_values": [0.0] * 3, "actions": [0]}),
+            "contract.golden.q_values[0]: expected a list of numbers, got 0.0",
+        ),
+        (
+            edited(golden={"retinas": 0, "q_values": [], "actions": []}),
+            "contract.golden.retinas: expected a list of lists, got 0",
+        ),
+        (
             edited(golden={"retinas": [[0] * 4], "q_values": [[0, 0]], "actions": [0]}),
             "golden.q_values",
         ),

@@ -6,7 +6,7 @@ them. Nothing is guessed.
 
 import math
 from collections.abc import Sequence
-from decimal import Decimal
+from decimal import Decimal, InvalidOperation
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -106,10 +106,16 @@ def exact_ns(seconds: bytes, value: float) -> int | None:
     Args:
         seconds: the word.
         value: the same as a number, in seconds; finite.
+
+    Raises:
+        BrokenLineError: no decimal number has its exponent, as that of 0e99999999999999999999.
     """
     if not _FIRST_SECOND <= value < _LAST_SECOND:
         return None
-    return round(Decimal(seconds.decode()).scaleb(9))
+    try:
+        return round(Decimal(seconds.decode()).scaleb(9))
+    except InvalidOperation:
+        raise BrokenLineError(NO_NUMBER) from None
 
 
 def calendar_ns(time_ns: int) -> int | None:

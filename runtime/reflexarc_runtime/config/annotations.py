@@ -41,6 +41,11 @@ def elements_of(hint: Any) -> tuple[Any, int | None]:
     return arms[0], None if arms[-1] is Ellipsis else len(arms)
 
 
+def is_fixed_tuple(hint: Any) -> bool:
+    """Whether it is a tuple of fixed length."""
+    return get_origin(hint) is tuple and elements_of(hint)[1] is not None
+
+
 def choices_of(hint: Any) -> tuple[Any, ...]:
     """The values of a `StrEnum` or a `Literal`; none of any other annotation."""
     if get_origin(hint) is Literal:
@@ -71,8 +76,10 @@ def _described_tuple(hint: Any, source: Source, path: KeyPath) -> str:
         return f"{_COUNTS.get(length, length)} {_WORDS[inner]}s"
     if inner in _WORDS:
         return f"a list of {_WORDS[inner]}s"
-    if get_origin(inner) is tuple:
+    if is_fixed_tuple(inner):
         return f"a list of {described(inner, source, path)}, or several of them"
+    if get_origin(inner) is tuple:
+        return "a list of lists"
     return source.many_tables(path)
 
 

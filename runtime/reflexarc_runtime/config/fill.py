@@ -4,8 +4,8 @@ A table becomes a dataclass, whose fields say which keys there are, of which typ
 missing. Annotations understood: float, int, str, bool, a `StrEnum`, a `Literal` of texts, a
 dataclass, `X | None`, a tuple of fixed length, `tuple[X, ...]`, `Mapping[str, X]`, `object` and
 `Any` (taken as they are), and a union of dataclasses, among which `kind = "second-sender"` chooses
-the class `SecondSender`. Where a list of lists is expected, one list stands for its only element.
-Dataclasses check their values themselves; what they refuse is told with its place.
+the class `SecondSender`. Where a list of lists of fixed length is expected, one list stands for its
+only element. Dataclasses check their values themselves; what they refuse is told with its place.
 """
 
 import dataclasses
@@ -21,6 +21,7 @@ from reflexarc_runtime.config.annotations import (
     described,
     elements_of,
     fields_of,
+    is_fixed_tuple,
     is_union,
 )
 from reflexarc_runtime.config.key_path import KeyPath
@@ -29,6 +30,9 @@ from reflexarc_runtime.errors import ReflexarcError
 
 _MOST_INT = 1 << 128
 """Larger numbers are refused by their type: they overflow a float, or fill a screen."""
+
+_FIELD = re.compile(r"\w+(\.\w+|\[\d+\])*")
+"""A field as complaints name it, unlike the path of a file: `world.width_m`, `wheels[1]`."""
 
 Resolve: TypeAlias = Callable[[object, type, KeyPath], object]
 """Makes a number of what stands for one: (value, int or float, path) → the number, or the value.
@@ -151,7 +155,7 @@ class _Filling:
         if not isinstance(value, list):
             self._refuse_type(hint, value, path)
         if length is None:
-            is_one = get_origin(inner) is tuple and value and not isinstance(value[0], list)
+            is_one = is_fixed_tuple(inner) and value and not isinstance(value[0], list)
             items = [value] if is_one else value
             return tuple(self.value(inner, item, (*path, n)) for n, item in enumerate(items))
         scalars = tuple(self._scalar(inner, item, (*path, n)) for n, item in enumerate(value))
@@ -187,9 +191,10 @@ class _Filling:
         return value
 
     def _relocated(self, error: ReflexarcError, kind: Any, path: KeyPath) -> ReflexarcError:
-        """What a dataclass refused, at the field that it names before its colon."""
+        """What a dataclass refused, at the field that it names before its colon, if it does."""
         where, _, words = str(error).partition(": ")
-        parts = re.findall(r"\w+", where)
+        names_a_field = words and _FIELD.fullmatch(where)
+        parts = re.findall(r"\w+", where) if names_a_field else []
         for first, name in enumerate(parts):
             if name in fields_of(kind):
                 inner = [int(part) if part.isdecimal() else part for part in parts[first:]]

@@ -85,6 +85,7 @@ def test_every_kind_of_broken_line_is_counted_and_left_out(tmp_path: Path):
         flaser("1 2", count=3),
         flaser(pose="1 2 x"),
         flaser(time="late"),
+        flaser(time="0e99999999999999999999"),
         flaser(pose="1 nan 0"),
         "FLASER\n",
         "FLASER 1 2.5 1 2 0.5 1 2 0.5 1 host 1\n",
@@ -101,7 +102,7 @@ def test_every_kind_of_broken_line_is_counted_and_left_out(tmp_path: Path):
     assert len(scans(log)) == said.scans == 2
     assert said.broken_lines == {
         "wrong count of ranges": 4,
-        "a pose or a time is no number": 3,
+        "a pose or a time is no number": 4,
         "unknown keyword": 2,
         "longer than 1 MiB": 1,
         "cut off at the end of the file": 1,

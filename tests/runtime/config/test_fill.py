@@ -135,3 +135,41 @@ def test_the_same_complaint_names_file_and_line_where_the_mapping_is_toml() -> N
     text = 'name = "c"\n[[wheels]]\n[[wheels]]\nradius_m = -1\n'
     with pytest.raises(UsageError, match=r"^car\.toml:4: wheels\[1\]\.radius_m: expected positive"):
         fill(Car, TomlSource(text, "car.toml"))
+
+
+@dataclass(frozen=True)
+class Shelf:
+    share: float = 1.0
+    refusal: str = ""
+
+    def __post_init__(self) -> None:
+        if self.refusal:
+            raise UsageError(self.refusal)
+
+
+@pytest.mark.parametrize(
+    ("refusal", "said"),
+    [
+        ("share: expected less", "shelf.share: expected less"),
+        ("shelf.share: expected less", "shelf.share: expected less"),
+        ("/usr/share/w.toml:3: expected more", "shelf: /usr/share/w.toml:3: expected more"),
+        ("share/w.toml: expected more", "shelf: share/w.toml: expected more"),
+        ("share", "shelf: share"),
+    ],
+)
+def test_a_refusal_is_told_at_a_field_only_if_it_begins_with_one(refusal: str, said: str) -> None:
+    with pytest.raises(UsageError) as caught:
+        fill(Shelf, MappingSource({"refusal": refusal}, "shelf"))
+    assert str(caught.value) == said
+
+
+@dataclass(frozen=True)
+class Route:
+    spans_m: tuple[tuple[float, float], ...] = ()
+    runs: tuple[tuple[int, ...], ...] = ()
+
+
+def test_one_list_stands_for_its_only_element_only_where_its_length_is_fixed() -> None:
+    assert fill(Route, MappingSource({"spans_m": [0, 1]})) == Route(((0.0, 1.0),))
+    with pytest.raises(UsageError, match=r"^runs\[0\]: expected a list of whole numbers, got 0"):
+        fill(Route, MappingSource({"runs": [0, 1]}))
