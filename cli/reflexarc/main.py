@@ -30,7 +30,7 @@ from reflexarc_runtime.errors import ReflexarcError
 BAD_INPUT = 2
 
 _SIM = ("numba", "llvmlite", "gymnasium")
-_EXTRAS = {
+EXTRAS = {
     "sim": _SIM,
     "pictures": (*_SIM, "matplotlib", "PIL"),
     "train": (*_SIM, "matplotlib", "PIL", "torch"),
@@ -39,7 +39,7 @@ _EXTRAS = {
 }
 """Extra → the modules that it brings, smaller extras first. `train --tensorboard` names its own."""
 
-_NEEDS = {
+NEEDS = {
     **dict.fromkeys(("demo", "train", "export", "study"), "train"),
     "render": "pictures",
     "ros2": "ros2",
@@ -120,10 +120,10 @@ def _one_line(complaint: str) -> str:
 
 def _explain_missing(error: ModuleNotFoundError, command: str) -> str:
     module = (error.name or "").partition(".")[0]
-    extras = [extra for extra, modules in _EXTRAS.items() if module in modules]
+    extras = [extra for extra, modules in EXTRAS.items() if module in modules]
     if not extras:  # what every installation has: this one is damaged
         return f"{command}: expected the module {module}, found none; install reflexarc again"
-    extra = _NEEDS[command] if _NEEDS.get(command) in extras else extras[0]
+    extra = NEEDS[command] if NEEDS.get(command) in extras else extras[0]
     return (
         f"{command}: expected the module {module}, found none; "
         f"install the extra: pip install 'reflexarc[{extra}]'"

@@ -39,3 +39,13 @@ class WorldError(ReflexarcError):
 
 class UsageError(ReflexarcError):
     """Flags or paths that cannot work together."""
+
+
+def first_line(error: Exception) -> str:
+    """What another library's error says, at most one line of 200 characters.
+
+    Args:
+        error: its class stands for a message that is empty.
+    """
+    text = str(error).strip()
+    return text.splitlines()[0][:200] if text else type(error).__name__

@@ -77,10 +77,10 @@ def brought_by(extra: str) -> set[str]:
     return found
 
 
-@pytest.mark.parametrize("extra", front_door._EXTRAS)
+@pytest.mark.parametrize("extra", front_door.EXTRAS)
 def test_every_extra_brings_the_modules_that_it_is_named_for(extra: str):
     homes = packages_distributions()
-    for module in front_door._EXTRAS[extra]:
+    for module in front_door.EXTRAS[extra]:
         distributions = {name.lower() for name in homes[module]}
         through_matplotlib = {"pillow"} if "matplotlib" in brought_by(extra) else set()
         assert distributions & (brought_by(extra) | through_matplotlib), module
@@ -98,3 +98,17 @@ def test_an_unknown_command_is_refused_in_one_line(capsys: pytest.CaptureFixture
     assert end.value.code == 2
     (line,) = capsys.readouterr().err.strip().splitlines()
     assert "fly" in line
+
+
+HEAVY = """
+import sys
+from reflexarc.main import main
+main(["--help"])
+heavy = ("numpy", "numba", "torch", "zenoh", "matplotlib")
+print(*[name for name in heavy if name in sys.modules])
+"""
+
+
+def test_help_loads_nothing_heavy():
+    done = subprocess.run([sys.executable, "-c", HEAVY], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == ""

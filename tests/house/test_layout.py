@@ -41,6 +41,11 @@ def test_all_rooms_are_looked_at() -> None:
     assert set(ROOMS) == {"cli", "logs", "pictures", "runtime", "sim_bridge", "trainer"}
 
 
+@pytest.mark.parametrize("room", sorted(ROOMS))
+def test_every_package_says_that_it_is_typed(room: str) -> None:
+    assert (ROOMS[room] / "py.typed").exists()
+
+
 def test_no_folder_has_more_files_than_a_reader_takes_in_at_a_glance() -> None:
     counts = Counter(path.parent for path in all_sources())
     assert {str(folder): n for folder, n in counts.items() if n > MOST_FILES} == {}

@@ -21,6 +21,7 @@ DEFAULT_ROBOT = "robot0"
 
 RUNTIME_NODE = "runtime"
 BODY_NODE = "body"
+RECORDER_NODE = "recorder"
 
 
 class Quality(Enum):
@@ -39,8 +40,8 @@ class Topic:
     name: str
     message: type[Message]
     """The protobuf message that it carries."""
-    publisher: str
-    """Nodes that publish it: "runtime", "body", "recorder", or several."""
+    publishers: tuple[str, ...]
+    """The nodes that publish it."""
     rate: str
     quality: Quality = Quality.DATA
     recorded: bool = True
@@ -55,18 +56,18 @@ class Topic:
         return f"{robot}/{self.name}"
 
 
-RETINA = Topic("retina", RawImage, "body", "sensor", Quality.CONTROL)
-SCAN = Topic("scan", LaserScan, "body", "sensor", Quality.CONTROL)
-COMMAND = Topic("command", pb.Command, "runtime", "tick", Quality.CONTROL)
-TICK = Topic("tick", pb.Tick, "runtime", "tick")
-STATUS = Topic("status", pb.Status, "runtime, body", "1 Hz")
-POSE = Topic("pose", PoseInFrame, "body", "sensor")
-TRANSFORM = Topic("tf", FrameTransform, "body", "sensor")
-ODOMETRY = Topic("odometry", PoseInFrame, "body", "sensor")
-SCENE = Topic("scene", SceneUpdate, "body", "1 Hz")
-LOG = Topic("log", Log, "runtime, body", "event")
-CONTACT = Topic("contact", pb.Contact, "body", "event")
-REJECTED = Topic("rejected", pb.Rejected, "recorder", "event")
+RETINA = Topic("retina", RawImage, (BODY_NODE,), "sensor", Quality.CONTROL)
+SCAN = Topic("scan", LaserScan, (BODY_NODE,), "sensor", Quality.CONTROL)
+COMMAND = Topic("command", pb.Command, (RUNTIME_NODE,), "tick", Quality.CONTROL)
+TICK = Topic("tick", pb.Tick, (RUNTIME_NODE,), "tick")
+STATUS = Topic("status", pb.Status, (RUNTIME_NODE, BODY_NODE), "1 Hz")
+POSE = Topic("pose", PoseInFrame, (BODY_NODE,), "sensor")
+TRANSFORM = Topic("tf", FrameTransform, (BODY_NODE,), "sensor")
+ODOMETRY = Topic("odometry", PoseInFrame, (BODY_NODE,), "sensor")
+SCENE = Topic("scene", SceneUpdate, (BODY_NODE,), "1 Hz")
+LOG = Topic("log", Log, (RUNTIME_NODE, BODY_NODE), "event")
+CONTACT = Topic("contact", pb.Contact, (BODY_NODE,), "event")
+REJECTED = Topic("rejected", pb.Rejected, (RECORDER_NODE,), "event")
 
 TOPICS: tuple[Topic, ...] = (
     RETINA,
@@ -85,12 +86,12 @@ TOPICS: tuple[Topic, ...] = (
 SENSORS: dict[str, Topic] = {"retina": RETINA, "scan": SCAN}
 """The streams that the runtime can decide on, by the value of `--input`."""
 
-BODY_TOPICS = tuple(topic for topic in TOPICS if topic.publisher == BODY_NODE)
+BODY_TOPICS = tuple(topic for topic in TOPICS if topic.publishers == (BODY_NODE,))
 """The streams that only a body publishes: `play` sends these out again."""
 OVERHEARD = tuple(
     topic
     for topic in TOPICS
-    if topic.recorded and BODY_NODE in topic.publisher and topic not in SENSORS.values()
+    if topic.recorded and BODY_NODE in topic.publishers and topic not in SENSORS.values()
 )
 """The streams that `run --record` records beside what its loop receives and decides."""
 

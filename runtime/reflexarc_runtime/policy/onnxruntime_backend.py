@@ -7,7 +7,7 @@ import numpy as np
 import onnxruntime
 
 from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
-from reflexarc_runtime.errors import PolicyError
+from reflexarc_runtime.errors import PolicyError, first_line
 
 
 class OnnxruntimeGraph:
@@ -29,13 +29,9 @@ class OnnxruntimeGraph:
                 model, options, providers=["CPUExecutionProvider"]
             )
         except Exception as error:  # onnxruntime raises classes of its own, one a status code
-            raise PolicyError(f"onnxruntime refuses the model: {_first_line(error)}") from None
+            raise PolicyError(f"onnxruntime refuses the model: {first_line(error)}") from None
 
     def run(self, retinas: RetinaBatch) -> tuple[QValues, Actions]:
         """Q-values (n, actions) and winners (n,) for stacks (n, frames, eyes, rays, channels)."""
         q_values, actions = self._session.run(["q_values", "action"], {"retina": retinas})
         return np.asarray(q_values, np.float32), np.asarray(actions, np.int64)
-
-
-def _first_line(error: Exception) -> str:
-    return str(error).splitlines()[0][:200]

@@ -17,7 +17,7 @@ from google.protobuf.message import DecodeError
 
 from reflexarc_runtime.arrays import Actions, Mask, QValues, RetinaBatch
 from reflexarc_runtime.contract import METADATA_KEY, PolicyContract
-from reflexarc_runtime.errors import ContractError, PolicyError, ReflexarcError
+from reflexarc_runtime.errors import ContractError, PolicyError, ReflexarcError, first_line
 from reflexarc_runtime.policy.numpy_backend import NumpyGraph
 from reflexarc_runtime.policy.onnxruntime_backend import OnnxruntimeGraph
 
@@ -163,7 +163,7 @@ def _build(model: onnx.ModelProto, data: bytes, backend: Backend) -> Graph:
         raise
     except Exception as error:  # a damaged file can break any part of it
         raise PolicyError(
-            f"the graph is damaged ({type(error).__name__}: {_first_line(error)}); export it again"
+            f"the graph is damaged ({type(error).__name__}: {first_line(error)}); export it again"
         ) from None
 
 
@@ -215,7 +215,7 @@ def _decide_or_refuse(policy: LoadedPolicy, retinas: RetinaBatch) -> tuple[QValu
         q_values, actions = policy.decide(retinas)
     except Exception as error:  # a graph from outside can fail in any operator
         raise PolicyError(
-            f"the graph does not run on {policy.backend}: {_first_line(error)}"
+            f"the graph does not run on {policy.backend}: {first_line(error)}"
         ) from None
     wanted = (len(retinas), len(policy.contract.actions))
     if q_values.shape != wanted or actions.shape != wanted[:1]:
@@ -233,8 +233,3 @@ def _agree(
         same_bits = q_values.tobytes() == expected.tobytes()
         return same_bits and bool(np.array_equal(actions, winners))
     return within_tolerance(q_values, expected) and not flips(actions, winners, expected).any()
-
-
-def _first_line(error: Exception) -> str:
-    text = str(error).strip()
-    return text.splitlines()[0][:200] if text else type(error).__name__

@@ -25,6 +25,31 @@ RETINAS = np.random.default_rng(3).integers(
 )
 
 
+class SilentError(Exception):
+    """An error without a message."""
+
+
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [
+        (SilentError(), "SilentError"),
+        (SilentError(" \n "), "SilentError"),
+        (SilentError("\nfirst\nsecond"), "first"),
+        (SilentError("x" * 999), "x" * 200),
+    ],
+)
+def test_an_onnxruntime_that_refuses_is_quoted_in_one_line(
+    monkeypatch: pytest.MonkeyPatch, error: Exception, said: str
+) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise error
+
+    monkeypatch.setattr("onnxruntime.InferenceSession", refuse)
+    with pytest.raises(PolicyError) as caught:
+        load_policy(exported(SMALL), "onnxruntime")
+    assert str(caught.value) == f"policy: onnxruntime refuses the model: {said}"
+
+
 def changed(data: bytes, edit: object) -> bytes:
     model = onnx.ModelProto.FromString(data)
     edit(model)  # type: ignore[operator]
