@@ -17,7 +17,8 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
-from typing import Any
+from contextlib import ExitStack
+from typing import Any, Never
 
 import numba
 import numpy as np
@@ -129,38 +130,67 @@ def rate(step: Callable[[Any], object], actions: Any) -> float:
 
 def measure(tricks: list[str], rounds: int) -> list[dict[str, Any]]:
     """All variants in turns."""
-    with tempfile.TemporaryDirectory() as folder:
-        servers, cold_s = {}, {}
-        for trick in tricks:
-            print(f"compiling without {trick} …", file=sys.stderr)
-            servers[trick] = start(trick, folder)
-            cold_s[trick] = json.loads(line_of(servers[trick]))
-        rates: dict[str, list[list[float]]] = {trick: [] for trick in tricks}
+    rates: dict[str, list[list[float]]] = {trick: [] for trick in tricks}
+    with ExitStack() as stack:
+        folder = stack.enter_context(tempfile.TemporaryDirectory())
+        variants = [Variant(trick, folder, stack) for trick in tricks]
         for _ in range(rounds):
-            for trick, server in servers.items():
-                assert server.stdin is not None
-                server.stdin.write("go\n")
-                server.stdin.flush()
-                rates[trick].append(json.loads(line_of(server)))
-        for server in servers.values():
-            server.communicate()
+            for variant in variants:
+                rates[variant.trick].append(variant.rates())
+    cold_s = {variant.trick: variant.cold_s for variant in variants}
     return [row(trick, rates, cold_s) for trick in tricks]
 
 
-def start(trick: str, folder: str) -> "subprocess.Popen[str]":
-    cache = {"NUMBA_CACHE_DIR": os.path.join(folder, trick)}
-    return subprocess.Popen(
-        [sys.executable, __file__, "--serve", trick],
-        env={**os.environ, **cache},
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        text=True,
-    )
+class Variant:
+    """A process that steps the world without one trick; it ends with the stack, whatever happens.
+
+    Args:
+        trick: what it does without.
+        folder: for its cache.
+        stack: what ends it.
+    """
+
+    def __init__(self, trick: str, folder: str, stack: ExitStack) -> None:
+        print(f"compiling without {trick} …", file=sys.stderr)
+        self.trick = trick
+        self._process = subprocess.Popen(
+            [sys.executable, __file__, "--serve", trick],
+            env={**os.environ, "NUMBA_CACHE_DIR": os.path.join(folder, trick)},
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        stack.callback(self._end)
+        self.cold_s = float(self._said())
+        """Processor time until everything was compiled."""
+
+    def rates(self) -> list[float]:
+        """Let it measure once."""
+        assert self._process.stdin is not None
+        try:
+            self._process.stdin.write("go\n")
+            self._process.stdin.flush()
+        except BrokenPipeError:
+            self._refuse()
+        measured: list[float] = self._said()
+        return measured
+
+    def _said(self) -> Any:
+        assert self._process.stdout is not None
+        line = self._process.stdout.readline()
+        return json.loads(line) if line else self._refuse()
+
+    def _refuse(self) -> Never:
+        refuse(f"the world without {self.trick} ended with {self._process.wait()}; see above")
+
+    def _end(self) -> None:
+        self._process.kill()
+        self._process.communicate()
 
 
-def line_of(server: "subprocess.Popen[str]") -> str:
-    assert server.stdout is not None
-    return server.stdout.readline()
+def refuse(words: str) -> Never:
+    print(f"native_tricks: {words}", file=sys.stderr)
+    raise SystemExit(2)
 
 
 def row(
@@ -189,6 +219,8 @@ def main() -> None:
     if options.serve:
         serve(options.serve)
         return
+    if options.rounds < 1:
+        refuse(f"--rounds: expected 1 or more, got {options.rounds}")
     rows = measure(["none", *(t for t in options.tricks if t != "none")], options.rounds)
     if options.json:
         print(json.dumps({"numba": numba.__version__, "rows": rows}))

@@ -26,7 +26,7 @@ def show_progress() -> Iterator[ProgressCallback]:
         task = bar.add_task("learning", said="beginning", total=None)
 
         def tell(progress: TrainingProgress) -> None:
-            bar.update(task, completed=progress.step, total=progress.steps, said=_said(progress))
+            bar.update(task, completed=progress.step, total=progress.steps, said=said_of(progress))
 
         with watched_by(saying(lambda words: bar.update(task, said=words))):
             yield tell
@@ -52,7 +52,8 @@ def show_study_progress() -> Iterator[Callable[[StudyProgress], None]]:
         yield tell
 
 
-def _said(progress: TrainingProgress) -> str:
+def said_of(progress: TrainingProgress) -> str:
+    """Rate, ε, error, and contacts on validation worlds once there are any."""
     rate = f"{progress.steps_per_s / 1e3:.0f} k steps/s"
     said = f"{rate}  ε {progress.epsilon:.2f}  error {progress.mean_abs_error:.3f}"
     if progress.last is None:

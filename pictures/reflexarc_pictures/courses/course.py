@@ -12,9 +12,9 @@ from typing import NamedTuple, Protocol, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from reflexarc_pictures.log_pictures.logged_poses import Floats
 from reflexarc_runtime.contract import PolicyContract
 
-Floats: TypeAlias = npt.NDArray[np.float64]
 Rgb: TypeAlias = tuple[float, float, float]
 """Red, green, blue, 0 to 1."""
 

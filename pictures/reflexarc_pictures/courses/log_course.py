@@ -12,7 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 from foxglove_schemas_protobuf.Color_pb2 import Color
-from foxglove_schemas_protobuf.PoseInFrame_pb2 import PoseInFrame
 from foxglove_schemas_protobuf.SceneEntity_pb2 import SceneEntity
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 
@@ -20,7 +19,6 @@ from reflexarc_logs.reading.reader import Log
 from reflexarc_pictures.courses.course import (
     Area,
     Course,
-    Floats,
     Silhouette,
     Snapshot,
     circle,
@@ -29,10 +27,11 @@ from reflexarc_pictures.courses.course import (
 )
 from reflexarc_pictures.log_pictures.decision_strips import BRIGHT
 from reflexarc_pictures.log_pictures.drive import JUMP_M
+from reflexarc_pictures.log_pictures.logged_poses import Floats, poses_of
 from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.contract import PolicyContract, RetinaSpec, Shading
 from reflexarc_runtime.errors import LogError
-from reflexarc_runtime.messages.topics import CONTACT, POSE, SCENE, TICK
+from reflexarc_runtime.messages.topics import CONTACT, SCENE, TICK
 from reflexarc_runtime.messages_pb2 import Tick
 from reflexarc_runtime.policy.policy import load_policy
 from reflexarc_runtime.sensing.retina import FULL_SCALE, ray_bearing_rad
@@ -69,7 +68,7 @@ def course_of(log: Log, duration_s: float) -> Course:
     if log.policy is None:
         raise LogError(f"{log.path}: expected the policy of `reflexarc run --record`, found none")
     contract = load_policy(log.policy, verify=False).contract
-    posed_ns, poses = _poses(log)
+    _, posed_ns, poses = poses_of(log)
     if not len(poses):
         raise LogError(f"{log.path}: a film needs poses, found none; draw it as a picture, *.png")
     end_ns = min(int(posed_ns[-1]), int(posed_ns[0]) + round(duration_s * 1e9))
@@ -91,16 +90,6 @@ def course_of(log: Log, duration_s: float) -> Course:
         bright=BRIGHT[spec.shading],
         scenery=_scenery(log, int(posed_ns[0])),
     )
-
-
-def _poses(log: Log) -> tuple[npt.NDArray[np.int64], Floats]:
-    """Times (poses,), and x, y, heading (poses, 3)."""
-    times, rows = [], []
-    for record, message in log.messages(log.topic(POSE.name), PoseInFrame):
-        position, turn = message.pose.position, message.pose.orientation
-        times.append(record.log_ns)
-        rows.append((position.x, position.y, 2.0 * math.atan2(turn.z, turn.w)))
-    return np.array(times, np.int64), np.array(rows, np.float64).reshape(-1, 3)
 
 
 def _last(

@@ -7,9 +7,10 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 
-from reflexarc_pictures.courses.course import Area, Course, Floats, Snapshot, circle
+from reflexarc_pictures.courses.course import Area, Course, Snapshot, circle
 from reflexarc_pictures.log_pictures.decision_strips import INK
 from reflexarc_pictures.log_pictures.drive import CONTACT_COLOUR
+from reflexarc_pictures.log_pictures.logged_poses import Floats
 
 GROUND_COLOUR = "#f5f3ee"
 AGENT_COLOUR, BODY_COLOUR, RAY_COLOUR = "#c8402f", "#7a2318", "#c8402f"

@@ -6,7 +6,6 @@ the policy was not asked, retina and Q-values are missing, and the safe command 
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +16,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from reflexarc_logs.reading.reader import Log
+from reflexarc_pictures.log_pictures.logged_poses import Floats
 from reflexarc_runtime.arrays import Actions
 from reflexarc_runtime.contract import PolicyContract, Shading
 from reflexarc_runtime.errors import LogError
@@ -32,7 +32,6 @@ ACTION_COLOURS = (
 Source: Okabe and Ito, "Color Universal Design" (2008)."""
 COLUMNS = 1600
 """More than the pixels in a row of a picture."""
-Floats: TypeAlias = npt.NDArray[np.float64]
 BRIGHT = {Shading.NEARNESS: "near", Shading.COLOUR: "brightly coloured"}
 
 

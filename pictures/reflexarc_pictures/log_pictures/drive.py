@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 from foxglove_schemas_protobuf.CubePrimitive_pb2 import CubePrimitive
 from foxglove_schemas_protobuf.CylinderPrimitive_pb2 import CylinderPrimitive
-from foxglove_schemas_protobuf.PoseInFrame_pb2 import PoseInFrame
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 from foxglove_schemas_protobuf.TriangleListPrimitive_pb2 import TriangleListPrimitive
 from matplotlib.axes import Axes
@@ -20,10 +19,11 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Ellipse, Patch, Polygon, Rectangle
 
 from reflexarc_logs.reading.reader import Log
-from reflexarc_pictures.log_pictures.decision_strips import INK, Decisions, Floats
+from reflexarc_pictures.log_pictures.decision_strips import INK, Decisions
+from reflexarc_pictures.log_pictures.logged_poses import Floats, poses_of
 from reflexarc_pictures.log_pictures.panels import Panels
 from reflexarc_runtime import messages_pb2 as pb
-from reflexarc_runtime.messages.topics import CONTACT, POSE, SCENE
+from reflexarc_runtime.messages.topics import CONTACT, SCENE
 
 OBSTACLE_COLOUR, CONTACT_COLOUR = "#9fb3c8", "#f2a900"
 MARGIN_M = 4.0
@@ -76,12 +76,12 @@ def drive_of(log: Log, decisions: Decisions) -> Drive:
     Raises:
         LogError: the log is damaged.
     """
-    poses = _poses(log)
+    places = poses_of(log).places
     boxes, discs, polygons = _obstacles(log)
     return Drive(
         title=f"{log.path.name}: {len(decisions.time_s)} decisions",
-        x_m=poses[:, 0],
-        y_m=poses[:, 1],
+        x_m=places[:, 0],
+        y_m=places[:, 1],
         contacts=_contacts(log),
         boxes=boxes,
         discs=discs,
@@ -110,11 +110,6 @@ def _broken_at_jumps(x_m: Floats, y_m: Floats) -> tuple[Floats, Floats]:
     """The path with gaps where the body was placed elsewhere or the world repeats."""
     jumps = np.flatnonzero(np.abs(np.diff(y_m)) > JUMP_M) + 1
     return np.insert(x_m, jumps, np.nan), np.insert(y_m, jumps, np.nan)
-
-
-def _poses(log: Log) -> Floats:
-    positions = [m.pose.position for _, m in log.messages(log.topic(POSE.name), PoseInFrame)]
-    return _rows([[p.x, p.y] for p in positions], 2)
 
 
 def _contacts(log: Log) -> Floats:

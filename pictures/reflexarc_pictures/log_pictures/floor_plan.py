@@ -4,22 +4,20 @@ The plan shows where beams ended, computed with the poses, and the path, each st
 the decision that was made there. World frame: x to the right, y upwards, metres.
 """
 
-import math
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 from foxglove_schemas_protobuf.LaserScan_pb2 import LaserScan
-from foxglove_schemas_protobuf.PoseInFrame_pb2 import PoseInFrame
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
 from reflexarc_logs.reading.reader import Log
-from reflexarc_pictures.log_pictures.decision_strips import INK, Decisions, Floats, colour_of
+from reflexarc_pictures.log_pictures.decision_strips import INK, Decisions, colour_of
+from reflexarc_pictures.log_pictures.logged_poses import Floats, Times, poses_of
 from reflexarc_pictures.log_pictures.panels import Panels
-from reflexarc_runtime.messages.topics import POSE, SCAN, TICK
+from reflexarc_runtime.messages.topics import SCAN, TICK
 
 MAX_POINTS = 120_000
 """Enough that walls look like lines; more points only make the file larger."""
@@ -60,7 +58,8 @@ def floor_plan_of(log: Log, decisions: Decisions) -> FloorPlan:
     Raises:
         LogError: the log is damaged.
     """
-    sent_ns, logged_ns, poses = _poses(log)
+    sent_ns, logged_ns, poses = poses_of(log)
+    poses[:, 2] = np.unwrap(poses[:, 2])  # so that headings can be interpolated
     ticked_ns = np.array([tick.log_ns for tick in log.records(log.topic(TICK.name))])
     scans = list(log.messages(log.topic(SCAN.name), LaserScan))
     places = _at(np.array([record.publish_ns for record, _ in scans]), sent_ns, poses)
@@ -118,20 +117,7 @@ def _frame(plan: FloorPlan) -> tuple[Floats, Floats]:
     return np.min(corners, axis=0) - MARGIN_M, np.max(corners, axis=0) + MARGIN_M
 
 
-def _poses(log: Log) -> tuple[Floats, Floats, Floats]:
-    """When each pose was sent and when it was recorded (poses,), and x, y, heading (poses, 3)."""
-    sent_ns, logged_ns, rows = [], [], []
-    for record, message in log.messages(log.topic(POSE.name), PoseInFrame):
-        position, turn = message.pose.position, message.pose.orientation
-        sent_ns.append(record.publish_ns)
-        logged_ns.append(record.log_ns)
-        rows.append((position.x, position.y, 2.0 * math.atan2(turn.z, turn.w)))
-    poses = np.array(rows, np.float64)
-    poses[:, 2] = np.unwrap(poses[:, 2])  # so that headings can be interpolated
-    return np.array(sent_ns, np.float64), np.array(logged_ns, np.float64), poses
-
-
-def _at(times_ns: npt.NDArray[np.int64], known_ns: Floats, poses: Floats) -> Floats:
+def _at(times_ns: Times, known_ns: Times, poses: Floats) -> Floats:
     """Poses at other times: (times, 3)."""
     order = np.argsort(known_ns, kind="stable")  # a sender's messages may overtake each other
     columns = [np.interp(times_ns, known_ns[order], column) for column in poses[order].T]

@@ -5,8 +5,8 @@ from typing import Literal, TypeAlias
 
 from reflexarc_logs.reading.reader import Log, read_log
 from reflexarc_pictures.log_pictures.decision_strips import decisions_of
-from reflexarc_pictures.log_pictures.drive import drive_of
-from reflexarc_pictures.log_pictures.floor_plan import floor_plan_of
+from reflexarc_pictures.log_pictures.drive import draw_drive, drive_of
+from reflexarc_pictures.log_pictures.floor_plan import draw_floor_plan, floor_plan_of
 from reflexarc_runtime.errors import UsageError
 from reflexarc_runtime.messages.topics import POSE, SCAN, Topic
 
@@ -38,12 +38,8 @@ def draw_log(path: Path, picture: Path, kind: Kind = "auto") -> Literal["drive",
             "leave it out, or give --kind drive"
         )
     if kind == "drive" or missing:
-        from reflexarc_pictures.log_pictures.drive import draw_drive
-
         draw_drive(drive_of(log, decisions), picture)
         return "drive"
-    from reflexarc_pictures.log_pictures.floor_plan import draw_floor_plan
-
     draw_floor_plan(floor_plan_of(log, decisions), picture)
     return "floor"
 

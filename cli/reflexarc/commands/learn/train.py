@@ -65,7 +65,7 @@ class TrainCommand:
         """Train, and say what was learned."""
         if self.presets:
             return _tell_presets()
-        config = self._config()  # before torch is loaded, which takes seconds
+        config = self.config()  # before torch is loaded, which takes seconds
         from reflexarc.terminal.progress import show_progress
         from reflexarc_trainer.run.train import resume, train
 
@@ -85,7 +85,12 @@ class TrainCommand:
         self._tell(result, out)
         return 0
 
-    def _config(self) -> "TrainConfig":
+    def config(self) -> "TrainConfig":
+        """What the flags ask for.
+
+        Raises:
+            UsageError: a flag does not fit, or no run can be made of it.
+        """
         from dataclasses import replace
 
         from reflexarc_trainer.config.presets import preset_named

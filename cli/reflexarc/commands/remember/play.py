@@ -32,8 +32,8 @@ class PlayCommand:
     These are retina, scan, pose, tf, odometry, contact and scene, and nothing of the runtime. In
     real time the messages carry the time of the player's own clock, and no process waits for
     another. In lockstep they carry the log's time, and after each retina or scan the player waits
-    for its command. At a terminal the space bar
-    pauses and q quits. Records that cannot be decoded are counted and not sent.
+    for its command. At a terminal the space bar pauses and q quits. Records that cannot be decoded
+    are counted and not sent.
 
     Examples:
       reflexarc play runs/drive.mcap

@@ -7,7 +7,7 @@ import pytest
 
 from reflexarc.commands.learn.train import TrainCommand
 from reflexarc.main import main
-from reflexarc.terminal.progress import show_progress
+from reflexarc.terminal.progress import said_of, show_progress
 from reflexarc_runtime.errors import UsageError
 from reflexarc_trainer.config.presets import HELP, preset_named
 from reflexarc_trainer.config.train_config import TrainConfig
@@ -15,7 +15,7 @@ from reflexarc_trainer.run.train import TrainingProgress
 
 
 def configured(command: TrainCommand) -> TrainConfig:
-    return command._config()
+    return command.config()
 
 
 def test_without_flags_it_is_the_preset() -> None:
@@ -69,9 +69,7 @@ def test_short_run_says_both_policies(tmp_path: Path, capsys: pytest.CaptureFixt
 def test_progress_says_rate_exploration_error_and_contacts(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    from reflexarc.terminal.progress import _said
-
-    said = _said(TrainingProgress(10, 100, 0.5, 1.0, 250_000.0, 0.125, None))
+    said = said_of(TrainingProgress(10, 100, 0.5, 1.0, 250_000.0, 0.125, None))
     assert said == "250 k steps/s  ε 0.50  error 0.125"
     with show_progress() as tell:
         tell(TrainingProgress(10, 100, 0.5, 1.0, 250_000.0, 0.125, None))
