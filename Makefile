@@ -21,7 +21,7 @@ demo: $(STAMP)   ## learn, export, drive, record, replay
 test: check      ## every check, then every test
 	$(BIN)/pytest -n $(PYTEST_WORKERS)
 
-test-quick: $(STAMP) ## what a change breaks first, within a minute: no processes, no training
+test-quick: $(STAMP) ## what a change breaks first: no robots, no training
 	$(BIN)/pytest -q -n $(PYTEST_WORKERS) tests/house tests/docs tests/runtime tests/logs/container tests/cli/terminal
 
 # Each version of Numba, and each Python (PYTHON=python3.13), gets an environment of its own, with

@@ -3,14 +3,17 @@
 import contextlib
 import io
 import re
+import shutil
 import tomllib
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from reflexarc.main import main
+from support.policies import SMALL, exported
 
 ROOT = Path(__file__).parents[2]
 FOLDERS = (
@@ -32,6 +35,7 @@ LINK = re.compile(r"\]\(([^)\s]+)\)")
 HEADING = re.compile(r"^#+ (.+)$", re.MULTILINE)
 COMMAND = re.compile(r"\breflexarc ([a-z][a-z0-9]*)\b")
 TARGET = re.compile(r"(?:^|`)make ([a-z][a-z-]*)", re.MULTILINE)
+PYTHON = re.compile(r"```python\n(.*?)```", re.DOTALL)
 WORD = re.compile(r"[\w./*…<>-]+")
 
 each_page = pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
@@ -64,6 +68,21 @@ def test_every_command_and_target_in_code_is_one(page: Path) -> None:
     targets = set(re.findall(r"^([a-z-]+):", text_of(ROOT / "Makefile"), re.MULTILINE))
     assert not [word for word in set(COMMAND.findall(code)) if not is_command(word)]
     assert set(TARGET.findall(code)) <= targets
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/tour.md"])
+def test_the_first_lines_of_python_run(
+    page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    policy = tmp_path / "runs" / "reflex-0" / "policy.onnx"
+    policy.parent.mkdir(parents=True)
+    policy.write_bytes(exported(SMALL))
+    shutil.copy(ROOT / "tests" / "golden" / "nominal.mcap", tmp_path / "runs" / "drive.mcap")
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, Any] = {}
+    exec(PYTHON.findall(text_of(ROOT / page))[0], names)
+    assert names["actions"].shape == (1,)
+    assert names["report"].exit_status == 0
 
 
 def test_the_rooms_are_described_as_their_contracts_say() -> None:
