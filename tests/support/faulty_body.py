@@ -23,7 +23,7 @@ from reflexarc_runtime.loop.watchdog import Watchdog
 from reflexarc_runtime.messages.codec import decode_command, encode_retina
 from reflexarc_runtime.messages.topics import BODY_NODE, COMMAND, RETINA
 from reflexarc_runtime.messages.wire import Message
-from reflexarc_sim_bridge.body.faults.delayed_sender import Courier
+from reflexarc_sim_bridge.body.faults.delayed_sender import DelayedSender
 from reflexarc_sim_bridge.body.faults.faulty_stream import Sending
 from reflexarc_sim_bridge.body.faults.random_script import script_named
 from reflexarc_sim_bridge.body.faults.script import FaultScript
@@ -58,7 +58,7 @@ class FaultyBody:
         rng = np.random.default_rng(self._script.seed)
         pacer = RatePacer(POLL_HZ, CLOCK, Inbox())
         picture = np.full(CONTRACT.retina.shape, 96.0)
-        with Courier(self._script, self._send, CLOCK.now_ns) as courier:
+        with DelayedSender(self._script, self._send, CLOCK.now_ns) as sender:
             for poll in range(round(seconds * POLL_HZ)):
                 wakeup = pacer.wait(lambda: False)
                 assert wakeup is not None
@@ -67,7 +67,7 @@ class FaultyBody:
                     picture = np.clip(picture + rng.normal(0.0, 12.0, picture.shape), 0.0, 255.0)
                     now_ns = CLOCK.now_ns()
                     retina = picture.astype(np.uint8)
-                    courier.put(encode_retina(retina, CONTRACT.retina, now_ns, "robot0"), now_ns)
+                    sender.put(encode_retina(retina, CONTRACT.retina, now_ns, "robot0"), now_ns)
 
     def as_dict(self) -> dict[str, object]:
         return {"sent": self.sent, "heard": self.heard, "polls": self.polls}

@@ -35,7 +35,7 @@ def agents_at_zero(
     Args:
         seeds: one an agent: (n,).
         tables: one world for all, or one for each agent.
-        room: the fullest of the worlds, for which the lists are long enough.
+        room: tables of the worlds that need most memory; the lists get the room that these need.
         contract: what the agents see and do.
     """
     spec, n, layers = contract.retina, len(seeds), tables.layers.shape[1]

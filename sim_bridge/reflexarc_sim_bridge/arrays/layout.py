@@ -47,6 +47,8 @@ LIST_NAMES = "boxes", "turned boxes", "discs", "sides of polygons", "boxes on a 
 BELT_X, BELT_Y = range(2)
 HALF_LENGTH, HALF_WIDTH, COS, SIN = range(4)
 
+WHITE = 0xFFFFFF
+"""Colour: 8 bits each of red, green and blue."""
 TILE_RAYS = 16
 """Rays that are treated together."""
 MAX_ROWS = 64

@@ -49,8 +49,8 @@ def world_tables(
     Args:
         worlds: one for all agents, or one for each.
         contract: what the agents see and do.
-        fullest: of all worlds that may take a row later one of these at least needs as much room;
-            by default, of no others.
+        fullest: the worlds that need most memory of all that may take a row later; none by
+            default: no other world ever takes a row.
 
     Raises:
         WorldError: the worlds differ in their layers or shapes.

@@ -33,7 +33,7 @@ from reflexarc_runtime.messages.topics import (
     Topic,
 )
 from reflexarc_sim_bridge.body.body import Body, BodyPose
-from reflexarc_sim_bridge.body.faults.delayed_sender import Courier
+from reflexarc_sim_bridge.body.faults.delayed_sender import DelayedSender
 from reflexarc_sim_bridge.body.faults.faulty_stream import Sending
 from reflexarc_sim_bridge.body.faults.script import FaultScript
 from reflexarc_sim_bridge.body.foxglove_messages import encode_pose, encode_scene, encode_transform
@@ -41,7 +41,7 @@ from reflexarc_sim_bridge.body.foxglove_messages import encode_pose, encode_scen
 if TYPE_CHECKING:
     from reflexarc_runtime.bus import Bus
 
-_SPOKEN = (RETINA, POSE, TRANSFORM, SCENE, CONTACT, STATUS)
+_PUBLISHED = (RETINA, POSE, TRANSFORM, SCENE, CONTACT, STATUS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,34 +61,34 @@ class RetinaOutlet(Protocol):
         ...
 
 
-def faulty_retinas(bus: "Bus", script: FaultScript, now_ns: Callable[[], int]) -> Courier:
+def faulty_retinas(bus: "Bus", script: FaultScript, now_ns: Callable[[], int]) -> DelayedSender:
     """A publisher of retinas with the faults of a script; a context manager."""
     publisher = bus.publisher(RETINA)
 
     def send(sending: Sending) -> None:
         publisher.put_raw(sending.payload, sending.attachment, sending.encoding)
 
-    return Courier(script, send, now_ns)
+    return DelayedSender(script, send, now_ns)
 
 
-class Voice:
+class StatePublisher:
     """Publishes what a body sees and where it is."""
 
     def __init__(
         self, bus: "Bus", body: Body, robot: str, retinas: RetinaOutlet | None = None
     ) -> None:
-        self._publishers = {topic: bus.publisher(topic) for topic in _SPOKEN}
+        self._publishers = {topic: bus.publisher(topic) for topic in _PUBLISHED}
         self._retinas = retinas or self._publishers[RETINA]
         self._body = body
         self._robot = robot
         self._steps = 0
         self._every_second = Throttle()
 
-    def is_heard(self, topic: Topic) -> bool:
+    def has_listener(self, topic: Topic) -> bool:
         """Whether anyone listens to a topic."""
         return self._publishers[topic].has_listener
 
-    def say(self, contact: BodyPose | None, now_ns: int) -> None:
+    def publish(self, contact: BodyPose | None, now_ns: int) -> None:
         """Publish the state of the body: the retina first, because the runtime waits for it."""
         retina = encode_retina(self._body.see(), self._body.contract.retina, now_ns, self._robot)
         self._retinas.put(retina, now_ns)
@@ -99,9 +99,9 @@ class Voice:
             payload = encode_contact(self._body.contacts, contact.x_m, contact.y_m, now_ns)
             self._publishers[CONTACT].put(payload, now_ns)
         self._steps += 1
-        self._say_every_second(now_ns)
+        self._publish_every_second(now_ns)
 
-    def _say_every_second(self, now_ns: int) -> None:
+    def _publish_every_second(self, now_ns: int) -> None:
         if not self._every_second.is_due(now_ns):
             return
         near = self._body.simulation.outlines_near(0)
@@ -127,7 +127,7 @@ class Bridge:
         self._bus = bus
         self._body = body
         self._inbox = inbox
-        self._voice = Voice(bus, body, robot, retinas)
+        self._publisher = StatePublisher(bus, body, robot, retinas)
         bus.subscribe([COMMAND], inbox.put)
         bus.announce(BODY_NODE)
 
@@ -144,7 +144,7 @@ class Bridge:
                 command = decode_command(message.payload)
                 if command is not None:
                     self._body.hear(command)
-            self._voice.say(self._body.move(wakeup.now_ns), wakeup.now_ns)
+            self._publisher.publish(self._body.move(wakeup.now_ns), wakeup.now_ns)
             done += 1
         return self._journey(done)
 
@@ -160,14 +160,14 @@ class Bridge:
         done, contact = 0, None
         while not should_stop() and (steps is None or done < steps):
             now_ns = done * period_ns
-            self._voice.say(contact, now_ns)
+            self._publisher.publish(contact, now_ns)
             await_command(self._inbox, done, self._body.hear, should_stop)
             contact = self._body.move(now_ns)
             done += 1
         return self._journey(done)
 
     def _runtime_is_ready(self) -> bool:
-        return self._voice.is_heard(RETINA) and self._bus.is_alive(RUNTIME_NODE)
+        return self._publisher.has_listener(RETINA) and self._bus.is_alive(RUNTIME_NODE)
 
     def _journey(self, steps: int) -> Journey:
         distance_m = float(self._body.simulation.distance_m[0])

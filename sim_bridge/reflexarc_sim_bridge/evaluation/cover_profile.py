@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_sim_bridge.arrays.world_tables import world_tables
+from reflexarc_sim_bridge.native.cache import prepare
 from reflexarc_sim_bridge.native.decorators import compiled
 from reflexarc_sim_bridge.obstacles.keys import layer_key
 from reflexarc_sim_bridge.obstacles.kinds.corridor import corridor_middle_m
@@ -95,6 +96,7 @@ def right_side_m(world: World, seed: int, x_m: Floats) -> Floats:
     """Where the bins begin at each x: at the right side, or just left of the right wall: (n,)."""
     if world.corridor is None:
         return np.zeros(len(x_m))
+    prepare()
     tables = world_tables([world], reference_contract())
     number = int(tables.planes[0]["corridor"])
     walls = tables.layers[0, number]

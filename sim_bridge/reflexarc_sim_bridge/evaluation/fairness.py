@@ -103,15 +103,31 @@ def check_world(
     profile = measure_profile(source, range(seeds), lambda n, of: progress(n, 2 * of))
     blind, error = _blind_rate(source, seeds, lambda n, of: progress(of + n, 2 * of))
     worlds = [source.drawn(seed) for seed in range(seeds)]
-    expected, clutter = _expected_blind(worlds), math.fsum(w.clutter() for w in worlds) / seeds
+    return _report(source.name, worlds, profile, blind, error)
+
+
+def _report(
+    name: str, worlds: list[World], profile: CoverProfile, blind: float, error: float
+) -> WorldReport:
+    """The verdict on a world, by what was measured of it.
+
+    Args:
+        name: the world's.
+        worlds: the worlds of its seeds.
+        profile: their cover.
+        blind: contacts per 100 m of an agent that never steers.
+        error: the standard error of that.
+    """
+    expected = _expected_blind(worlds)
+    clutter = math.fsum(world.clutter() for world in worlds) / len(worlds)
     worst = int(np.abs(profile.deviation).argmax())
     reasons = (*_unevenness(profile), *_disagreement(worlds[0], blind, error, expected))
     return WorldReport(
-        name=source.name,
+        name=name,
         fair=not reasons,
         reasons=reasons,
         notes=_notes(profile, clutter, blind),
-        seeds=seeds,
+        seeds=len(worlds),
         cover=profile.mean,
         flatness=float(np.abs(profile.deviation[worst])),
         flatness_error=float(profile.error[worst]),
@@ -166,7 +182,7 @@ def _unevenness(profile: CoverProfile) -> tuple[str, ...]:
     if beyond[lowest] <= 0.0:
         lowest = int(profile.deviation.argmax())
     where, share = _place(lowest, profile), 1.0 + profile.deviation[lowest]
-    meaning = "an agent can hide there" if share < 1.0 else "elsewhere an agent has it easier"
+    meaning = "an agent can hide there" if share < 1.0 else "there are fewer obstacles elsewhere"
     return (f"cover {where} is {share:.0%} of the mean: {meaning}",)
 
 
@@ -189,7 +205,7 @@ def _disagreement(
         return ()
     return (
         f"an agent that never steers has {blind:.1f} contacts per 100 m, and 2ρR says "
-        f"{expected:.1f}: what is met is not what there is",
+        f"{expected:.1f}: contacts do not match the obstacles",
     )
 
 
@@ -202,10 +218,14 @@ def _is_all_upright(world: World) -> bool:
 def _notes(profile: CoverProfile, clutter: float, blind: float) -> tuple[str, ...]:
     notes = []
     if blind == 0.0:
-        notes.append("nobody meets anything here")
+        notes.append("an agent that never steers has no contacts here")
     if round(clutter, 2) > CRITICAL_CLUTTER:
-        notes.append(f"clutter {clutter:.2f}: above {CRITICAL_CLUTTER} nobody passes for ever")
+        notes.append(
+            f"clutter {clutter:.2f}: above {CRITICAL_CLUTTER} contacts cannot be avoided for ever"
+        )
     unsure = float(profile.error.max())
     if unsure > FLATNESS / 2:
-        notes.append(f"obstacles are rare: the profile is known to ±{unsure:.0%} only; more seeds")
+        notes.append(
+            f"obstacles are rare: the profile is known to ±{unsure:.0%} only; take more seeds"
+        )
     return tuple(notes)

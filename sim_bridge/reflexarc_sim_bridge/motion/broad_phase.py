@@ -75,7 +75,7 @@ def boxes_touched(near: Floats32, count: int, box: WayBounds, judged: Judged) ->
 
 @compiled_disjoint
 def turned_touched(near: Floats32, count: int, box: WayBounds, judged: Judged) -> bool:
-    """The same of turned boxes, by the upright boxes around them."""
+    """Note in `judged` which turned boxes may, by the upright boxes around them; whether any."""
     touched = False
     for k in range(whole(count)):
         cos, sin = abs(near[BOX_COS, k]), abs(near[BOX_SIN, k])
@@ -89,7 +89,7 @@ def turned_touched(near: Floats32, count: int, box: WayBounds, judged: Judged) -
 
 @compiled_disjoint
 def discs_touched(near: Floats32, count: int, box: WayBounds, judged: Judged) -> bool:
-    """The same of discs."""
+    """Note in `judged` which discs touch the box around a way; whether any does."""
     touched = False
     for k in range(whole(count)):
         radius = near[DISC_RADIUS, k]
@@ -102,7 +102,7 @@ def discs_touched(near: Floats32, count: int, box: WayBounds, judged: Judged) ->
 
 @compiled_disjoint
 def sides_touched(near: Floats32, count: int, box: WayBounds, judged: Judged) -> bool:
-    """The same of the sides of polygons."""
+    """Note in `judged` which sides of polygons may, by the boxes around them; whether any."""
     touched, half = False, np.float32(0.5)
     for k in range(whole(count)):
         ahead, left = half * near[SIDE_AHEAD, k], half * near[SIDE_LEFT, k]

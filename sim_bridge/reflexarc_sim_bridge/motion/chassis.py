@@ -35,8 +35,8 @@ def step_agent(
     """Move agent `i` for one step of its world.
 
     Returns:
-        Whether it met an obstacle. It then stands at another place of the same x, unless contacts
-        make a ghost of it.
+        Whether it met an obstacle. It then stands at another place of the same x, unless the world
+        lets it pass through.
     """
     state = params.agents.state[i]
     plane = params.world.planes[state.world]

@@ -91,7 +91,7 @@ def free_share(params: Params, work: Workspace, i: int, ahead_m: float, left_m: 
 
 @compiled_inline
 def _box_share(near: Floats32, count: int, way: Way, judged: Judged) -> float:
-    """Share of a way up to the first box. Nearly always none touches the box around the way."""
+    """Share of a way up to the first box; seldom does any touch the bounds of the way."""
     if not boxes_touched(near, count, around(way), judged):
         return math.inf
     return _first_box(near, count, way, judged)
@@ -120,7 +120,7 @@ def _side_share(near: Floats32, count: int, way: Way, judged: Judged) -> float:
 
 @compiled_inner
 def _first_box(near: Floats32, count: int, way: Way, judged: Judged) -> float:
-    """Share of the way up to the first of the boxes that passed."""
+    """Share of the way up to the first of the boxes that are marked in `judged`."""
     ahead, left, length_m = _direction(way)
     first_m = math.inf
     for k in range(count):
@@ -162,7 +162,7 @@ def _meets_grown_box_m(
     left: float,
     radius_m: float,
 ) -> float:
-    """A box with round corners: a longer box, a wider one, and a disc at each corner."""
+    """Length up to a box with round corners: a longer box, a wider one, a disc at each corner."""
     per_ahead, per_left = reciprocal(ahead, _STEEPEST), reciprocal(left, _STEEPEST)
     length, width = np.float64(half_length), np.float64(half_width)
     if radius_m == 0.0:
@@ -210,7 +210,7 @@ def _first_side(near: Floats32, count: int, way: Way, judged: Judged) -> float:
 
 @compiled_inline
 def _direction(way: Way) -> tuple[float, float, float]:
-    """Unit vector of a way, and its length; of none, any."""
+    """Unit vector of a step, and its length; (1, 0) for a step of length 0."""
     length_m = math.hypot(way.ahead_m, way.left_m)
     if length_m > 0.0:
         return way.ahead_m / length_m, way.left_m / length_m, length_m

@@ -63,7 +63,7 @@ def set_place(plane: Row, state: Row, cell_x: int, x_m: float, cell_y: int, y_m:
 
 @compiled_inner
 def _strip_m(world: WorldTables, plane: Row, state: Row) -> tuple[float, float]:
-    """Between which lateral places an agent is put."""
+    """Lowest and highest lateral place at which an agent may be put."""
     if plane.corridor >= 0:
         layer = world.layers[state.world, plane.corridor]
         key = layer_key(plane.stream, state.seed, plane.corridor)

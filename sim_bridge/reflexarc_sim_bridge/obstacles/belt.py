@@ -37,6 +37,7 @@ from reflexarc_sim_bridge.arrays.layout import (
     HALF_WIDTH,
     SIN,
     TURNED_BOX,
+    WHITE,
     Belt,
     Floats32,
     Integers32,
@@ -47,6 +48,7 @@ from reflexarc_sim_bridge.native.decorators import (
     compiled_disjoint,
     compiled_inline,
     compiled_inner,
+    compiled_part,
 )
 from reflexarc_sim_bridge.native.intrinsics import LANES, keep, whole
 from reflexarc_sim_bridge.obstacles.belt_drawing import (
@@ -60,7 +62,7 @@ from reflexarc_sim_bridge.obstacles.keys import chunks_between, column_key
 from reflexarc_sim_bridge.obstacles.near_lists import note_loss, room_of
 from reflexarc_sim_bridge.worlds.grid import CHUNK_M
 
-WHITE = np.float32(0xFFFFFF)
+_WHITE = np.float32(WHITE)
 
 
 @compiled_inner
@@ -94,19 +96,15 @@ def move_belt(
     first, last = chunks_between(
         -plane.behind_m - reach_m, CHUNK_M + plane.ahead_m + reach_m, CHUNK_M
     )
-    columns, kept, end, draws = last + 1 - first, 0, 0, work.draws
+    columns, kept, end = last + 1 - first, 0, 0
     if steps == 1:
         rows = 2 if shape.kind == BOX else 4
         kept, end = columns - 1, _drop_first(columns, rows, belt, work.picks)
     for k in range(kept, columns):
         i, begun = column + first + k, end
-        boxes = place_boxes(plane.across, counts, column_key(key, i), draws)
-        end = min(begun + boxes, int(belt.places.shape[1]))
-        if end < begun + boxes:
-            note_loss(work.losses, agent, BELT, begun + boxes - end)
-        draw_boxes(plane, shape, i, draws, belt, begun, end)
-        if shape.kind == TURNED_BOX:
-            turn_boxes(shape, draws, belt, begun, end)
+        boxes = place_boxes(plane.across, counts, column_key(key, i), work.draws)
+        end = _fitting(begun + boxes, belt, work, agent)
+        _draw_column(plane, shape, i, work, belt, begun, end)
         belt.counts[k] = end - begun
     for k in range(columns, belt.counts.size):  # of a world that the agent was in before
         belt.counts[k] = 0
@@ -146,19 +144,34 @@ def pick_near(
         note_loss(work.losses, agent, kind, _marked(is_near, end) - room)
         n = room
     _list(is_near, y_m, end, boxes[BOX_Y])
-    _list(is_near, sizes[HALF_LENGTH], end, boxes[BOX_HALF_LENGTH])
-    _list(is_near, sizes[HALF_WIDTH], end, boxes[BOX_HALF_WIDTH])
-    if not is_upright:
-        _list(is_near, sizes[COS], end, boxes[BOX_COS])
-        _list(is_near, sizes[SIN], end, boxes[BOX_SIN])
+    _list_sizes(is_near, sizes, end, boxes, is_upright)
     for k in range(n):
-        boxes[BOX_PAINT, k] = WHITE
+        boxes[BOX_PAINT, k] = _WHITE
     return n
+
+
+@compiled_part
+def _fitting(wanted: int, belt: Belt, work: Workspace, agent: int) -> int:
+    """How many of `wanted` boxes a belt has room for; the others are counted as lost."""
+    end = min(wanted, int(belt.places.shape[1]))
+    if end < wanted:
+        note_loss(work.losses, agent, BELT, wanted - end)
+    return end
+
+
+@compiled_part
+def _draw_column(
+    plane: Row, shape: Row, i: int, work: Workspace, belt: Belt, begun: int, end: int
+) -> None:
+    """Draw the boxes of column i of chunks: entries `begun` to `end` of a belt."""
+    draw_boxes(plane, shape, i, work.draws, belt, begun, end)
+    if shape.kind == TURNED_BOX:
+        turn_boxes(shape, work.draws, belt, begun, end)
 
 
 @compiled_inline
 def _drop_first(columns: int, rows: int, belt: Belt, picks: Picks) -> int:
-    """Drop the hindmost column; returns how many boxes are left."""
+    """Drop the column of chunks that lies farthest back; returns how many boxes are left."""
     gone, left = belt.counts[0], 0
     for k in range(1, columns):
         left += belt.counts[k]
@@ -174,7 +187,7 @@ def _drop_first(columns: int, rows: int, belt: Belt, picks: Picks) -> int:
 def _move_down(
     row: npt.NDArray[Any], kept: npt.NDArray[Any], left: int, scratch: npt.NDArray[Any]
 ) -> None:
-    """Move a row within itself by way of scratch: copies between two arrays become vectors."""
+    """Move a row within itself through scratch: copies between two arrays become vectors."""
     _copy(kept, left, scratch)
     _copy(scratch, left, row)
 
@@ -228,6 +241,18 @@ def _list(is_near: npt.NDArray[np.bool_], values: Floats32, end: int, listed: Fl
             return n
         n = keep(values, is_near, first, listed, n)
     return n
+
+
+@compiled_part
+def _list_sizes(
+    is_near: npt.NDArray[np.bool_], sizes: Floats32, end: int, boxes: Floats32, is_upright: bool
+) -> None:
+    """List half the sides of the near ones, and the angles of turned ones."""
+    _list(is_near, sizes[HALF_LENGTH], end, boxes[BOX_HALF_LENGTH])
+    _list(is_near, sizes[HALF_WIDTH], end, boxes[BOX_HALF_WIDTH])
+    if not is_upright:
+        _list(is_near, sizes[COS], end, boxes[BOX_COS])
+        _list(is_near, sizes[SIN], end, boxes[BOX_SIN])
 
 
 @compiled_inner

@@ -38,7 +38,7 @@ TURN = 2.0**32
 def place_boxes(
     across: int, counts: npt.NDArray[np.float64], column: np.uint64, draws: Draws
 ) -> int:
-    """Begin an entry for every box of a column of chunks; returns how many."""
+    """Write an entry of `draws` for every box of a column of chunks; returns how many."""
     for j in range(across):
         draws.keys[j] = chunk_key(column, j, across)
     _count(counts, across, draws.keys, draws.draws, draws.counts)
@@ -99,7 +99,7 @@ def draw_boxes(
 
 @compiled_inline
 def turn_boxes(shape: Row, draws: Draws, belt: Belt, begun: int, end: int) -> None:
-    """Draw how far they are turned."""
+    """Draw the angles of the boxes at entries `begun` to `end` of a belt."""
     for k in range(end - begun):
         turn = second_half(mixed(advanced(draws.numbers[k], np.uint64(1))))
         turned_rad = between(shape.turned_low, shape.turned_high, turn)

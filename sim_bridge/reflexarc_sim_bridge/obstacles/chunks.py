@@ -1,4 +1,4 @@
-"""Endless worlds: a layer's obstacles are drawn chunk by chunk, and none is remembered.
+"""Obstacles are generated from seeds chunk by chunk; nothing is stored.
 
 A chunk is a rectangle of the plane, CHUNK_M along x. Its obstacles follow from (generator version,
 seed, stream, layer, chunk i, chunk j) alone, so chunks can be asked for in any order, as often as
@@ -153,7 +153,7 @@ def chunk_of(
 
 @compiled_inline
 def near_box(plane: Row) -> NearBox:
-    """The box around an agent's cell."""
+    """The box around an agent's cell in which obstacles count as near."""
     side_m = plane.chunk_width_m
     return NearBox(-plane.behind_m, CHUNK_M + plane.ahead_m, -plane.aside_m, side_m + plane.aside_m)
 

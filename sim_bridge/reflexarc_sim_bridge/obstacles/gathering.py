@@ -1,7 +1,7 @@
 """Keeping an agent's near lists: they are made anew when it enters another cell.
 
-The function that fills them is another for each kind of layer. It is compiled apart and called by
-its address (`Parts`): a world of boxes need not compile the code of corridors, and an agent enters
+Each kind of layer has its own gather function, called by address (`Parts`) and compiled apart: a
+world of boxes need not compile the code of corridors, and an agent enters
 another cell once in ten steps or more.
 """
 

@@ -51,7 +51,7 @@ def meets_box_m(
 
 @compiled_inline
 def turned_back(x: Real, y: Real, cos: Real, sin: Real) -> tuple[Real, Real]:
-    """A vector in the frame of what is turned by an angle with this cosine and sine."""
+    """Rotate a vector by minus an angle, given its cosine and sine."""
     return x * cos + y * sin, y * cos - x * sin
 
 

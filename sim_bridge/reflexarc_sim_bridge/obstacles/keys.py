@@ -38,7 +38,7 @@ def agent_number(stream: int, seed: np.uint64, lane: np.uint64, counter: np.uint
 
 @compiled_inline
 def chunks_between(low_m: float, high_m: float, side_m: float) -> tuple[int, int]:
-    """First and last chunk of a stretch."""
+    """Numbers of the chunks that hold the ends of an interval."""
     return math.floor(low_m / side_m), math.floor(high_m / side_m)
 
 
@@ -50,7 +50,7 @@ def column_key(key: np.uint64, i: int) -> np.uint64:
 
 @compiled_inline
 def chunk_key(column: np.uint64, j: int, across: int) -> np.uint64:
-    """Key of one chunk of a column, `across` chunks being all there are, or 0."""
+    """Key of chunk j of a column that has `across` chunks, or endlessly many (0)."""
     if across > 0 and not 0 <= j < across:  # a division that is seldom needed
         j %= across
     return joined(column, np.uint64(j))

@@ -130,7 +130,7 @@ def list_obstacle(
     Args:
         listing: the lists.
         chunk: key of the chunk that its corners are drawn from.
-        obstacle: the obstacle; of kind NOTHING it is passed over.
+        obstacle: the obstacle; one of kind NOTHING is skipped.
         x_m: its centre, from the corner of the agent's cell.
         y_m: the same.
     """

@@ -12,9 +12,6 @@ from reflexarc_sim_bridge.obstacles.keys import CORNERS, PAINT, PAINT_BLUE
 from reflexarc_sim_bridge.worlds import outlines
 from reflexarc_sim_bridge.worlds.outlines import CURVE_CORNERS
 
-WHITE = 0xFFFFFF
-"""Colour: 8 bits each of red, green and blue."""
-
 _FULL = 255.0
 _CURVE_RAD = 2.0 * np.pi * np.arange(CURVE_CORNERS) / CURVE_CORNERS
 _CURVE_COS, _CURVE_SIN = np.cos(_CURVE_RAD), np.sin(_CURVE_RAD)
@@ -47,7 +44,7 @@ class Obstacle(NamedTuple):
 
 @compiled_inline
 def nothing() -> Obstacle:
-    """No obstacle: what a kind of layer draws in place of one that is not there."""
+    """A placeholder of kind NOTHING, which near lists skip."""
     return Obstacle(NOTHING, 0.0, 0.0, 0.0, 0.0, 0.0, 4, 0.0, np.uint64(0), 0)
 
 

@@ -6,7 +6,7 @@ The count of a chunk is Poisson's; then every obstacle has a block of random num
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_sim_bridge.arrays.layout import CURVE, DISC, OPEN, POLYGON, Row, Table
+from reflexarc_sim_bridge.arrays.layout import CURVE, DISC, OPEN, POLYGON, WHITE, Row, Table
 from reflexarc_sim_bridge.native.decorators import compiled_inline, compiled_inner
 from reflexarc_sim_bridge.native.splitmix64 import (
     between,
@@ -25,7 +25,7 @@ from reflexarc_sim_bridge.obstacles.keys import (
     chunk_key,
     column_key,
 )
-from reflexarc_sim_bridge.obstacles.obstacle import WHITE, Obstacle, paint_of
+from reflexarc_sim_bridge.obstacles.obstacle import Obstacle, paint_of
 from reflexarc_sim_bridge.worlds.grid import CHUNK_M
 from reflexarc_sim_bridge.worlds.shapes import LOBES
 

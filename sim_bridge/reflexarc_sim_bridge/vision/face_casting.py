@@ -45,7 +45,7 @@ def list_turned(work: Workspace, i: int, near: Floats32, count: int, view: View,
 
 @compiled_part
 def list_sides(work: Workspace, i: int, near: Floats32, count: int, view: View, first: int) -> int:
-    """The same of sides of polygons."""
+    """List the sides of polygons that agent i's eye can see as faces from `first` on."""
     judge_sides(near, count, view, work.sieve.judged)
     n = _fitting(work, i, copied(near, view, work.sieve.judged, count, work.seen), first)
     faces_of_sides(work.seen, n, work.faces, first)

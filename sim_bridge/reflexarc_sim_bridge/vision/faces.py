@@ -124,7 +124,7 @@ def _face_of_box(
     sin: np.float32,
     paint: np.float32,
 ) -> Face:
-    """A box whose middle lies at (along, across) in the frame that is turned with it.
+    """The faces of a box whose middle lies at (along, across) in the frame turned with it.
 
     That frame is mirrored, so that the middle lies ahead and to the left.
     """
@@ -152,7 +152,7 @@ def _face_of_box(
 
 @compiled_disjoint
 def faces_of_sides(sides: Floats32, count: int, faces: Faces, first: int) -> None:
-    """The same of sides that face the eye, rows SIDE_*: (5, capacity); it is inside of none."""
+    """The faces of sides that face the eye, rows SIDE_*: (5, capacity)."""
     for k in range(whole(count)):
         x, y = sides[SIDE_X, k], sides[SIDE_Y, k]
         ahead, left = sides[SIDE_AHEAD, k], sides[SIDE_LEFT, k]
@@ -163,7 +163,7 @@ def faces_of_sides(sides: Floats32, count: int, faces: Faces, first: int) -> Non
 def _face_of_side(
     x: np.float32, y: np.float32, ahead: np.float32, left: np.float32, paint: np.float32
 ) -> Face:
-    """A side from (x, y) along (ahead, left)."""
+    """The face of a side from (x, y) along (ahead, left)."""
     clear = ahead * y - left * x
     per_x, per_y = -left / clear, ahead / clear
     right_x, right_y = y - _LITTLE * left, _LITTLE * ahead - x
@@ -183,7 +183,7 @@ def _put(faces: Faces, k: int, seen: Face) -> None:
 
 @compiled_inline
 def fill_up(faces: Faces, count: int) -> None:
-    """Whole fours: what is all zeros is met by no ray."""
+    """Pad the face list with zeros to a multiple of four; a zero face is never hit."""
     for k in range(count, count + FOUR):
         at = np.uintp(k)
         faces.one_x[at] = faces.one_y[at] = faces.other_x[at] = faces.other_y[at] = _ZERO

@@ -25,6 +25,7 @@ from reflexarc_sim_bridge.arrays.layout import (
     SIDES,
     TILE_RAYS,
     TURNED,
+    WHITE,
     EyeParams,
     Floats32,
     Params,
@@ -45,7 +46,7 @@ from reflexarc_sim_bridge.vision.visible import (
 )
 
 _ZERO, _ONE, _NOTHING = np.float32(0.0), np.float32(1.0), np.float32(-1.0)
-_WHITE = np.float32(0xFFFFFF)
+_WHITE = np.float32(WHITE)
 
 
 @compiled_part
@@ -82,7 +83,7 @@ def look(params: Params, work: Workspace, i: int, eye_index: int) -> None:
 
 @compiled_inline
 def _eye_view(eye: EyeParams, work: Workspace, x: np.float32, y: np.float32) -> View:
-    """All that an eye at (x, y) can see; no wedge where one is no use."""
+    """The view of an eye at (x, y), without a wedge if its rays span half a circle or more."""
     range_m, last = np.float32(eye.range_m), work.ahead.size - 1
     if eye.is_wide:
         return View(x, y, range_m, _ZERO, _ZERO, _ZERO, _ZERO)
@@ -197,7 +198,7 @@ def _nearer(
 def _disc(
     near: Floats32, k: np.uint32, x: np.float32, y: np.float32
 ) -> tuple[np.float32, np.float32, np.float32, np.float32]:
-    """Paint of a disc, and itself seen from (x, y)."""
+    """Colour of a disc, its place relative to (x, y), and its radius."""
     return near[DISC_PAINT, k], near[DISC_X, k] - x, near[DISC_Y, k] - y, near[DISC_RADIUS, k]
 
 
@@ -205,6 +206,6 @@ def _disc(
 def _box(
     near: Floats32, k: np.uint32, x: np.float32, y: np.float32
 ) -> tuple[np.float32, np.float32, np.float32, np.float32, np.float32]:
-    """The same of an upright box."""
+    """Colour of an upright box, its place relative to (x, y), and half its sides."""
     dx, dy = near[BOX_X, k] - x, near[BOX_Y, k] - y
     return near[BOX_PAINT, k], dx, dy, near[BOX_HALF_LENGTH, k], near[BOX_HALF_WIDTH, k]

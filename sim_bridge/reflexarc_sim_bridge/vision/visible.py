@@ -33,7 +33,7 @@ from reflexarc_sim_bridge.native.intrinsics import LANES, keep, whole
 from reflexarc_sim_bridge.obstacles.geometry import turned_back
 
 FOUR = 4
-"""Rays meet so many at a time."""
+"""Obstacles that a ray is tested against at a time."""
 
 _ZERO, _HALF = np.float32(0.0), np.float32(0.5)
 _SLIGHT_M = np.float32(1e-5)
@@ -95,7 +95,7 @@ def judge_turned(
     view: View,
     judged: Judged,
 ) -> None:
-    """The same of turned boxes, all rows BOX_*, each in its own frame."""
+    """Mark the turned boxes that a view can see, all rows BOX_*, each in its own frame."""
     x, y, range_m, right_x, right_y, left_x, left_y = view
     for k in range(whole(count)):
         cos, sin = near[BOX_COS, k], near[BOX_SIN, k]
@@ -125,7 +125,7 @@ def judge_discs(
     view: View,
     judged: Judged,
 ) -> None:
-    """The same of discs, rows DISC_*."""
+    """Mark the discs that a view can see, rows DISC_*."""
     x, y, range_m, right_x, right_y, left_x, left_y = view
     for k in range(whole(count)):
         dx, dy, radius = near[DISC_X, k] - x, near[DISC_Y, k] - y, near[DISC_RADIUS, k]
@@ -147,7 +147,7 @@ def judge_sides(
     view: View,
     judged: Judged,
 ) -> None:
-    """The same of sides that face the eye, rows SIDE_*.
+    """Mark the sides that face the eye and that a view can see, rows SIDE_*.
 
     Of the two ends the one that lies farther into the wedge counts.
     """

@@ -66,7 +66,7 @@ class WorldFamily:
 
     @cached_property
     def fullest(self) -> tuple[World, ...]:
-        """Worlds with all that is drawn large, many and fast, in the widths that matter."""
+        """Worlds at the ends of all ranges that need most memory, one for each telling width."""
         # Where the width is no range, any: the number is not asked for.
         widths_m = telling_widths_m(*self.ranges.get(world_ranges.WIDTH, (0.0, 0.0)))
         return tuple(_world(self._source, world_ranges.farthest_at(w)) for w in widths_m)
@@ -95,7 +95,7 @@ def parse_world(text: str, name: str = "") -> WorldSource:
     """Read a world, or a family, from TOML text.
 
     A family has been tried at the lower ends of all ranges, at the upper ends, with its spans at
-    their narrowest, at its fullest, and on some seeds.
+    their narrowest, where it needs most memory, and on some seeds.
 
     Args:
         text: the TOML.

@@ -45,9 +45,10 @@ def chunks_across(width_m: float) -> int:
 
 
 def telling_widths_m(low_m: float, high_m: float) -> tuple[float, ...]:
-    """Of the widths in a range the ends, and those with the widest and the narrowest chunks.
+    """Widths of a range at which a world may need most memory.
 
-    Chunks are widest just before another one fits, the more so the fewer they are.
+    These are the ends of the range, and the widths with the widest and the narrowest chunks. Chunks
+    are widest just before another one fits, the more so the fewer they are.
     """
     fewest = max(1, math.ceil(low_m / CHUNK_M - 0.5))
     turns_m = [(chunks + 0.5) * CHUNK_M for chunks in (fewest, fewest + 1)]

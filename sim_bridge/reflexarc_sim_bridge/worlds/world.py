@@ -208,7 +208,7 @@ class World:
 
     @property
     def fullest(self) -> "tuple[World, ...]":
-        """The fullest of a family: itself."""
+        """The worlds of a family that need most memory: itself, for there is no other."""
         return (self,)
 
     def drawn(self, seed: int) -> "World":
@@ -264,7 +264,7 @@ class WorldSource(Protocol):
 
     @property
     def fullest(self) -> tuple[World, ...]:
-        """Worlds of the family, one of which at least needs as much room as any other."""
+        """Worlds at the ends of all ranges: no other of the family needs more memory."""
 
     def drawn(self, seed: int) -> World:
         """The world of a seed, 0 to 2⁶⁴ − 1."""

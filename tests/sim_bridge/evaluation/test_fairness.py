@@ -149,14 +149,14 @@ def test_an_empty_world_is_fair_and_says_that_nothing_is_met() -> None:
     report = check_world(EMPTY, seeds=2)
     assert report.fair
     assert (report.mean_free_path_m, report.blind_contacts_per_100m) == (None, 0.0)
-    assert report.notes == ("nobody meets anything here",)
+    assert report.notes == ("an agent that never steers has no contacts here",)
 
 
 def test_a_world_that_nobody_passes_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(World, "clutter", lambda self: 0.30)
     report = check_world(EMPTY, seeds=2)
     assert report.fair
-    assert "clutter 0.30: above 0.25 nobody passes for ever" in report.notes
+    assert "clutter 0.30: above 0.25 contacts cannot be avoided for ever" in report.notes
 
 
 def test_contacts_that_are_not_those_of_the_field_are_unfair(

@@ -1,4 +1,4 @@
-"""The courier: sends faulty retinas when they are due, from a thread of its own.
+"""Sends faulty retinas when they are due, from a thread of its own.
 
 So the body's loop keeps its rate, and a message that is to be late by 7 ms is sent 7 ms late, not
 at the next step.
@@ -14,12 +14,12 @@ from reflexarc_sim_bridge.body.faults.faulty_stream import FaultyStream, Sending
 from reflexarc_sim_bridge.body.faults.script import FaultScript
 
 
-class Courier:
+class DelayedSender:
     """Publishes retinas with faults. A context manager: what is not due at its end is dropped.
 
     Args:
         script: what goes wrong.
-        send: puts one message onto the bus; called on the courier's thread.
+        send: puts one message onto the bus; called on this object's thread.
         now_ns: the body's clock.
     """
 
@@ -33,7 +33,7 @@ class Courier:
         self._taken = 0
         self._closed = False
         self._change = threading.Condition()
-        self._thread = threading.Thread(target=self._run, name="courier", daemon=True)
+        self._thread = threading.Thread(target=self._run, name="delayed-sender", daemon=True)
 
     def __enter__(self) -> Self:
         self._thread.start()

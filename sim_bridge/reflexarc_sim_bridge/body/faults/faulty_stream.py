@@ -93,14 +93,16 @@ class FaultyStream:
         self._start_ns = time_ns if self._start_ns is None else self._start_ns
         active = self._script.active((time_ns - self._start_ns) * 1e-9)
         sendings = [
-            *self._speak(payload, time_ns, active),
-            *self._intrude(payload, time_ns, active),
+            *self._own_messages(payload, time_ns, active),
+            *self._other_messages(payload, time_ns, active),
         ]
         for fault in active:
-            sendings = [out for sending in sendings for out in self._carry(fault, sending)]
+            sendings = [out for sending in sendings for out in self._apply_on_way(fault, sending)]
         return sendings
 
-    def _speak(self, payload: bytes, time_ns: int, active: tuple[Fault, ...]) -> list[Sending]:
+    def _own_messages(
+        self, payload: bytes, time_ns: int, active: tuple[Fault, ...]
+    ) -> list[Sending]:
         """The body's own message; none while it is silent."""
         silent = any(isinstance(fault, Silence) for fault in active)
         if self._was_silent and not silent:
@@ -111,10 +113,12 @@ class FaultyStream:
             return []
         retina = _Retina(payload, self._own.stamp(time_ns), time_ns)
         for fault in active:
-            retina = self._mistake(fault, retina)
+            retina = self._apply_at_sender(fault, retina)
         return [_packed(retina, self._own, time_ns)]
 
-    def _intrude(self, payload: bytes, time_ns: int, active: tuple[Fault, ...]) -> list[Sending]:
+    def _other_messages(
+        self, payload: bytes, time_ns: int, active: tuple[Fault, ...]
+    ) -> list[Sending]:
         """Messages of second senders; what one sends on the body's own clock counts as valid."""
         others = [fault for fault in active if isinstance(fault, SecondSender)]
         sendings = []
@@ -125,7 +129,7 @@ class FaultyStream:
             sendings.append(_packed(_Retina(_blank(payload), stamp, seen_ns), sender, time_ns))
         return sendings
 
-    def _mistake(self, fault: Fault, retina: _Retina) -> _Retina:
+    def _apply_at_sender(self, fault: Fault, retina: _Retina) -> _Retina:
         """Apply a fault of the sender itself: freezing, or a clock that steps."""
         match fault:
             case Freezing():
@@ -136,7 +140,7 @@ class FaultyStream:
             case _:
                 return retina
 
-    def _carry(self, fault: Fault, sending: Sending) -> list[Sending]:
+    def _apply_on_way(self, fault: Fault, sending: Sending) -> list[Sending]:
         """Apply a fault on the way: delay, loss, copies or damage."""
         match fault:
             case Delay():

@@ -167,7 +167,7 @@ def _smoothed(above: np.uint64, here: np.uint64, below: np.uint64) -> np.uint64:
 def _counted(
     ones: np.uint64, twos: np.uint64, fours: np.uint64, eights: np.uint64, bits: np.uint64
 ) -> tuple[np.uint64, np.uint64, np.uint64, np.uint64]:
-    """Add one bit to each cell's count, which has four bits."""
+    """Add one bit to the four-bit count of each cell."""
     carry = ones & bits
     ones ^= bits
     carry_2 = twos & carry

@@ -52,7 +52,7 @@ def corridor_middle_m(layer: Row, key: np.uint64, x_m: float) -> float:
 
 @compiled
 def corridor_line_m(layer: Row, key: np.uint64, x_m: float) -> float:
-    """The same of its walls, which are straight from one border of chunks to the next."""
+    """Lateral place of the middle between its walls, which are straight within each chunk."""
     i = math.floor(x_m / CHUNK_M)
     begin_m = corridor_middle_m(layer, key, i * CHUNK_M)
     end_m = corridor_middle_m(layer, key, (i + 1) * CHUNK_M)
@@ -66,7 +66,7 @@ def _count(chunk: Chunk) -> int:
 
 @compiled_inner
 def _obstacle_at(chunk: Chunk, index: int) -> Obstacle:
-    """A chunk's length of the right or left wall, outside of the corridor's width."""
+    """The piece of the right (0) or left (1) wall in a chunk, outside of the corridor's width."""
     plane, layer, key, i, j = chunk.plane, chunk.layer, chunk.layer_key, chunk.i, chunk.j
     begin_m = corridor_middle_m(layer, key, i * CHUNK_M)
     end_m = corridor_middle_m(layer, key, (i + 1) * CHUNK_M)

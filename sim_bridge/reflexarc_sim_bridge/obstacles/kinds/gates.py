@@ -52,7 +52,7 @@ def _count(chunk: Chunk) -> int:
 
 @compiled_inner
 def _obstacle_at(chunk: Chunk, index: int) -> Obstacle:
-    """What of a wall lies within the chunk: left or right of the opening of one of two pitches."""
+    """The piece of a wall within the chunk, on one side of the opening of one of two pitches."""
     plane, layer, j = chunk.plane, chunk.layer, chunk.j
     wall, pitch_m = column_key(chunk.layer_key, chunk.i), layer.pitch_m
     # Each wall's pitches begin somewhere else: otherwise their borders would be covered more.

@@ -44,7 +44,7 @@ from reflexarc_sim_bridge.obstacles.scatter_drawing import is_thinned, scatter_c
 from reflexarc_sim_bridge.worlds.grid import CHUNK_M
 
 _DIAGONAL = math.sqrt(2.0)
-"""What reaches so far along x and y reaches this much farther at most."""
+"""A box with half sides up to r reaches at most this many times r from its middle."""
 
 
 @compiled_called
@@ -110,7 +110,7 @@ def _belt_of(agents: Agents, i: int, number: int) -> Belt:
 
 @compiled_inline
 def _is_in_reach(plane: Row, layer: Row, j: int, di: int, dj: int) -> bool:
-    """Whether an obstacle of a chunk, so far from the agent's cell, can be near."""
+    """Whether an obstacle of a chunk, `di` and `dj` chunks from the agent's cell, can be near."""
     if plane.edges == OPEN and not 0 <= j < plane.across:
         return False
     side_m = plane.chunk_width_m
@@ -135,7 +135,7 @@ def _gather_chunk(
     box: NearBox,
     listing: Listing,
 ) -> None:
-    """List those of one chunk, so far from the agent's cell."""
+    """List the obstacles of one chunk, `di` and `dj` chunks from the agent's cell."""
     chunk_i, chunk_j = x + di, y + dj
     chunk = chunk_key(column_key(key, chunk_i), chunk_j, plane.across)
     for k in range(scatter_count(layer, counts, chunk, chunk_i)):
@@ -150,7 +150,7 @@ def _gather_chunk(
 
 @compiled_inline
 def _reaches_into(box: NearBox, obstacle: Obstacle, x_m: float, y_m: float, reach_m: float) -> bool:
-    """Whether an obstacle may: a box as it is, all others by what any of them can reach."""
+    """Whether an obstacle may reach into a box: boxes by their sides, others by `reach_m`."""
     away_x = max(box.back_m - x_m, x_m - box.front_m)
     away_y = max(box.right_m - y_m, y_m - box.left_m)
     if away_x <= obstacle.half_length_m and away_y <= obstacle.half_width_m:

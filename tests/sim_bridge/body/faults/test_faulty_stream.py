@@ -18,7 +18,7 @@ from reflexarc_runtime.messages.wire import (
     unpack_stamp,
 )
 from reflexarc_runtime.sensing.senses import RetinaSense
-from reflexarc_sim_bridge.body.faults.delayed_sender import Courier
+from reflexarc_sim_bridge.body.faults.delayed_sender import DelayedSender
 from reflexarc_sim_bridge.body.faults.faulty_stream import FaultyStream, Sending, transform
 from reflexarc_sim_bridge.body.faults.random_script import random_script, script_named
 from reflexarc_sim_bridge.body.faults.script import (
@@ -291,13 +291,15 @@ def test_a_seed_that_is_none_is_refused(name: str):
         script_named(name)
 
 
-def test_the_courier_sends_everything_that_is_due_and_nothing_before():
+def test_the_delayed_sender_sends_everything_that_is_due_and_nothing_before():
     script = FaultScript((Jitter(0.0, 9.0, 0.03), Duplication(0.0, 9.0, 0.5)), seed=4)
     sent: list[tuple[int, Sending]] = []
     now_ns = time.monotonic_ns()
     times_ns = [now_ns + n * MS for n in range(40)]
     expected = list(transform(script, [(t, STREAM[0][1]) for t in times_ns]))
-    with Courier(script, lambda s: sent.append((time.monotonic_ns(), s)), time.monotonic_ns) as to:
+    with DelayedSender(
+        script, lambda s: sent.append((time.monotonic_ns(), s)), time.monotonic_ns
+    ) as to:
         for time_ns in times_ns:
             to.put(STREAM[0][1], time_ns)
         end_s = time.monotonic() + 10.0
@@ -307,10 +309,12 @@ def test_the_courier_sends_everything_that_is_due_and_nothing_before():
     assert all(moment_ns >= sending.due_ns for moment_ns, sending in sent)
 
 
-def test_a_courier_that_leaves_sends_no_more():
+def test_a_delayed_sender_that_leaves_sends_no_more():
     sent: list[Sending] = []
-    with Courier(FaultScript((Delay(0.0, 9.0, 60.0),)), sent.append, time.monotonic_ns) as courier:
-        courier.put(STREAM[0][1], time.monotonic_ns())
+    with DelayedSender(
+        FaultScript((Delay(0.0, 9.0, 60.0),)), sent.append, time.monotonic_ns
+    ) as sender:
+        sender.put(STREAM[0][1], time.monotonic_ns())
     assert sent == []
 
 
