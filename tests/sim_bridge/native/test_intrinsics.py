@@ -1,8 +1,9 @@
-"""Keeping what is marked, against boolean indexing."""
+"""Keeping what is marked, against boolean indexing; products and sums, against fractions."""
 
 import os
 import subprocess
 import sys
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -12,9 +13,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from reflexarc_sim_bridge.native.decorators import compiled
-from reflexarc_sim_bridge.native.intrinsics import LANES, keep, whole
+from reflexarc_sim_bridge.native.intrinsics import LANES, keep, multiply_add, whole
 
 DTYPES = [np.float32, np.int32, np.uint32]
+numbers = st.floats(-1e6, 1e6, allow_subnormal=False)
 
 ON_AN_OLD_PROCESSOR = """
 import numpy as np
@@ -49,9 +51,9 @@ def keep_all(
 def test_the_marked_ones_are_kept_in_their_order(
     dtype: type[np.generic], count: int, seed: int, share: float
 ) -> None:
-    numbers = np.random.default_rng(seed)
-    values = numbers.integers(0, 1 << 20, count + LANES).astype(dtype)
-    marks = numbers.random(count + LANES) < share
+    draws = np.random.default_rng(seed)
+    values = draws.integers(0, 1 << 20, count + LANES).astype(dtype)
+    marks = draws.random(count + LANES) < share
     marks[count:] = False
     kept = np.zeros(count + LANES, dtype)
     n = keep_all(values, marks, count, kept)
@@ -81,3 +83,24 @@ def test_a_processor_without_the_instruction_keeps_the_same(tmp_path: Any) -> No
         check=True,
     )
     assert done.stdout.split() == ["1", "4", "7", "10", "13"]
+
+
+@compiled
+def of_doubles(a: float, b: float, c: float) -> float:
+    return multiply_add(a, b, c)  # type: ignore[no-any-return]  # an intrinsic has no types
+
+
+@given(numbers, numbers, numbers)
+def test_a_product_and_a_sum_are_rounded_once(a: float, b: float, c: float) -> None:
+    assert of_doubles(a, b, c) == float(Fraction(a) * Fraction(b) + Fraction(c))
+
+
+def test_the_product_is_not_rounded_before() -> None:
+    almost = 1.0 + 2.0**-30
+    assert of_doubles(almost, almost, -1.0 - 2.0**-29) == 2.0**-60
+
+
+def test_a_product_and_a_sum_keep_single_precision() -> None:
+    third = np.float32(1.0 / 3.0)
+    exact = Fraction(float(third)) * 3 - 1
+    assert of_doubles(third, np.float32(3.0), np.float32(-1.0)) == float(exact)

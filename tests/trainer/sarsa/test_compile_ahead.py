@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from reflexarc_sim_bridge.native import helper_process as second_process
+from reflexarc_sim_bridge.native import helper_process
 from reflexarc_trainer.config.presets import PRESETS
 from reflexarc_trainer.sarsa import compile_ahead
 from reflexarc_trainer.sarsa.compile_ahead import compile_side_by_side
@@ -131,6 +131,6 @@ def helpers_that(do: str, monkeypatch: pytest.MonkeyPatch) -> list[subprocess.Po
         return helpers[-1]
 
     monkeypatch.setattr(compile_ahead, "is_kept", lambda function: False)
-    monkeypatch.setattr(second_process, "start", start)
+    monkeypatch.setattr(helper_process, "start", start)
     monkeypatch.setattr(os, "sched_getaffinity", lambda pid: {0, 1})
     return helpers
