@@ -75,7 +75,10 @@ def boxes_touched(near: Floats32, count: int, box: WayBounds, judged: Judged) ->
 
 @compiled_disjoint
 def turned_touched(near: Floats32, count: int, box: WayBounds, judged: Judged) -> bool:
-    """Note in `judged` which turned boxes may, by the upright boxes around them; whether any."""
+    """Note in `judged` which turned boxes may touch the box around a way; whether any may.
+
+    The upright box around each of them is tested.
+    """
     touched = False
     for k in range(whole(count)):
         cos, sin = abs(near[BOX_COS, k]), abs(near[BOX_SIN, k])
@@ -102,7 +105,10 @@ def discs_touched(near: Floats32, count: int, box: WayBounds, judged: Judged) ->
 
 @compiled_disjoint
 def sides_touched(near: Floats32, count: int, box: WayBounds, judged: Judged) -> bool:
-    """Note in `judged` which sides of polygons may, by the boxes around them; whether any."""
+    """Note in `judged` which sides of polygons may touch the box around a way; whether any may.
+
+    The upright box around each of them is tested.
+    """
     touched, half = False, np.float32(0.5)
     for k in range(whole(count)):
         ahead, left = half * near[SIDE_AHEAD, k], half * near[SIDE_LEFT, k]

@@ -91,7 +91,7 @@ def free_share(params: Params, work: Workspace, i: int, ahead_m: float, left_m: 
 
 @compiled_inline
 def _box_share(near: Floats32, count: int, way: Way, judged: Judged) -> float:
-    """Share of a way up to the first box; seldom does any touch the bounds of the way."""
+    """Share of a way up to the first box; infinity without a test of each if none is near."""
     if not boxes_touched(near, count, around(way), judged):
         return math.inf
     return _first_box(near, count, way, judged)

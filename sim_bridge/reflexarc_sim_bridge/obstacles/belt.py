@@ -210,7 +210,7 @@ def _judge(
     end: int,
     is_upright: bool,
 ) -> None:
-    """Where the boxes of a belt are from a cell, and which reach into the box around it."""
+    """Compute the places of a belt's boxes from a cell, and mark those that reach into its box."""
     length_m, width_m = CHUNK_M + plane.ahead_m + plane.behind_m, plane.chunk_width_m
     middle_x, half_x = np.float32(0.5 * length_m - plane.behind_m), np.float32(0.5 * length_m)
     middle_y, half_y = np.float32(0.5 * width_m), np.float32(0.5 * width_m + plane.aside_m)

@@ -123,13 +123,13 @@ def draw_chunk(
     """Draw the obstacles of a chunk.
 
     Args:
-        world: its tables, of which the first row counts.
+        world: tables of the world; only their first row is used.
         seed: the world's.
         number: which layer.
         i: the chunk, along x.
         j: the chunk, along y.
         cells: scratch: (MAX_ROWS,).
-        rows: filled as far as it goes: `DRAWN_DTYPE`: (n,).
+        rows: filled until they are all used: `DRAWN_DTYPE`: (n,).
         count: see `gather_chunks`.
         obstacle_at: the same.
 

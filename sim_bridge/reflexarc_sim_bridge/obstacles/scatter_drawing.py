@@ -38,7 +38,7 @@ def scatter_count(layer: Row, counts: npt.NDArray[np.float64], chunk: np.uint64,
     """How many obstacles of a scatter layer a chunk has.
 
     The Poisson draw is inverted: as many as there are counts whose probability it has passed. All
-    are compared, for no branch foresees where to stop.
+    are compared: a branch predictor could not foresee where to stop.
 
     Args:
         layer: row of the table of layers.

@@ -1,6 +1,6 @@
 """From the retinas of the eyes to the stack that the policy sees: disturbed, delayed, stacked.
 
-Noise is added to every value and clipped, a lost ray says nothing; both are drawn anew at every
+Noise is added to every value and clipped, a lost ray reads 0; both are drawn anew at every
 look from the agent's own stream. With latency the newest retina of the stack is an older one.
 """
 
@@ -62,7 +62,7 @@ def _disturb(
 
 @compiled_part
 def _remember(params: Params, work: Workspace, i: int) -> None:
-    """Push what was seen some looks ago onto the stack; at first the stack is copies of it."""
+    """Push the retina of `latency_steps` looks ago onto the stack; the first look fills it."""
     agents, state = params.agents, params.agents.state[i]
     delayed, stack, size = agents.delayed[i], agents.stack[i], agents.delayed.shape[2]
     depth, frames = delayed.shape[0], params.eye.frames

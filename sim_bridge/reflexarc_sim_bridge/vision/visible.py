@@ -177,7 +177,7 @@ def copied(near: Floats32, view: View, judged: Judged, count: int, seen: Floats3
     """Copy the obstacles that are marked, relative to the eye.
 
     Args:
-        near: as for picking.
+        near: the near list.
         view: from where, in the frame of `near`.
         judged: whether they passed: (capacity,).
         count: columns of `near` in use.
@@ -203,7 +203,7 @@ def listed(numbers: Picked, judged: Judged, count: int, picked: Picked) -> int:
     Args:
         numbers: 0, 1, 2, …: (capacity,).
         judged: whether they passed: (capacity,).
-        count: of so many.
+        count: how many obstacles were judged.
         picked: filled: (capacity + LANES,).
 
     Returns:

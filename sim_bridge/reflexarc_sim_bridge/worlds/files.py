@@ -190,7 +190,7 @@ def _world(source: TomlSource, choose: Choose) -> World:
 
 
 def _check_words(source: TomlSource, world: World) -> None:
-    """What ends up in terminals, tables and logs stays on its line."""
+    """Refuse a name or a description that would break a line of a terminal, a table or a log."""
     if not (world.name.isprintable() and 1 <= len(world.name) <= _LONGEST_NAME):
         wanted = f"1 to {_LONGEST_NAME} printable characters"
         raise source.complaint(("name",), f"expected {wanted}, got {world.name[:80]!r}")

@@ -34,5 +34,5 @@ def curve_share(angle_rad: float, lobes: int, waviness: float) -> float:
 
 
 def wavy_share(lobe_cos: float, waviness: float) -> float:
-    """The same from cos(mφ)."""
+    """Distance of a point of the curve from the centre, as a share of the radius, by cos(mφ)."""
     return (1.0 + waviness * lobe_cos) / (1.0 + waviness)

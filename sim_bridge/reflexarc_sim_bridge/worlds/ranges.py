@@ -40,22 +40,22 @@ def resolving(choose: Choose) -> Resolve:
 
 
 def lowest(ends: Span, kind: type, path: KeyPath) -> float:
-    """The lower end."""
+    """Take the lower end of a range."""
     return ends[0]
 
 
 def highest(ends: Span, kind: type, path: KeyPath) -> float:
-    """The upper end."""
+    """Take the upper end of a range."""
     return ends[1]
 
 
 def farthest(ends: Span, kind: type, path: KeyPath) -> float:
-    """What makes things large, many, fast and steep: nearly always the end farther from 0."""
+    """Take the end that needs more memory: what makes obstacles large, many, fast or steep."""
     return ends[0] if path[-1] in _SMALL_IS_MORE else max(ends, key=abs)
 
 
 def farthest_at(width_m: float) -> Choose:
-    """The same, in a world of that width."""
+    """Take the ends that need more memory, but for the width of the world, which is given."""
 
     def choose(ends: Span, kind: type, path: KeyPath) -> float:
         return width_m if dotted(path) == WIDTH else farthest(ends, kind, path)
@@ -64,12 +64,12 @@ def farthest_at(width_m: float) -> Choose:
 
 
 def narrowest(ends: Span, kind: type, path: KeyPath) -> float:
-    """Where the range is the lower bound of a span its upper end, otherwise its lower end."""
+    """Take the upper end of a span's lower bound, and the lower end of any other range."""
     return ends[1] if path[-1] == 0 else ends[0]
 
 
 def drawn(seed: int) -> Choose:
-    """What a seed draws."""
+    """Take the number that a seed draws from a range."""
 
     def draw(ends: Span, kind: type, path: KeyPath) -> float:
         digest = hashlib.sha256(f"{_SALT}:{seed}:{dotted(path)}".encode()).digest()

@@ -2,8 +2,8 @@
 
 Training draws its worlds from seeds 0 to 9,999. Choices (when to stop, which setting) look at
 validation seeds 10,000 to 10,999 only. A reported figure comes from test seeds, looked at once:
-a salted hash, so that nobody meets one by counting. All test seeds are above 2⁶³: the three
-splits are disjoint.
+a salted hash, so that none is used by accident. All test seeds are above 2⁶³: the three splits are
+disjoint.
 """
 
 import hashlib

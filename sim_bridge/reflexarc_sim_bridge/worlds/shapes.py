@@ -51,7 +51,7 @@ class Rectangles:
 
     @property
     def is_turned(self) -> bool:
-        """Whether any of them may stand askew."""
+        """Whether any of them may be turned out of the axes of the world."""
         return self.turned_rad != (0.0, 0.0)
 
     @property

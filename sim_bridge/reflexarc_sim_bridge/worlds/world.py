@@ -77,9 +77,9 @@ class Senses:
     noise: float = 0.0
     """Standard deviation that is added to every value of a retina, as a share of full scale."""
     dropout: float = 0.0
-    """Probability that a ray says nothing (0), anew at every look."""
+    """Probability that a ray reads 0, drawn anew at every look."""
     dead_sectors: tuple[Span, ...] = ()
-    """Bearings, lowest and highest (rad, to the left positive), between which rays say nothing."""
+    """Bearings, lowest and highest (rad, to the left positive), between which rays read 0."""
     latency_steps: int = 0
     """A retina is so many steps old when the agent sees it."""
     background: float = 0.0

@@ -162,5 +162,5 @@ def _captured(capture: cv2.VideoCapture) -> Iterator[Image | None]:
 
 
 def _red_first(image: cv2.typing.MatLike) -> Image:
-    """OpenCV puts blue first."""
+    """Reverse the order of the channels: OpenCV puts blue first."""
     return np.asarray(image[:, :, ::-1], np.uint8)

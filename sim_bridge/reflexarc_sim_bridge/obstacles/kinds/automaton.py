@@ -2,9 +2,9 @@
 
 A row of cells is a number of 64 bits, one bit a cell, so that one operation treats a whole row.
 The neighbours of all cells of a row are counted at once, with adders made of bit operations. A
-chunk is computed with a margin of as many cells as there are smoothings, out of which no cell
-beyond can be felt: neighbouring chunks agree about their borders. A run of
-full cells in a row is one box.
+chunk is computed with a margin of as many cells as there are smoothings, so that no cell beyond it
+has any effect: neighbouring chunks agree about their borders. A run of full cells in a row is one
+box.
 """
 
 import numpy as np

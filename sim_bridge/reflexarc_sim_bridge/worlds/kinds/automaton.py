@@ -47,7 +47,7 @@ class Automaton:
 
     @property
     def reach_m(self) -> float:
-        """A row of cells is cut at the borders of chunks."""
+        """A bound for a run of cells, which ends at the border of its chunk at the latest."""
         return CHUNK_M
 
     def columns(self, across: Across) -> AutomatonColumns:

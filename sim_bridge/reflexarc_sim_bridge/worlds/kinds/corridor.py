@@ -50,7 +50,7 @@ class Corridor:
 
     @property
     def reach_m(self) -> float:
-        """A wall is cut into pieces, one a chunk's length; nowhere is it steeper than that."""
+        """A bound for a piece of a wall, which is as long as a chunk, where it is steepest."""
         steepest = math.pi * self.meander_m / (self.wavelength_m / 2)
         return CHUNK_M * max(1.0, 0.5 + 0.5 * steepest)
 

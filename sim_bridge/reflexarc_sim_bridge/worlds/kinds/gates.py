@@ -53,7 +53,7 @@ class Gates:
 
     @property
     def reach_m(self) -> float:
-        """A wall is cut into pieces, one a chunk."""
+        """A bound for a piece of a wall, which ends at the border of its chunk at the latest."""
         return CHUNK_M
 
     def fitted_pitch_m(self, period_m: float | None) -> float:

@@ -146,7 +146,7 @@ def most_of_poisson(mean: float) -> int:
 
 
 def _most_corners(shape: Shape) -> int:
-    """Most sides that it is listed by; 0 where it is listed whole."""
+    """Most sides of such a shape in the near list of sides; 0 if it is kept in another list."""
     match shape:
         case Polygons():
             return shape.corners[1]
