@@ -10,7 +10,7 @@ PYTEST_WORKERS ?= 2
 export OPENBLAS_NUM_THREADS ?= 1
 export OMP_WAIT_POLICY ?= passive
 
-.PHONY: help demo test test-quick test-numba check fmt wheel golden proto clean real-input worlds studies
+.PHONY: help demo test tests-alone test-quick test-numba check fmt wheel golden proto clean real-input worlds studies
 
 help:            ## say what there is
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/'
@@ -21,15 +21,19 @@ demo: $(STAMP)   ## learn, export, drive, record, replay
 test: check      ## every check, then every test
 	$(BIN)/pytest -n $(PYTEST_WORKERS)
 
+tests-alone: $(STAMP)
+	$(BIN)/pytest -n $(PYTEST_WORKERS)
+
 test-quick: $(STAMP) ## what a change breaks first: no robots, no training
 	$(BIN)/pytest -q -n $(PYTEST_WORKERS) tests/house tests/docs tests/runtime tests/logs/container tests/cli/terminal
 
 # Each version of Numba, and each Python (PYTHON=python3.13), gets an environment of its own, with
-# constraints of its own: what Numba needs of NumPy and llvmlite is its own choice.
+# constraints of its own: what Numba needs of NumPy and llvmlite is its own choice. Types are checked
+# with the pinned versions only: older ones have no stubs.
 test-numba:      ## every test on another Numba: VERSION=0.62.1 [PYTHON=python3.12]
 	@test -n "$(VERSION)" || { echo 'test-numba: VERSION=0.62.1: which version of Numba?' >&2; exit 2; }
 	$(MAKE) runs/constraints-numba-$(VERSION).txt
-	$(MAKE) test VENV=.venv-$(notdir $(PYTHON))-numba-$(VERSION) \
+	$(MAKE) tests-alone VENV=.venv-$(notdir $(PYTHON))-numba-$(VERSION) \
 		CONSTRAINTS=runs/constraints-numba-$(VERSION).txt
 
 runs/constraints-numba-%.txt: constraints.txt
