@@ -73,15 +73,18 @@ def run(checkout: Path, benchmark: list[str]) -> dict[str, float]:
 
 
 def python_of(checkout: Path) -> Path:
+    """The interpreter of a checkout's own environment."""
     return checkout / ".venv" / "bin" / "python"
 
 
 def refuse(words: str) -> Never:
+    """Say what is wrong in one line, and end with status 2."""
     print(f"in_turns: {words}", file=sys.stderr)
     raise SystemExit(2)
 
 
 def main() -> None:
+    """Run the rounds, and print what can be compared."""
     options = parsed()
     checkouts = (options.other.resolve(), HERE)
     for checkout in checkouts:
@@ -101,6 +104,7 @@ def main() -> None:
 
 
 def parsed() -> argparse.Namespace:
+    """The options of the command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=_Plain)
     parser.add_argument("other", type=Path, help="the other checkout")
     parser.add_argument("--rounds", type=int, default=3)

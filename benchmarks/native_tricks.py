@@ -38,30 +38,35 @@ SAMPLES = 1, 4
 
 
 def without_wide() -> None:
+    """Ask LLVM for vectors of its own choice."""
     from reflexarc_sim_bridge.native import numba_compiler
 
     numba_compiler.FUNCTION_ATTRIBUTES.clear()
 
 
 def without_noalias() -> None:
+    """Let no loop say that its arrays share no memory."""
     from reflexarc_sim_bridge.native import numba_compiler
 
     numba_compiler.DisjointCompiler.lowering = numba_compiler.InnerLowering
 
 
 def without_refusal() -> None:
+    """Give inner functions Numba's own wrapper for Python."""
     from reflexarc_sim_bridge.native import numba_compiler
 
     numba_compiler.InnerCompiler.lowering = numba_compiler.WideLowering
 
 
 def without_borrowed() -> None:
+    """Count references to arrays."""
     from reflexarc_sim_bridge.native import decorators
 
     decorators.BORROWED["_nrt"] = True
 
 
 def without_fetch() -> None:
+    """Ask for no memory ahead."""
     from reflexarc_sim_bridge.native import decorators, intrinsics
 
     @decorators.compiled_inline
@@ -72,6 +77,7 @@ def without_fetch() -> None:
 
 
 def without_multiply_add() -> None:
+    """Round a product before the sum."""
     from reflexarc_sim_bridge.native import decorators, intrinsics
 
     @decorators.compiled_inline
@@ -82,6 +88,7 @@ def without_multiply_add() -> None:
 
 
 def without_uncollected() -> None:
+    """Leave the garbage collector on while something is compiled."""
     import gc
 
     gc.disable = lambda: None  # type: ignore[assignment]

@@ -15,7 +15,6 @@ import numba
 import pytest
 from numba.core.dispatcher import Dispatcher
 
-from reflexarc_sim_bridge.native import cache as compile_cache
 from reflexarc_sim_bridge.native.cache import (
     COMPILED_FROM,
     cache_folder,
@@ -35,7 +34,7 @@ def sources(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         spec.submodule_search_locations = [str(tmp_path)]
         return spec
 
-    monkeypatch.setattr(compile_cache, "find_spec", find)
+    monkeypatch.setattr("reflexarc_sim_bridge.native.cache.find_spec", find)
     (tmp_path / "motion.py").write_text("speed = 1")
     return tmp_path
 
