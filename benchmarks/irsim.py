@@ -27,7 +27,7 @@ from typing import Any
 import numpy as np
 from world_scenes import Advance, Scene, advancing, elapsed_s
 
-from reflexarc_runtime.contract import Action
+from reflexarc_runtime.contract.motion import Action
 from reflexarc_sim_bridge.native.threads import set_thread_count
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.simulation.single_agent import OneAgent

@@ -20,7 +20,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from reflexarc_runtime.contract import PolicyContract
+from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_sim_bridge.body.ros2.messages import decode_scan, encode_scan
 from support.policies import exported  # found by the line above
 from support.processes import finished, started, wait_until

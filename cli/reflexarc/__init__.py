@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from reflexarc_logs.reading.reader import read_log
     from reflexarc_logs.replaying.replay import replay
-    from reflexarc_runtime.contract import PolicyContract, RetinaSpec
+    from reflexarc_runtime.contract.contract import PolicyContract
+    from reflexarc_runtime.contract.eye import RetinaSpec
     from reflexarc_runtime.errors import ReflexarcError
     from reflexarc_runtime.policy.policy import Policy, load_policy
     from reflexarc_sim_bridge.environments.single import ReferenceEnv
@@ -24,11 +25,11 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "Policy": "reflexarc_runtime.policy.policy",
-    "PolicyContract": "reflexarc_runtime.contract",
+    "PolicyContract": "reflexarc_runtime.contract.contract",
     "ReferenceEnv": "reflexarc_sim_bridge.environments.single",
     "ReferenceVectorEnv": "reflexarc_sim_bridge.environments.vector",
     "ReflexarcError": "reflexarc_runtime.errors",
-    "RetinaSpec": "reflexarc_runtime.contract",
+    "RetinaSpec": "reflexarc_runtime.contract.eye",
     "export": "reflexarc_trainer.policy.export",
     "load_policy": "reflexarc_runtime.policy.policy",
     "measure": "reflexarc_sim_bridge.evaluation.reference_field",

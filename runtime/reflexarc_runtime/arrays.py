@@ -28,3 +28,6 @@ Ranges: TypeAlias = npt.NDArray[np.float64]
 
 Mask: TypeAlias = npt.NDArray[np.bool_]
 """A truth value for each of n items: (n,)."""
+
+Memories: TypeAlias = npt.NDArray[np.float32]
+"""What policies with a memory carry from one input to the next: (n, size)."""

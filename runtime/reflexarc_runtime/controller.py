@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reflexarc_runtime.arrays import Retina, RetinaStack
-from reflexarc_runtime.contract import PolicyContract
+from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.decision import (
     SAFE_ACTION,
     Decision,

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from enum import IntEnum
 
-from reflexarc_runtime.contract import Action
+from reflexarc_runtime.contract.motion import Action
 
 SAFE_ACTION = -1
 """Index that stands for the safe command, which is not among the contract's actions."""

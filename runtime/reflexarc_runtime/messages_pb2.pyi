@@ -60,7 +60,7 @@ class Input(_message.Message):
     def __init__(self, sequence: _Optional[int] = ..., source_time_ns: _Optional[int] = ..., received_ns: _Optional[int] = ..., age_ns: _Optional[int] = ...) -> None: ...
 
 class Decision(_message.Message):
-    __slots__ = ("index", "slot", "now_ns", "inputs", "input", "retina", "q_values", "action", "verdict", "reason", "command", "policy_hash")
+    __slots__ = ("index", "slot", "now_ns", "inputs", "input", "retina", "q_values", "action", "verdict", "reason", "command", "policy_hash", "winner", "state")
     INDEX_FIELD_NUMBER: _ClassVar[int]
     SLOT_FIELD_NUMBER: _ClassVar[int]
     NOW_NS_FIELD_NUMBER: _ClassVar[int]
@@ -73,6 +73,8 @@ class Decision(_message.Message):
     REASON_FIELD_NUMBER: _ClassVar[int]
     COMMAND_FIELD_NUMBER: _ClassVar[int]
     POLICY_HASH_FIELD_NUMBER: _ClassVar[int]
+    WINNER_FIELD_NUMBER: _ClassVar[int]
+    STATE_FIELD_NUMBER: _ClassVar[int]
     index: int
     slot: int
     now_ns: int
@@ -85,7 +87,97 @@ class Decision(_message.Message):
     reason: str
     command: Command
     policy_hash: str
-    def __init__(self, index: _Optional[int] = ..., slot: _Optional[int] = ..., now_ns: _Optional[int] = ..., inputs: _Optional[int] = ..., input: _Optional[_Union[Input, _Mapping]] = ..., retina: _Optional[bytes] = ..., q_values: _Optional[_Iterable[float]] = ..., action: _Optional[int] = ..., verdict: _Optional[_Union[Verdict, str]] = ..., reason: _Optional[str] = ..., command: _Optional[_Union[Command, _Mapping]] = ..., policy_hash: _Optional[str] = ...) -> None: ...
+    winner: int
+    state: _containers.RepeatedScalarFieldContainer[float]
+    def __init__(self, index: _Optional[int] = ..., slot: _Optional[int] = ..., now_ns: _Optional[int] = ..., inputs: _Optional[int] = ..., input: _Optional[_Union[Input, _Mapping]] = ..., retina: _Optional[bytes] = ..., q_values: _Optional[_Iterable[float]] = ..., action: _Optional[int] = ..., verdict: _Optional[_Union[Verdict, str]] = ..., reason: _Optional[str] = ..., command: _Optional[_Union[Command, _Mapping]] = ..., policy_hash: _Optional[str] = ..., winner: _Optional[int] = ..., state: _Optional[_Iterable[float]] = ...) -> None: ...
+
+class Keyframe(_message.Message):
+    __slots__ = ("index", "policy_hash", "streak", "newest", "frames", "fault", "memory", "hold", "stopped")
+    INDEX_FIELD_NUMBER: _ClassVar[int]
+    POLICY_HASH_FIELD_NUMBER: _ClassVar[int]
+    STREAK_FIELD_NUMBER: _ClassVar[int]
+    NEWEST_FIELD_NUMBER: _ClassVar[int]
+    FRAMES_FIELD_NUMBER: _ClassVar[int]
+    FAULT_FIELD_NUMBER: _ClassVar[int]
+    MEMORY_FIELD_NUMBER: _ClassVar[int]
+    HOLD_FIELD_NUMBER: _ClassVar[int]
+    STOPPED_FIELD_NUMBER: _ClassVar[int]
+    index: int
+    policy_hash: str
+    streak: int
+    newest: Accepted
+    frames: _containers.RepeatedScalarFieldContainer[bytes]
+    fault: str
+    memory: Memory
+    hold: Hold
+    stopped: str
+    def __init__(self, index: _Optional[int] = ..., policy_hash: _Optional[str] = ..., streak: _Optional[int] = ..., newest: _Optional[_Union[Accepted, _Mapping]] = ..., frames: _Optional[_Iterable[bytes]] = ..., fault: _Optional[str] = ..., memory: _Optional[_Union[Memory, _Mapping]] = ..., hold: _Optional[_Union[Hold, _Mapping]] = ..., stopped: _Optional[str] = ...) -> None: ...
+
+class Accepted(_message.Message):
+    __slots__ = ("sequence", "source_time_ns", "sender", "received_ns")
+    SEQUENCE_FIELD_NUMBER: _ClassVar[int]
+    SOURCE_TIME_NS_FIELD_NUMBER: _ClassVar[int]
+    SENDER_FIELD_NUMBER: _ClassVar[int]
+    RECEIVED_NS_FIELD_NUMBER: _ClassVar[int]
+    sequence: int
+    source_time_ns: int
+    sender: bytes
+    received_ns: int
+    def __init__(self, sequence: _Optional[int] = ..., source_time_ns: _Optional[int] = ..., sender: _Optional[bytes] = ..., received_ns: _Optional[int] = ...) -> None: ...
+
+class Memory(_message.Message):
+    __slots__ = ("now", "next")
+    NOW_FIELD_NUMBER: _ClassVar[int]
+    NEXT_FIELD_NUMBER: _ClassVar[int]
+    now: _containers.RepeatedScalarFieldContainer[float]
+    next: _containers.RepeatedScalarFieldContainer[float]
+    def __init__(self, now: _Optional[_Iterable[float]] = ..., next: _Optional[_Iterable[float]] = ...) -> None: ...
+
+class Hold(_message.Message):
+    __slots__ = ("action", "since_slot")
+    ACTION_FIELD_NUMBER: _ClassVar[int]
+    SINCE_SLOT_FIELD_NUMBER: _ClassVar[int]
+    action: int
+    since_slot: int
+    def __init__(self, action: _Optional[int] = ..., since_slot: _Optional[int] = ...) -> None: ...
+
+class Stop(_message.Message):
+    __slots__ = ("reason",)
+    REASON_FIELD_NUMBER: _ClassVar[int]
+    reason: str
+    def __init__(self, reason: _Optional[str] = ...) -> None: ...
+
+class Reset(_message.Message):
+    __slots__ = ("reason",)
+    REASON_FIELD_NUMBER: _ClassVar[int]
+    reason: str
+    def __init__(self, reason: _Optional[str] = ...) -> None: ...
+
+class Body(_message.Message):
+    __slots__ = ("world", "world_text", "seed", "number", "step_s", "limits")
+    WORLD_FIELD_NUMBER: _ClassVar[int]
+    WORLD_TEXT_FIELD_NUMBER: _ClassVar[int]
+    SEED_FIELD_NUMBER: _ClassVar[int]
+    NUMBER_FIELD_NUMBER: _ClassVar[int]
+    STEP_S_FIELD_NUMBER: _ClassVar[int]
+    LIMITS_FIELD_NUMBER: _ClassVar[int]
+    world: str
+    world_text: str
+    seed: int
+    number: int
+    step_s: float
+    limits: BodyLimits
+    def __init__(self, world: _Optional[str] = ..., world_text: _Optional[str] = ..., seed: _Optional[int] = ..., number: _Optional[int] = ..., step_s: _Optional[float] = ..., limits: _Optional[_Union[BodyLimits, _Mapping]] = ...) -> None: ...
+
+class BodyLimits(_message.Message):
+    __slots__ = ("linear_mps", "lateral_mps", "angular_radps")
+    LINEAR_MPS_FIELD_NUMBER: _ClassVar[int]
+    LATERAL_MPS_FIELD_NUMBER: _ClassVar[int]
+    ANGULAR_RADPS_FIELD_NUMBER: _ClassVar[int]
+    linear_mps: float
+    lateral_mps: float
+    angular_radps: float
+    def __init__(self, linear_mps: _Optional[float] = ..., lateral_mps: _Optional[float] = ..., angular_radps: _Optional[float] = ...) -> None: ...
 
 class Timing(_message.Message):
     __slots__ = ("deadline_ns", "wake_ns", "lateness_ns", "receive_ns", "decide_ns", "publish_ns", "record_ns")

@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from reflexarc_runtime.contract import PolicyContract
+from reflexarc_runtime.contract.contract import PolicyContract
 from support.policies import exported
 
 

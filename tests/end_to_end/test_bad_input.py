@@ -7,7 +7,8 @@ from pathlib import Path
 import onnx
 import pytest
 
-from reflexarc_runtime.contract import SCHEMA_VERSION, PolicyContract
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.text import SCHEMA_VERSION
 from support.policies import exported, network
 from support.processes import reflexarc
 

@@ -7,7 +7,8 @@ import pytest
 from foxglove_schemas_protobuf.RawImage_pb2 import RawImage
 
 from reflexarc_logs.reading.reader import read_log
-from reflexarc_runtime.contract import PolicyContract, RetinaSpec, Shading
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.eye import RetinaSpec, Shading
 from support.images import bar, write_video
 from support.policies import exported
 from support.processes import finished, said_line, started

@@ -9,7 +9,7 @@ from foxglove_schemas_protobuf.PoseInFrame_pb2 import PoseInFrame
 from reflexarc_logs.reading.reader import Log, read_log
 from reflexarc_logs.replaying.replay import replay
 from reflexarc_runtime.messages_pb2 import Tick
-from reflexarc_runtime.policy.policy import policy_hash
+from reflexarc_runtime.policy.model_file import policy_hash
 from support.processes import finished, reflexarc, said_line, started, wait_for_records
 
 

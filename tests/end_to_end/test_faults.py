@@ -10,7 +10,7 @@ from end_to_end.campaign import campaign, summary
 from reflexarc_logs.container.rejected import Intake, accepted_message, rejected_message
 from reflexarc_logs.reading.reader import read_log
 from reflexarc_logs.replaying.replay import replay
-from reflexarc_runtime.contract import PolicyContract
+from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.controller import Controller, Inputs, State
 from reflexarc_runtime.decision import Verdict
 from reflexarc_runtime.messages.codec import encode_retina

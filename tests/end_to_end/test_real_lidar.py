@@ -9,7 +9,8 @@ from reflexarc.main import main
 from reflexarc_logs.importing.lidar_import import import_log
 from reflexarc_logs.reading.reader import Log, read_log
 from reflexarc_logs.replaying.replay import replay
-from reflexarc_runtime.contract import PolicyContract, RetinaSpec
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.decision import Verdict
 from support.lidar import CARMEN, carmen_file
 from support.policies import exported

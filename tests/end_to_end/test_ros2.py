@@ -5,7 +5,7 @@ import struct
 import time
 from pathlib import Path
 
-from reflexarc_runtime.contract import PolicyContract
+from reflexarc_runtime.contract.contract import PolicyContract
 from support.processes import finished, said_line, started, wait_until
 from support.ros2_robot import Told, robot
 

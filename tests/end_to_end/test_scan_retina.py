@@ -13,7 +13,8 @@ from reflexarc_logs.container.rejected import accepted_message
 from reflexarc_logs.importing.lidar_import import import_log
 from reflexarc_logs.reading.reader import read_log
 from reflexarc_logs.replaying.replay import replay
-from reflexarc_runtime.contract import PolicyContract, RetinaSpec
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.messages.wire import Message, Stamp
 from reflexarc_runtime.sensing.retina import Scan, ray_bearing_rad, retina_from_scan
 from reflexarc_runtime.sensing.senses import ScanSense

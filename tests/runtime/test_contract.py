@@ -6,16 +6,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from reflexarc_runtime.contract import (
-    SCHEMA_VERSION,
-    Action,
-    GoldenVectors,
-    PolicyContract,
-    Provenance,
-    RetinaSpec,
-    Shading,
-    sideways_actions,
-)
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.eye import RetinaSpec, Shading
+from reflexarc_runtime.contract.golden import GoldenVectors
+from reflexarc_runtime.contract.motion import Action, sideways_actions
+from reflexarc_runtime.contract.provenance import Provenance
+from reflexarc_runtime.contract.text import SCHEMA_VERSION, seal
 from reflexarc_runtime.errors import ContractError
 
 FULL = PolicyContract(
@@ -26,8 +22,14 @@ FULL = PolicyContract(
 )
 
 
+NO_SEQUENCES: dict[str, list[object]] = {"sequences": []}
+
+
 def edited(**changes: object) -> str:
-    return json.dumps({**json.loads(FULL.to_json()), **changes})
+    """The text of `FULL` with other fields, sealed anew, as whoever edits on purpose would."""
+    document = json.loads(FULL.to_json())
+    del document["digest"]
+    return seal({**document, **changes})
 
 
 def test_a_contract_survives_its_json():
@@ -93,21 +95,30 @@ def test_the_paper_s_actions_stay_first_so_that_a_tie_stays():
         (edited(retina=[]), "contract.retina: expected an object"),
         (edited(retina={"rays": 2}), "contract.retina.fov_rad: missing; expected a number"),
         (edited(actions=[{"name": "stay"}]), "contract.actions[0].linear_mps: missing"),
-        (edited(golden={"retinas": [[0]], "q_values": [], "actions": []}), "golden"),
         (
-            edited(golden={"retinas": [0] * 4, "q_values": [[0.0] * 3], "actions": [0]}),
+            edited(golden={"retinas": [[0]], "q_values": [], "actions": [], **NO_SEQUENCES}),
+            "golden",
+        ),
+        (
+            edited(
+                golden={"retinas": [0] * 4, "q_values": [[0.0] * 3], "actions": [0], **NO_SEQUENCES}
+            ),
             "contract.golden.retinas[0]: expected a list of whole numbers, got 0",
         ),
         (
-            edited(golden={"retinas": [[0] * 4], "q_values": [0.0] * 3, "actions": [0]}),
+            edited(
+                golden={"retinas": [[0] * 4], "q_values": [0.0] * 3, "actions": [0], **NO_SEQUENCES}
+            ),
             "contract.golden.q_values[0]: expected a list of numbers, got 0.0",
         ),
         (
-            edited(golden={"retinas": 0, "q_values": [], "actions": []}),
+            edited(golden={"retinas": 0, "q_values": [], "actions": [], **NO_SEQUENCES}),
             "contract.golden.retinas: expected a list of lists, got 0",
         ),
         (
-            edited(golden={"retinas": [[0] * 4], "q_values": [[0, 0]], "actions": [0]}),
+            edited(
+                golden={"retinas": [[0] * 4], "q_values": [[0, 0]], "actions": [0], **NO_SEQUENCES}
+            ),
             "golden.q_values",
         ),
     ],

@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from reflexarc_runtime.contract import PolicyContract, RetinaSpec
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.controller import RECOVERY_INPUTS, Controller, Inputs, State
 from reflexarc_runtime.decision import SAFE_ACTION, Decision, Verdict
 from reflexarc_runtime.messages.wire import Message

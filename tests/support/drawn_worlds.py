@@ -4,7 +4,9 @@ import math
 
 from hypothesis import strategies as st
 
-from reflexarc_runtime.contract import Action, PolicyContract, RetinaSpec, Shading, sideways_actions
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.eye import RetinaSpec, Shading
+from reflexarc_runtime.contract.motion import Action, sideways_actions
 from reflexarc_sim_bridge.simulation.scene import Outline
 from reflexarc_sim_bridge.worlds.layers import (
     Automaton,

@@ -14,7 +14,7 @@ import numpy as np
 
 from reflexarc_runtime.bus import Bus
 from reflexarc_runtime.bus_config import BusConfig
-from reflexarc_runtime.contract import PolicyContract
+from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.loop import realtime
 from reflexarc_runtime.loop.clock import MonotonicClock
 from reflexarc_runtime.loop.inbox import Inbox

@@ -8,8 +8,9 @@ import numpy.typing as npt
 import onnx
 from onnx import numpy_helper
 
-from reflexarc_runtime.contract import GoldenVectors
-from reflexarc_runtime.policy.policy import load_policy, with_contract
+from reflexarc_runtime.contract.golden import GoldenVectors
+from reflexarc_runtime.policy.model_file import with_contract
+from reflexarc_runtime.policy.policy import load_policy
 
 
 def with_weights(

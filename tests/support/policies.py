@@ -9,8 +9,11 @@ import onnx
 from onnx import TensorProto, helper, numpy_helper
 
 from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
-from reflexarc_runtime.contract import GoldenVectors, PolicyContract, RetinaSpec
-from reflexarc_runtime.policy.policy import load_policy, with_contract
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.eye import RetinaSpec
+from reflexarc_runtime.contract.golden import GoldenVectors
+from reflexarc_runtime.policy.model_file import with_contract
+from reflexarc_runtime.policy.policy import load_policy
 
 SMALL = PolicyContract(retina=RetinaSpec(rays=4))
 

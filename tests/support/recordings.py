@@ -9,7 +9,8 @@ import numpy as np
 
 from reflexarc_logs.container.run_info import RunInfo
 from reflexarc_logs.recording.recorder import Recorder
-from reflexarc_runtime.contract import PolicyContract, RetinaSpec
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.controller import Controller
 from reflexarc_runtime.loop.clock import ManualClock
 from reflexarc_runtime.loop.inbox import Inbox

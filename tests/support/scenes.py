@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from reflexarc_runtime.contract import PolicyContract
+from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_sim_bridge.arrays.layout import BOXES, DISCS, SIDES, TURNED
 from reflexarc_sim_bridge.simulation.scene import Outline
 from reflexarc_sim_bridge.simulation.simulation import Simulation

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reflexarc_runtime.contract import RetinaSpec
+from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.messages.codec import encode_retina
 from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp, protobuf_encoding
 

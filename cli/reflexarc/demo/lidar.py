@@ -16,7 +16,7 @@ from reflexarc.demo.processes import Process, finish, free_port, started
 from reflexarc.demo.results import LidarResult
 from reflexarc_logs.importing.lidar_import import FORMATS, ImportReport, import_log
 from reflexarc_logs.replaying.replay import replay
-from reflexarc_runtime.contract import RetinaSpec
+from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.policy.policy import LoadedPolicy, load_policy
 from reflexarc_runtime.sensing.retina import Scan, retina_from_scan

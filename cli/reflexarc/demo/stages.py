@@ -8,7 +8,7 @@ from reflexarc.terminal.output import progress_bar
 from reflexarc.terminal.progress import show_progress
 from reflexarc_logs.reading.summary import summarise
 from reflexarc_logs.replaying.replay import replay
-from reflexarc_runtime.contract import PolicyContract
+from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.policy.policy import Policy, load_policy
 from reflexarc_sim_bridge.evaluation.reference_field import FieldScore, measure
 from reflexarc_sim_bridge.evaluation.simple_policies import BlindPolicy, RandomPolicy

@@ -11,7 +11,7 @@ from reflexarc.terminal.output import aside
 if TYPE_CHECKING:
     from reflexarc_runtime.bus import Bus
     from reflexarc_runtime.bus_config import BusConfig
-    from reflexarc_runtime.contract import PolicyContract
+    from reflexarc_runtime.contract.contract import PolicyContract
 
 ASK_AGAIN_S = 0.1
 ASK_S = 0.5

@@ -24,7 +24,7 @@ from reflexarc_logs.container.writing import CONFIG_ATTACHMENT, END, POLICY_ATTA
 from reflexarc_logs.recording.backlog import Backlog
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages.wire import Message
-from reflexarc_runtime.policy.policy import policy_hash
+from reflexarc_runtime.policy.model_file import policy_hash
 
 FLUSH_PERIOD_S = 0.5
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from reflexarc_logs.replaying.message_fields import Difference
-from reflexarc_runtime.policy.policy import Q_TOLERANCE
+from reflexarc_runtime.policy.agreement import Q_TOLERANCE
 
 SHOWN_FLIPS = 12
 

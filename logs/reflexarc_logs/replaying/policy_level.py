@@ -11,7 +11,7 @@ from reflexarc_logs.reading.reader import Log
 from reflexarc_logs.replaying.comparison import EqualityRules, LevelResult, Tally, find_flip
 from reflexarc_logs.replaying.message_fields import Difference
 from reflexarc_runtime.arrays import QValues, RetinaBatch
-from reflexarc_runtime.contract import PolicyContract
+from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.decision import Verdict
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages_pb2 import Decision

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_pictures.log_pictures.logged_poses import Floats
-from reflexarc_runtime.contract import PolicyContract
+from reflexarc_runtime.contract.contract import PolicyContract
 
 Rgb: TypeAlias = tuple[float, float, float]
 """Red, green, blue, 0 to 1."""

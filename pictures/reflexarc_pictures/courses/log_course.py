@@ -29,7 +29,8 @@ from reflexarc_pictures.log_pictures.decision_strips import BRIGHT
 from reflexarc_pictures.log_pictures.drive import JUMP_M
 from reflexarc_pictures.log_pictures.logged_poses import Floats, poses_of
 from reflexarc_runtime import messages_pb2 as pb
-from reflexarc_runtime.contract import PolicyContract, RetinaSpec, Shading
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.eye import RetinaSpec, Shading
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages.topics import CONTACT, SCENE, TICK
 from reflexarc_runtime.messages_pb2 import Tick

@@ -18,7 +18,8 @@ from matplotlib.ticker import MaxNLocator
 from reflexarc_logs.reading.reader import Log
 from reflexarc_pictures.log_pictures.logged_poses import Floats
 from reflexarc_runtime.arrays import Actions
-from reflexarc_runtime.contract import PolicyContract, Shading
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.eye import Shading
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages_pb2 import Decision
 from reflexarc_runtime.policy.policy import load_policy

@@ -6,7 +6,7 @@ body compares only times of its own clock, and silence of any cause ends in a st
 
 from dataclasses import dataclass, replace
 
-from reflexarc_runtime.contract import Action
+from reflexarc_runtime.contract.motion import Action
 from reflexarc_runtime.decision import Command
 
 

@@ -11,7 +11,7 @@ from google.protobuf.timestamp_pb2 import Timestamp
 
 from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.arrays import Retina
-from reflexarc_runtime.contract import RetinaSpec
+from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.decision import Command, Decision, Input, Timing, Verdict
 from reflexarc_runtime.messages.topics import TOPICS
 

@@ -16,7 +16,7 @@ import numpy.typing as npt
 import onnx
 from onnx import numpy_helper
 
-from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
+from reflexarc_runtime.arrays import Actions, Memories, QValues, RetinaBatch
 from reflexarc_runtime.errors import PolicyError
 
 Tensor: TypeAlias = npt.NDArray[Any]
@@ -46,13 +46,19 @@ class NumpyGraph:
         self._constants = {t.name: _constant(t) for t in model.graph.initializer}
         self._steps = [_compile(node) for node in model.graph.node]
 
-    def run(self, retinas: RetinaBatch) -> tuple[QValues, Actions]:
-        """Q-values (n, actions) and winners (n,) for stacks (n, frames, eyes, rays, channels)."""
+    def run(
+        self, retinas: RetinaBatch, memories: Memories | None = None
+    ) -> tuple[QValues, Actions, Memories | None]:
+        """See `Graph.run`; stacks are (n, frames, eyes, rays, channels)."""
         values: dict[str, Tensor] = {**self._constants, "retina": retinas}
+        if memories is not None:
+            values["state"] = memories.astype(np.float64)
         with np.errstate(all="ignore"):  # what is not finite is a verdict, not a warning
             for step in self._steps:
                 values[step.output] = step.operator(*[values[name] for name in step.inputs])
-            return values["q_values"].astype(np.float32), values["action"]
+            following = values.get("state_next")
+            next_memories = None if following is None else following.astype(np.float32)
+            return values["q_values"].astype(np.float32), values["action"], next_memories
 
 
 def supported_operators() -> tuple[str, ...]:

@@ -1,12 +1,12 @@
 """The onnxruntime backend: runs any ONNX operator, on one thread.
 
-It agrees with the NumPy backend in the action, and in the Q-values to 1e-6.
+It agrees with the NumPy backend in the action, and in the Q-values to the contract's `q_tolerance`.
 """
 
 import numpy as np
 import onnxruntime
 
-from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
+from reflexarc_runtime.arrays import Actions, Memories, QValues, RetinaBatch
 from reflexarc_runtime.errors import PolicyError, first_line
 
 
@@ -31,7 +31,18 @@ class OnnxruntimeGraph:
         except Exception as error:  # onnxruntime raises classes of its own, one a status code
             raise PolicyError(f"onnxruntime refuses the model: {first_line(error)}") from None
 
-    def run(self, retinas: RetinaBatch) -> tuple[QValues, Actions]:
-        """Q-values (n, actions) and winners (n,) for stacks (n, frames, eyes, rays, channels)."""
-        q_values, actions = self._session.run(["q_values", "action"], {"retina": retinas})
-        return np.asarray(q_values, np.float32), np.asarray(actions, np.int64)
+    def run(
+        self, retinas: RetinaBatch, memories: Memories | None = None
+    ) -> tuple[QValues, Actions, Memories | None]:
+        """See `Graph.run`; stacks are (n, frames, eyes, rays, channels)."""
+        if memories is None:
+            q_values, actions = self._session.run(["q_values", "action"], {"retina": retinas})
+            return np.asarray(q_values, np.float32), np.asarray(actions, np.int64), None
+        q_values, actions, following = self._session.run(
+            ["q_values", "action", "state_next"], {"retina": retinas, "state": memories}
+        )
+        return (
+            np.asarray(q_values, np.float32),
+            np.asarray(actions, np.int64),
+            np.asarray(following, np.float32),
+        )

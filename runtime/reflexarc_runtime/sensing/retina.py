@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from reflexarc_runtime.arrays import Ranges, Retina
-from reflexarc_runtime.contract import RetinaSpec, Shading
+from reflexarc_runtime.contract.eye import RetinaSpec, Shading
 from reflexarc_runtime.errors import ContractError
 
 FULL_SCALE = 255

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from reflexarc_runtime.contract import PolicyContract
+from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.errors import WorldError
 from reflexarc_sim_bridge.arrays.eyes import seen_behind_m, turns
 from reflexarc_sim_bridge.arrays.layout import (

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reflexarc_runtime.arrays import Retina
-from reflexarc_runtime.contract import PolicyContract
+from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.decision import Command
 from reflexarc_runtime.loop.watchdog import Watchdog
 from reflexarc_sim_bridge.simulation.simulation import Simulation

@@ -13,7 +13,7 @@ import gymnasium
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_runtime.contract import PolicyContract
+from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.errors import WorldError
 from reflexarc_sim_bridge.environments.episodes import (
     CONTACT_REWARD,

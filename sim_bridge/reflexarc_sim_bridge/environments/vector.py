@@ -18,7 +18,7 @@ from gymnasium.vector.utils import batch_space
 
 from reflexarc_runtime.arrays import Actions, Mask
 from reflexarc_runtime.config.checks import require
-from reflexarc_runtime.contract import PolicyContract
+from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.errors import WorldError
 from reflexarc_sim_bridge.environments.episodes import (
     CONTACT_REWARD,

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_runtime.contract import PolicyContract
+from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.files import world_named
 from reflexarc_sim_bridge.worlds.reference_contract import WORLD_NAME

@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_runtime.contract import PolicyContract
+from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_sim_bridge.simulation.simulation import Simulation, motions_of
 from reflexarc_sim_bridge.simulation.step import call_cover
 from reflexarc_sim_bridge.simulation.step_compilation import cover_for

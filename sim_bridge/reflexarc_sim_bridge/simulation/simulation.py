@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_runtime.arrays import Actions, RetinaBatch
-from reflexarc_runtime.contract import PolicyContract
+from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_sim_bridge.arrays.agent_arrays import agents_at_zero
 from reflexarc_sim_bridge.arrays.eyes import eye_params
 from reflexarc_sim_bridge.arrays.layout import Params

@@ -2,7 +2,9 @@
 
 import math
 
-from reflexarc_runtime.contract import PolicyContract, RetinaSpec, Shading, sideways_actions
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.eye import RetinaSpec, Shading
+from reflexarc_runtime.contract.motion import sideways_actions
 
 WORLD_NAME = "reference-1"
 

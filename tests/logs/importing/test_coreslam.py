@@ -8,7 +8,8 @@ from foxglove_schemas_protobuf.LaserScan_pb2 import LaserScan
 from reflexarc_logs.container.rejected import accepted_message
 from reflexarc_logs.importing.lidar_import import ImportReport, import_log
 from reflexarc_logs.reading.reader import Log, read_log
-from reflexarc_runtime.contract import PolicyContract, RetinaSpec
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.controller import Controller
 from reflexarc_runtime.decision import Verdict
 from reflexarc_runtime.errors import LogError

@@ -20,7 +20,7 @@ from reflexarc_logs.replaying.comparison import (
 )
 from reflexarc_logs.replaying.message_fields import Difference, Fields
 from reflexarc_runtime.messages_pb2 import Command, Decision, Input
-from reflexarc_runtime.policy.policy import Q_TOLERANCE, flips, within_tolerance
+from reflexarc_runtime.policy.agreement import Q_TOLERANCE, flips, within_tolerance
 
 EXACT = EqualityRules(exact=True, same_policy=True)
 TOLERANT = EqualityRules(exact=False, same_policy=True)
@@ -31,9 +31,9 @@ def differences(recorded: Decision, replayed: Decision) -> list[str]:
     return [difference.path for difference in FIELDS.differences(recorded, replayed)]
 
 
-def test_a_decision_has_twenty_three_fields_to_compare():
-    # 9 of its own that are no message, 4 of Input, 9 of Command, and policy_hash
-    assert FIELDS.count == 9 + 4 + 9 + 1
+def test_a_decision_has_twenty_five_fields_to_compare():
+    # 11 of its own that are no message, 4 of Input, 9 of Command, and policy_hash
+    assert FIELDS.count == 11 + 4 + 9 + 1
     assert FIELDS.not_compared == ()
 
 

@@ -17,11 +17,12 @@ from reflexarc_logs.reading.reader import read_log
 from reflexarc_logs.recording.recorder import Recorder
 from reflexarc_logs.replaying.node_level import events
 from reflexarc_logs.replaying.replay import replay
-from reflexarc_runtime.contract import RetinaSpec
+from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.errors import LogError, PolicyError, UsageError
 from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp, protobuf_encoding
 from reflexarc_runtime.messages_pb2 import Decision, Tick
-from reflexarc_runtime.policy.policy import load_policy, policy_hash
+from reflexarc_runtime.policy.model_file import policy_hash
+from reflexarc_runtime.policy.policy import load_policy
 from support.networks import with_honest_vectors, with_weights
 from support.policies import FailingPolicy, exported
 from support.recordings import (
@@ -47,7 +48,7 @@ def test_a_recorded_run_replays_in_every_bit_at_both_levels(log_path):
     assert report.exit_status == 0
     assert (policy.level, policy.ticks, policy.compared, policy.identical) == ("policy", 61, 58, 58)
     assert (node.level, node.ticks, node.compared, node.identical) == ("node", 61, 61, 61)
-    assert node.fields_compared == 61 * 23  # leaves of reflexarc.Decision
+    assert node.fields_compared == 61 * 25  # leaves of reflexarc.Decision
     assert (node.not_compared, node.flips, report.notes) == ((), (), ())
 
 
@@ -358,7 +359,7 @@ def test_a_field_that_the_log_did_not_know_yet_is_counted_and_not_compared(log_p
     node = replay(path).levels[1]
     assert (node.identical, node.compared) == (61, 61)
     assert node.not_compared == ("reason",)
-    assert node.fields_compared == 61 * 22
+    assert node.fields_compared == 61 * 24
 
 
 def test_a_field_that_changed_its_type_is_counted_and_not_compared(log_path, tmp_path):

@@ -1,4 +1,4 @@
-from reflexarc_runtime.contract import Action
+from reflexarc_runtime.contract.motion import Action
 from reflexarc_runtime.decision import Command, Input, Verdict, drive_command, safe_command
 from reflexarc_runtime.loop.watchdog import Watchdog
 

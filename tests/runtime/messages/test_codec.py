@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from reflexarc_runtime import messages_pb2 as pb
-from reflexarc_runtime.contract import Action
+from reflexarc_runtime.contract.motion import Action
 from reflexarc_runtime.decision import (
     Decision,
     Input,

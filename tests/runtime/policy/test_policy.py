@@ -8,16 +8,12 @@ import pytest
 from onnx import helper, numpy_helper
 from onnx.reference import ReferenceEvaluator
 
-from reflexarc_runtime.contract import METADATA_KEY, PolicyContract
+from reflexarc_runtime.contract.contract import METADATA_KEY, PolicyContract
 from reflexarc_runtime.errors import ContractError, PolicyError, ReflexarcError
+from reflexarc_runtime.policy.agreement import flips, within_tolerance
+from reflexarc_runtime.policy.model_file import policy_hash, with_contract
 from reflexarc_runtime.policy.numpy_backend import supported_operators
-from reflexarc_runtime.policy.policy import (
-    flips,
-    load_policy,
-    policy_hash,
-    with_contract,
-    within_tolerance,
-)
+from reflexarc_runtime.policy.policy import load_policy
 from support.policies import SMALL, exported, network
 
 RETINAS = np.random.default_rng(3).integers(
@@ -211,7 +207,7 @@ def test_a_damaged_policy_is_refused_in_one_line(edit: object, backend: str):
     ("edit", "words"),
     [
         (negate_a_live_weight, "golden vectors are not reproduced"),
-        (rename_output, "expected input retina and outputs"),
+        (rename_output, "expected inputs retina and outputs"),
         (use_unknown_operator, "operator Erf"),
         (take_the_last_of_a_tie, "select_last_index"),
         (drop_vectors, "no golden vectors"),

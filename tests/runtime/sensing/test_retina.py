@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from reflexarc_runtime.contract import RetinaSpec
+from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.errors import ContractError
 from reflexarc_runtime.sensing.retina import (
     Scan,

@@ -6,7 +6,8 @@ from foxglove_schemas_protobuf.RawImage_pb2 import RawImage
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from reflexarc_runtime.contract import PolicyContract, RetinaSpec
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.controller import Controller, Inputs, State
 from reflexarc_runtime.decision import Decision, Verdict
 from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp, protobuf_encoding

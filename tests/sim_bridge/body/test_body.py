@@ -1,4 +1,4 @@
-from reflexarc_runtime.contract import PolicyContract
+from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.decision import SAFE_ACTION, Command, Input, Verdict, drive_command
 from reflexarc_sim_bridge.body.body import Body
 from reflexarc_sim_bridge.worlds.files import world_named

@@ -8,7 +8,8 @@ import pytest
 from gymnasium.utils.env_checker import check_env as gymnasium_check
 from stable_baselines3.common.env_checker import check_env as stable_baselines_check
 
-from reflexarc_runtime.contract import PolicyContract, RetinaSpec
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.errors import WorldError
 from reflexarc_sim_bridge.environments.episodes import EPISODE_STEPS
 from reflexarc_sim_bridge.environments.registration import REFERENCE_ID, environment_id

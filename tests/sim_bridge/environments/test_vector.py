@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode, SyncVectorEnv, VectorEnv
 
-from reflexarc_runtime.contract import Action, PolicyContract, RetinaSpec
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.eye import RetinaSpec
+from reflexarc_runtime.contract.motion import Action
 from reflexarc_runtime.errors import WorldError
 from reflexarc_sim_bridge.environments.episodes import EPISODE_STEPS
 from reflexarc_sim_bridge.environments.registration import REFERENCE_ID, environment_id

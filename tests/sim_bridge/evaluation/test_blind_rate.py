@@ -3,7 +3,9 @@ import math
 import numpy as np
 import pytest
 
-from reflexarc_runtime.contract import Action, PolicyContract, RetinaSpec
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.eye import RetinaSpec
+from reflexarc_runtime.contract.motion import Action
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.layers import Gates, Scatter
 from reflexarc_sim_bridge.worlds.seeds import test_seeds

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
-from reflexarc_runtime.contract import PolicyContract
+from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.errors import UsageError
 from reflexarc_sim_bridge.evaluation.edge_index import (
     edge_index,

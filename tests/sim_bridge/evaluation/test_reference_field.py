@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
-from reflexarc_runtime.contract import RetinaSpec
+from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_sim_bridge.evaluation.reference_field import measure
 from reflexarc_sim_bridge.evaluation.simple_policies import BlindPolicy, RandomPolicy
 from reflexarc_sim_bridge.worlds.reference_contract import reference_contract, reference_retina

@@ -9,7 +9,7 @@ import pytest
 from numba.core import types
 from numba.extending import intrinsic
 
-from reflexarc_runtime.contract import PolicyContract
+from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_sim_bridge.native.decorators import compiled
 from reflexarc_sim_bridge.native.struct_pointers import StructPointer, laid_out
 from reflexarc_sim_bridge.simulation.simulation import Simulation

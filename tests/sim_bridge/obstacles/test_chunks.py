@@ -7,7 +7,8 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from reflexarc_runtime.contract import PolicyContract, RetinaSpec
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_sim_bridge.arrays.layout import BOXES, DISCS
 from reflexarc_sim_bridge.arrays.world_tables import world_tables
 from reflexarc_sim_bridge.simulation.scene import Outline, outlines_of_chunk

@@ -6,7 +6,8 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from reflexarc_runtime.contract import PolicyContract, RetinaSpec
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_sim_bridge.arrays.layout import BOXES, DISCS, SIDES, TURNED, Floats32
 from reflexarc_sim_bridge.simulation.scene import Outline
 from reflexarc_sim_bridge.simulation.simulation import Simulation

@@ -10,7 +10,9 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from reflexarc_runtime.contract import Action, PolicyContract, RetinaSpec
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.eye import RetinaSpec
+from reflexarc_runtime.contract.motion import Action
 from reflexarc_runtime.errors import WorldError
 from reflexarc_sim_bridge.native import threads
 from reflexarc_sim_bridge.simulation.simulation import Simulation, motions_of

@@ -8,7 +8,8 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
-from reflexarc_runtime.contract import PolicyContract, RetinaSpec, Shading
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.eye import RetinaSpec, Shading
 from reflexarc_runtime.sensing import retina
 from reflexarc_sim_bridge.simulation.scene import Outline
 from reflexarc_sim_bridge.simulation.simulation import Simulation

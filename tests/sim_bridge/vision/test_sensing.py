@@ -4,7 +4,8 @@ import math
 import numpy as np
 import pytest
 
-from reflexarc_runtime.contract import PolicyContract, RetinaSpec, Shading
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.eye import RetinaSpec, Shading
 from reflexarc_sim_bridge.arrays.eyes import eye_params
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.seeds import test_seeds

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from reflexarc_runtime.config import annotations
-from reflexarc_runtime.contract import Action, PolicyContract, RetinaSpec
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.eye import RetinaSpec
+from reflexarc_runtime.contract.motion import Action
 from reflexarc_runtime.errors import WorldError
 from reflexarc_sim_bridge.arrays.layout import layer_dtype
 from reflexarc_sim_bridge.simulation.scene import outlines_of_chunk

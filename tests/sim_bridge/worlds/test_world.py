@@ -4,7 +4,8 @@ from collections.abc import Callable
 
 import pytest
 
-from reflexarc_runtime.contract import Action, PolicyContract
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.motion import Action
 from reflexarc_runtime.errors import WorldError
 from reflexarc_sim_bridge.arrays.world_tables import world_tables
 from reflexarc_sim_bridge.worlds.layers import Automaton, Corridor, Drift, Gates, Scatter, Swing

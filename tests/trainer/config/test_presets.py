@@ -2,7 +2,7 @@
 
 import pytest
 
-from reflexarc_runtime.contract import Shading
+from reflexarc_runtime.contract.eye import Shading
 from reflexarc_runtime.errors import UsageError
 from reflexarc_trainer.config.presets import HELP, PRESETS, preset_named
 

@@ -11,9 +11,12 @@ import pytest
 import torch
 from torch import Tensor, nn
 
-from reflexarc_runtime.contract import Action, PolicyContract, RetinaSpec
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.eye import RetinaSpec
+from reflexarc_runtime.contract.motion import Action
 from reflexarc_runtime.errors import PolicyError
-from reflexarc_runtime.policy.policy import flips, load_policy, within_tolerance
+from reflexarc_runtime.policy.agreement import flips, within_tolerance
+from reflexarc_runtime.policy.policy import load_policy
 from reflexarc_trainer.config.presets import PRESETS
 from reflexarc_trainer.config.train_config import NetworkConfig
 from reflexarc_trainer.policy import parity

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from reflexarc_runtime.contract import RetinaSpec
+from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.errors import PolicyError, UsageError
 from reflexarc_runtime.policy.policy import load_policy
 from reflexarc_trainer.config.train_config import NetworkConfig, TrainConfig

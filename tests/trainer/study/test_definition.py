@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from reflexarc_runtime.contract import Shading
+from reflexarc_runtime.contract.eye import Shading
 from reflexarc_runtime.errors import ReflexarcError, UsageError
 from reflexarc_trainer.config.presets import PRESETS
 from reflexarc_trainer.config.train_config import TrainConfig

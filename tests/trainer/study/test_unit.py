@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reflexarc_runtime.contract import PolicyContract, RetinaSpec, Shading
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.eye import RetinaSpec, Shading
 from reflexarc_runtime.errors import UsageError
 from reflexarc_runtime.policy.policy import load_policy
 from reflexarc_sim_bridge.evaluation.reference_field import DISCARDED_STEPS

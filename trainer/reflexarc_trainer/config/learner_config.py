@@ -16,7 +16,7 @@ from reflexarc_runtime.config.checks import (
     require_one_of,
     require_share,
 )
-from reflexarc_runtime.contract import PolicyContract
+from reflexarc_runtime.contract.contract import PolicyContract
 
 Form = Literal["online", "batched"]
 StepRule = Literal["bounded", "intentional", "rmsprop", "literal"]

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
-from reflexarc_runtime.contract import RetinaSpec, Shading
+from reflexarc_runtime.contract.eye import RetinaSpec, Shading
 from reflexarc_runtime.errors import UsageError
 from reflexarc_trainer.config.train_config import (
     BatchedConfig,

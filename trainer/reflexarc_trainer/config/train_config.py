@@ -15,13 +15,10 @@ from typing import Any, Literal, Self
 from reflexarc_runtime.config.checks import require, require_one_of
 from reflexarc_runtime.config.fill import fill
 from reflexarc_runtime.config.source import MappingSource
-from reflexarc_runtime.contract import (
-    Action,
-    PolicyContract,
-    Provenance,
-    RetinaSpec,
-    sideways_actions,
-)
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.eye import RetinaSpec
+from reflexarc_runtime.contract.motion import Action, sideways_actions
+from reflexarc_runtime.contract.provenance import Provenance
 from reflexarc_runtime.errors import ReflexarcError, UsageError
 from reflexarc_sim_bridge.worlds.world import WorldSource
 from reflexarc_trainer.config.learner_config import (

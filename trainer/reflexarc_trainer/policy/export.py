@@ -19,10 +19,12 @@ import onnx
 from torch import nn
 
 from reflexarc_runtime.arrays import RetinaBatch
-from reflexarc_runtime.contract import GoldenVectors, PolicyContract
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.golden import GoldenVectors
 from reflexarc_runtime.errors import PolicyError
 from reflexarc_runtime.files import write_atomically
-from reflexarc_runtime.policy.policy import load_policy, with_contract
+from reflexarc_runtime.policy.model_file import with_contract
+from reflexarc_runtime.policy.policy import load_policy
 from reflexarc_runtime.sensing.retina import FULL_SCALE
 from reflexarc_trainer.policy.onnx_graph import Translation, translate
 from reflexarc_trainer.policy.parity import check_model, check_module, check_parity

@@ -11,9 +11,10 @@ import torch
 from torch import nn
 
 from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
-from reflexarc_runtime.contract import PolicyContract
+from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.errors import PolicyError
-from reflexarc_runtime.policy.policy import flips, load_policy, within_tolerance
+from reflexarc_runtime.policy.agreement import flips, within_tolerance
+from reflexarc_runtime.policy.policy import load_policy
 from reflexarc_runtime.sensing.retina import FULL_SCALE
 
 NUMPY_TOLERANCE = 1e-6

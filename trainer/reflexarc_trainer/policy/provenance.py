@@ -5,7 +5,7 @@ import platform
 import subprocess
 from pathlib import Path
 
-from reflexarc_runtime.contract import Provenance
+from reflexarc_runtime.contract.provenance import Provenance
 from reflexarc_trainer.config.train_config import TrainConfig
 
 _PACKAGES = ("reflexarc", "numba", "numpy", "onnx", "onnxruntime", "torch")

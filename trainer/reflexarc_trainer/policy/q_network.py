@@ -10,7 +10,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn.utils import vector_to_parameters
 
-from reflexarc_runtime.contract import PolicyContract
+from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.sensing.retina import FULL_SCALE
 from reflexarc_trainer.config.learner_config import NetworkConfig
 from reflexarc_trainer.sarsa.initial_weights import drawn_weights

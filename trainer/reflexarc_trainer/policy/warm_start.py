@@ -11,7 +11,8 @@ import numpy.typing as npt
 import onnx
 from onnx import numpy_helper
 
-from reflexarc_runtime.contract import Action, RetinaSpec
+from reflexarc_runtime.contract.eye import RetinaSpec
+from reflexarc_runtime.contract.motion import Action
 from reflexarc_runtime.errors import UsageError
 from reflexarc_runtime.policy.policy import LoadedPolicy, load_policy
 from reflexarc_trainer.config.train_config import TrainConfig

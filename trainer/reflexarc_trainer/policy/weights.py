@@ -10,7 +10,7 @@ import torch
 from torch.nn.utils import parameters_to_vector, vector_to_parameters
 
 from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
-from reflexarc_runtime.contract import PolicyContract
+from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.policy.policy import Policy
 from reflexarc_trainer.config.learner_config import NetworkConfig
 from reflexarc_trainer.policy.q_network import QNetwork, empty_network

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from reflexarc_runtime.contract import PolicyContract
+from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_trainer.config.train_config import TrainConfig
 from reflexarc_trainer.policy.export import export
 from reflexarc_trainer.policy.provenance import provenance_of

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_runtime.contract import PolicyContract
+from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_trainer.config.learner_config import NetworkConfig
 from reflexarc_trainer.config.train_config import TrainConfig
 

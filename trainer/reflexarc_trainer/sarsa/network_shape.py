@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_runtime.contract import PolicyContract
+from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.sensing.retina import FULL_SCALE
 from reflexarc_trainer.config.learner_config import NetworkConfig
 from reflexarc_trainer.sarsa.units import UNITS

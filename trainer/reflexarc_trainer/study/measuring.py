@@ -10,7 +10,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from reflexarc_runtime.contract import Action, PolicyContract
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.motion import Action
 from reflexarc_runtime.errors import UsageError
 from reflexarc_runtime.policy.policy import Policy
 from reflexarc_sim_bridge.evaluation.edge_index import (

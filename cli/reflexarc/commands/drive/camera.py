@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from reflexarc_runtime.bus import Bus
-    from reflexarc_runtime.contract import PolicyContract
+    from reflexarc_runtime.contract.contract import PolicyContract
     from reflexarc_sim_bridge.body.camera.bridge import CameraBridgeReport, Moment
     from reflexarc_sim_bridge.body.camera.calibration import Calibration
     from reflexarc_sim_bridge.body.camera.sources import ImageSource

@@ -14,7 +14,7 @@ from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:
     from reflexarc_runtime.bus import Bus
-    from reflexarc_runtime.contract import PolicyContract
+    from reflexarc_runtime.contract.contract import PolicyContract
     from reflexarc_sim_bridge.body.bridge import Journey
     from reflexarc_sim_bridge.body.faults.script import FaultScript
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
-from reflexarc_runtime.contract import RetinaSpec
+from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.loop.clock import Clock
 from reflexarc_runtime.loop.throttle import Throttle
 from reflexarc_runtime.messages.codec import Status, encode_retina, encode_status

@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_runtime.arrays import Retina
-from reflexarc_runtime.contract import RetinaSpec, Shading
+from reflexarc_runtime.contract.eye import RetinaSpec, Shading
 from reflexarc_runtime.errors import ContractError, UsageError
 from reflexarc_sim_bridge.body.camera.calibration import (
     Background,

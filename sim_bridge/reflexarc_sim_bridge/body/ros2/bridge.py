@@ -16,7 +16,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from reflexarc_runtime.contract import Action
+from reflexarc_runtime.contract.motion import Action
 from reflexarc_runtime.decision import Command
 from reflexarc_runtime.loop.clock import wall_offset_ns
 from reflexarc_runtime.loop.inbox import Inbox

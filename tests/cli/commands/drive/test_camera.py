@@ -4,7 +4,8 @@ from pathlib import Path
 import pytest
 
 from reflexarc.main import main
-from reflexarc_runtime.contract import PolicyContract, RetinaSpec, Shading
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.eye import RetinaSpec, Shading
 from support.images import bar, write_image
 from support.policies import exported
 

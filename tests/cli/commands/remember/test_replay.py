@@ -1,7 +1,7 @@
 import json
 from pathlib import Path
 
-from reflexarc_runtime.contract import PolicyContract
+from reflexarc_runtime.contract.contract import PolicyContract
 from support.policies import exported
 from support.processes import reflexarc as call
 

@@ -2,7 +2,7 @@ from typing import Any
 
 from foxglove_schemas_protobuf.RawImage_pb2 import RawImage
 
-from reflexarc_runtime.contract import RetinaSpec, Shading
+from reflexarc_runtime.contract.eye import RetinaSpec, Shading
 from reflexarc_runtime.loop.clock import ManualClock
 from reflexarc_sim_bridge.body.camera.bridge import CameraBridge, CameraBridgeReport
 from reflexarc_sim_bridge.body.camera.calibration import Calibration

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from reflexarc_runtime.contract import RetinaSpec
+from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.errors import UsageError
 from reflexarc_runtime.messages.codec import encode_retina
 from reflexarc_runtime.messages.wire import (

@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from reflexarc_runtime.contract import Action
+from reflexarc_runtime.contract.motion import Action
 from reflexarc_runtime.decision import Command, Input, Verdict, drive_command, safe_command
 from reflexarc_runtime.messages.codec import encode_command
 from reflexarc_runtime.messages.wire import Message

@@ -9,7 +9,8 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from pycdr2 import Endianness
 
-from reflexarc_runtime.contract import Action, RetinaSpec
+from reflexarc_runtime.contract.eye import RetinaSpec
+from reflexarc_runtime.contract.motion import Action
 from reflexarc_runtime.sensing.retina import retina_from_scan
 from reflexarc_sim_bridge.body.ros2.messages import (
     MAX_BEAMS,

@@ -1,0 +1,1 @@
+"""The policy contract: the only definition of what a policy sees and does."""
