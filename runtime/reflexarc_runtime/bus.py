@@ -44,7 +44,7 @@ class Publisher:
 
     def put(self, payload: bytes, time_ns: int) -> None:
         """Send a message. A failure of the bus is counted, not raised: it must not end a loop."""
-        stamp = pack_stamp(Stamp(self._sequence, time_ns), self._sender)
+        stamp = pack_stamp(Stamp(self._sequence, time_ns, self._sender))
         self._sequence += 1
         try:
             self._publisher.put(payload, attachment=stamp)
@@ -59,14 +59,21 @@ class Publisher:
 class Bus:
     """One node's session. A context manager; leaving it closes everything that it declared.
 
+    Args:
+        config: how to reach the others.
+        now_ns: the clock of arrivals.
+        sender: identifier that all its messages carry, 16 bytes; a new one by default.
+
     Raises:
         BusError: the port is taken, or Zenoh refuses the configuration.
     """
 
-    def __init__(self, config: BusConfig, now_ns: Callable[[], int]) -> None:
+    def __init__(
+        self, config: BusConfig, now_ns: Callable[[], int], sender: bytes | None = None
+    ) -> None:
         self._config = config
         self._now_ns = now_ns
-        self._sender = uuid.uuid4().bytes
+        self.sender = sender or uuid.uuid4().bytes
         self._kept: list[Any] = []
         self._session = _open(config)
 
@@ -101,7 +108,7 @@ class Bus:
             priority=zenoh.Priority.REAL_TIME if urgent else zenoh.Priority.DATA,
             congestion_control=zenoh.CongestionControl.DROP,
         )
-        return Publisher(publisher, self._sender)
+        return Publisher(publisher, self.sender)
 
     def subscribe(self, topics: Iterable[Topic], deliver: Callable[[Message], None]) -> None:
         """Call `deliver` with every message of these topics, on a thread of Zenoh's."""

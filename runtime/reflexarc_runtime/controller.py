@@ -8,12 +8,15 @@ is the safe command, with a verdict that says why; there is never an exception.
 """
 
 from dataclasses import dataclass, replace
+from typing import cast
 
 import numpy as np
 
-from reflexarc_runtime.arrays import Retina, RetinaStack
+from reflexarc_runtime.arrays import Memories, QValues, Retina, RetinaStack
+from reflexarc_runtime.choice import Hold, choose
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.decision import (
+    NO_WINNER,
     SAFE_ACTION,
     Decision,
     Input,
@@ -21,12 +24,12 @@ from reflexarc_runtime.decision import (
     drive_command,
     safe_command,
 )
+from reflexarc_runtime.messages.controls import is_reset, stop_reason
+from reflexarc_runtime.messages.topics import RESET, STOP, topic_of
 from reflexarc_runtime.messages.wire import Message, Stamp, UndecodableError, UnfitError
-from reflexarc_runtime.policy.policy import Policy
+from reflexarc_runtime.policy.policy import Policy, RememberingPolicy
+from reflexarc_runtime.rules import CURRENT_RULES, ControllerRules
 from reflexarc_runtime.sensing.senses import Sense, Sensed
-
-RECOVERY_INPUTS = 3
-"""Consecutive good inputs before the policy may drive, at the start and after every fault."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +41,7 @@ class Inputs:
     slot: int
     """Number of the deadline that this tick belongs to."""
     stop: bool = False
-    """The runtime has been asked to end."""
+    """Under rules 1: the runtime has been asked to end. Since then a stop is a message."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +56,14 @@ class State:
     """The last accepted retinas, oldest first."""
     fault: str = ""
     """Why the newest message cannot be used; empty if it can."""
+    memory: Memories | None = None
+    """What the policy remembers, (1, size); None: its start value."""
+    following: Memories | None = None
+    """What it will remember once a newer input is accepted, (1, size)."""
+    hold: Hold | None = None
+    """The action that is being done; None if the last verdict was not OK."""
+    stopped: str = ""
+    """Why the robot shall stand until a reset comes; empty if it need not."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,18 +73,23 @@ class Outcome:
     verdict: Verdict
     reason: str = ""
     stack: bytes = b""
+    memory: tuple[float, ...] = ()
     q_values: tuple[float, ...] = ()
-    action: int = SAFE_ACTION
+    winner: int = NO_WINNER
+    hold: Hold | None = None
+    following: Memories | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Controller:
     """A policy, its contract, and the sense that turns messages into retinas."""
 
-    policy: Policy
+    policy: Policy | RememberingPolicy
+    """With a memory if the contract says that it has one."""
     contract: PolicyContract
     sense: Sense
     policy_hash: str = ""
+    rules: ControllerRules = CURRENT_RULES
 
     def step(self, state: State, inputs: Inputs, now_ns: int) -> tuple[State, Decision]:
         """Decide one tick.
@@ -84,13 +100,20 @@ class Controller:
             now_ns: the runtime's monotonic clock, read once for this tick.
         """
         for message in inputs.messages:
-            state = self._accept(state, message)
+            state = self._receive(state, message)
         verdict, reason = self._judge(state, inputs.stop, now_ns)
-        if verdict is Verdict.STALE_INPUT:
-            state = replace(state, streak=0)
-        outcome = self._ask(state) if verdict is Verdict.OK else Outcome(verdict, reason)
+        is_good = verdict is Verdict.OK
+        outcome = self._ask(state, inputs.slot) if is_good else Outcome(verdict, reason)
         decision = self._conclude(state, inputs, now_ns, outcome)
-        return replace(state, index=state.index + 1), decision
+        return self._remember(state, outcome), decision
+
+    def _receive(self, state: State, message: Message) -> State:
+        topic = topic_of(message.key)
+        if topic is STOP:
+            return replace(state, stopped=stop_reason(message))
+        if topic is RESET:
+            return replace(state, streak=0, stopped="") if is_reset(message) else state
+        return self._accept(state, message)
 
     def _accept(self, state: State, message: Message) -> State:
         try:
@@ -105,6 +128,7 @@ class Controller:
             newest=sensed,
             frames=self._push(state.frames, sensed.retina),
             fault="",
+            memory=state.following,
         )
 
     def _push(self, frames: tuple[Retina, ...], retina: Retina) -> tuple[Retina, ...]:
@@ -114,6 +138,8 @@ class Controller:
     def _judge(self, state: State, stop: bool, now_ns: int) -> tuple[Verdict, str]:
         if stop:
             return Verdict.STOPPED, "asked to stop"
+        if state.stopped:
+            return Verdict.STOPPED, state.stopped
         if state.fault:
             return Verdict.INVALID_INPUT, state.fault
         if state.newest is None:
@@ -121,32 +147,67 @@ class Controller:
         age_ns, limit_ns = now_ns - state.newest.received_ns, self.contract.max_input_age_ns
         if age_ns > limit_ns:
             return Verdict.STALE_INPUT, f"older than {limit_ns / 1e6:g} ms"
-        if state.streak < RECOVERY_INPUTS:
-            return Verdict.RECOVERING, f"{state.streak} of {RECOVERY_INPUTS} good inputs in a row"
+        wanted = self.contract.recovery_inputs
+        if state.streak < wanted:
+            return Verdict.RECOVERING, f"{state.streak} of {wanted} good inputs in a row"
         return Verdict.OK, ""
 
-    def _ask(self, state: State) -> Outcome:
+    def _ask(self, state: State, slot: int) -> Outcome:
         stack: RetinaStack = np.stack(state.frames)
+        memory = self._memory(state)
+        given = stack.tobytes(), () if memory is None else tuple(memory[0].tolist())
         try:
-            q_values, actions = self.policy.decide(stack[np.newaxis])
-            values, action = tuple(q_values[0].tolist()), int(actions[0])
+            q_values, winner, following = self._decide(stack, memory)
+            values = tuple(q_values.tolist())
         except Exception as error:  # whatever a policy does, the body gets its safe command
-            return Outcome(Verdict.POLICY_FAULT, type(error).__name__, stack.tobytes())
-        if not np.isfinite(q_values).all() or not 0 <= action < len(self.contract.actions):
-            return Outcome(
-                Verdict.POLICY_FAULT,
-                "values not finite, or no such action",
-                stack.tobytes(),
-                values,
-            )
-        return Outcome(Verdict.OK, "", stack.tobytes(), values, action)
+            return Outcome(Verdict.POLICY_FAULT, type(error).__name__, *given)
+        if not _is_finite(q_values, following) or not 0 <= winner < len(self.contract.actions):
+            reason = "values not finite, or no such action"
+            return Outcome(Verdict.POLICY_FAULT, reason, *given, values)
+        hold = self._choose(state.hold, values, winner, slot)
+        return Outcome(Verdict.OK, "", *given, values, winner, hold, following)
+
+    def _memory(self, state: State) -> Memories | None:
+        spec = self.contract.state
+        if not spec.size or state.memory is not None:
+            return state.memory
+        return np.array([spec.start_value], np.float32)
+
+    def _decide(
+        self, stack: RetinaStack, memory: Memories | None
+    ) -> tuple[QValues, int, Memories | None]:
+        """Q-values (actions,), the winner, and the next memory (1, size), if there is one."""
+        if memory is None:
+            q_values, winners = cast("Policy", self.policy).decide(stack[np.newaxis])
+            return q_values[0], int(winners[0]), None
+        remembering = cast("RememberingPolicy", self.policy)
+        q_values, winners, following = remembering.decide(stack[np.newaxis], memory)
+        return q_values[0], int(winners[0]), following
+
+    def _choose(
+        self, held: Hold | None, q_values: tuple[float, ...], winner: int, slot: int
+    ) -> Hold:
+        contract = self.contract
+        return choose(held, q_values, winner, slot, contract.hold_slots, contract.margin)
+
+    def _remember(self, state: State, outcome: Outcome) -> State:
+        """The state after a tick. Any verdict but OK ends a hold, and a memory begins anew."""
+        is_good = outcome.verdict is Verdict.OK
+        return replace(
+            state,
+            index=state.index + 1,
+            streak=0 if outcome.verdict is Verdict.STALE_INPUT else state.streak,
+            memory=state.memory if is_good else None,
+            following=outcome.following,
+            hold=outcome.hold,
+        )
 
     def _conclude(self, state: State, inputs: Inputs, now_ns: int, outcome: Outcome) -> Decision:
         used = _input_of(state.newest, now_ns)
-        if outcome.verdict is Verdict.OK and used is not None:
-            motion = self.contract.actions[outcome.action]
-            valid_for_ns = self.contract.max_input_age_ns
-            command = drive_command(state.index, outcome.action, motion, used, valid_for_ns)
+        action = SAFE_ACTION if outcome.hold is None else outcome.hold.action
+        if outcome.hold is not None and used is not None:
+            motion, valid_for_ns = self.contract.actions[action], self.contract.max_input_age_ns
+            command = drive_command(state.index, action, motion, used, valid_for_ns)
         else:
             command = safe_command(state.index, outcome.verdict, self.contract.safe_command)
         return Decision(
@@ -157,11 +218,13 @@ class Controller:
             input=used,
             retina=outcome.stack,
             q_values=outcome.q_values,
-            action=outcome.action,
+            winner=outcome.winner,
+            action=action,
             verdict=outcome.verdict,
             reason=outcome.reason,
             command=command,
             policy_hash=self.policy_hash,
+            state=outcome.memory,
         )
 
 
@@ -175,6 +238,12 @@ def _is_newer(stamp: Stamp, newest: Sensed | None) -> bool:
     if newest is None:
         return True
     return stamp.sequence > newest.stamp.sequence or stamp.time_ns > newest.stamp.time_ns
+
+
+def _is_finite(q_values: QValues, following: Memories | None) -> bool:
+    return bool(np.isfinite(q_values).all()) and (
+        following is None or bool(np.isfinite(following).all())
+    )
 
 
 def _input_of(newest: Sensed | None, now_ns: int) -> Input | None:

@@ -7,6 +7,8 @@ from reflexarc_runtime.contract.motion import Action
 
 SAFE_ACTION = -1
 """Index that stands for the safe command, which is not among the contract's actions."""
+NO_WINNER = -1
+"""Index that stands for no action: the policy was not asked, or failed."""
 
 
 class Verdict(IntEnum):
@@ -65,11 +67,16 @@ class Decision:
     input: Input | None
     retina: bytes
     q_values: tuple[float, ...]
+    winner: int
+    """What the policy preferred; `NO_WINNER` where it was not asked."""
     action: int
+    """What is done: the winner, or an action that is still held."""
     verdict: Verdict
     reason: str
     command: Command
     policy_hash: str
+    state: tuple[float, ...] = ()
+    """What the policy remembered when it was asked; empty without a memory."""
 
 
 @dataclass(frozen=True, slots=True)

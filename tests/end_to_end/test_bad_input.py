@@ -1,5 +1,6 @@
 """Whatever a user gets wrong: one line on standard error, exit status 2, nothing left behind."""
 
+import json
 import socket
 from collections.abc import Callable
 from pathlib import Path
@@ -7,8 +8,8 @@ from pathlib import Path
 import onnx
 import pytest
 
-from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_runtime.contract.text import SCHEMA_VERSION
+from reflexarc_runtime.contract.contract import METADATA_KEY, PolicyContract
+from reflexarc_runtime.contract.text import seal
 from support.policies import exported, network
 from support.processes import reflexarc
 
@@ -23,9 +24,7 @@ def files(policy: Path, tmp_path: Path) -> Path:
     (tmp_path / "cut.onnx").write_bytes(data[: len(data) // 2])
     (tmp_path / "operator.onnx").write_bytes(exported(PolicyContract(), activation="Softsign"))
     (tmp_path / "tampered.onnx").write_bytes(tampered(data))
-    now, then = b'"schema":%d}' % SCHEMA_VERSION, b'"schema":9}'
-    assert now in data
-    (tmp_path / "newer.onnx").write_bytes(data.replace(now, then))
+    (tmp_path / "newer.onnx").write_bytes(of_schema_9(data))
     (tmp_path / "empty.mcap").write_bytes(b"")
     (tmp_path / "text.mcap").write_text("not a log")
     (tmp_path / "cut.mcap").write_bytes(golden_log().read_bytes()[:3000])
@@ -43,6 +42,16 @@ def tampered(data: bytes) -> bytes:
     raw = bytearray(weights.raw_data)
     raw[3] ^= 0x80  # the sign of the first weight
     weights.raw_data = bytes(raw)
+    return model.SerializeToString()
+
+
+def of_schema_9(data: bytes) -> bytes:
+    """The same policy as a later version might write it."""
+    model = onnx.ModelProto.FromString(data)
+    (entry,) = (p for p in model.metadata_props if p.key == METADATA_KEY)
+    document = json.loads(entry.value)
+    del document["digest"]
+    entry.value = seal({**document, "schema": 9})
     return model.SerializeToString()
 
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.eye import RetinaSpec
-from reflexarc_runtime.controller import RECOVERY_INPUTS, Controller, Inputs, State
+from reflexarc_runtime.controller import Controller, Inputs, State
 from reflexarc_runtime.decision import SAFE_ACTION, Decision, Verdict
 from reflexarc_runtime.messages.wire import Message
 from reflexarc_runtime.policy.policy import Policy
@@ -62,8 +62,8 @@ def test_without_input_the_body_is_told_to_stop():
 
 
 def test_it_drives_after_enough_good_inputs_in_a_row():
-    names = verdicts(decide(*good(RECOVERY_INPUTS + 1)))
-    assert names == ["RECOVERING"] * (RECOVERY_INPUTS - 1) + ["OK", "OK"]
+    names = verdicts(decide(*good(3 + 1)))
+    assert names == ["RECOVERING"] * (3 - 1) + ["OK", "OK"]
 
 
 def test_many_inputs_in_one_tick_count_each_and_the_newest_is_used():

@@ -123,8 +123,8 @@ def judge_log(outcome: Outcome, log: Path) -> None:
     try:
         read = read_log(log)
         ticks = list(read.ticks())
-        sensors = [f"/{read.run.robot}/retina", f"/{read.run.robot}/rejected"]
-        outcome.recorded = sum(1 for _ in read.records(*sensors))
+        inbox = [f"/{read.run.robot}/{name}" for name in ("retina", "rejected", "stop")]
+        outcome.recorded = sum(1 for _ in read.records(*inbox))
         outcome.replayed = _replays(log)
     except ReflexarcError as error:
         outcome.failures.append(f"log: {error}")

@@ -35,6 +35,21 @@ class Joining:
 
         return BusConfig(self.robot, self.port, listens, self.zenoh)
 
+    def bus(self, node: str, *, listens: bool = False, lockstep: bool = False) -> "Bus":
+        """A session on the bus; a context manager.
+
+        Args:
+            node: what the command is on the bus: runtime, body, recorder.
+            listens: whether it is the one body.
+            lockstep: whether the same run shall give the same messages, senders included.
+        """
+        from reflexarc_runtime.bus import Bus
+        from reflexarc_runtime.loop.clock import MonotonicClock
+        from reflexarc_runtime.messages.wire import lockstep_sender
+
+        sender = lockstep_sender(node) if lockstep else None
+        return Bus(self.config(listens=listens), MonotonicClock().now_ns, sender)
+
     def fleet(self, robots: int) -> "list[Joining]":
         """The flags of several robots, numbered from this one on: robot0, robot1, and so on."""
         stem = self.robot.rstrip("0123456789")

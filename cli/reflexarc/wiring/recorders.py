@@ -27,7 +27,7 @@ def recorder_of_run(
         backend=policy.backend.value,
         rate_hz=contract.rate_hz,
         clock="lockstep" if lockstep else "monotonic",
-        seed=contract.provenance.seed,
+        policy_seed=contract.provenance.seed,
         commit=contract.provenance.commit,
         host=platform.node(),
         versions=installed_versions(),

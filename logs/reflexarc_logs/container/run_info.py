@@ -28,6 +28,9 @@ UNKNOWN_BACKEND = "unknown"
 
 RECORDERS = ("run", "record", "import")
 
+FIRST_RULES = 1
+_RENAMED = {"seed": "policy_seed"}
+
 _PACKAGES = ("reflexarc", "numpy", "onnx", "onnxruntime", "protobuf", "mcap", "eclipse-zenoh")
 
 
@@ -50,7 +53,11 @@ class RunInfo:
     """`run`: the loop handed over its own inputs, in the order in which it used them. `record`:
     a listener on the bus wrote what it heard, in its own order; ticks and inputs do not pair.
     `import`: made of a file of another system; it has no ticks."""
-    seed: int = 0
+    rules: int = FIRST_RULES
+    """Version of the controller's rules; a log that names none is of the first. The recorder fills
+    it in."""
+    policy_seed: int = 0
+    """Seed with which the policy was trained; where a body drove, its `body` messages say."""
     commit: str = ""
     host: str = ""
     versions: Mapping[str, str] = field(default_factory=dict)
@@ -79,7 +86,7 @@ class RunInfo:
         """
         if "run_id" not in document:
             raise LogError(f"{RUN}: expected a run_id, got none; the log is damaged")
-        source = MappingSource(_with_versions(document), RUN, LogError)
+        source = MappingSource(_with_versions(_renamed(document)), RUN, LogError)
         info = fill(cls, source, _number, ignore_unknown=True)
         _check(info)
         return info
@@ -94,6 +101,11 @@ def installed_versions() -> dict[str, str]:
         except metadata.PackageNotFoundError:
             continue  # run from a checkout, or without an optional part
     return versions
+
+
+def _renamed(document: Mapping[str, str]) -> Mapping[str, str]:
+    """The metadata of an older log under the names of today."""
+    return {_RENAMED.get(name, name): text for name, text in document.items()}
 
 
 def _with_versions(document: Mapping[str, str]) -> dict[str, object]:

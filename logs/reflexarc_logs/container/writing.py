@@ -16,6 +16,7 @@ from mcap.writer import CompressionType, Writer
 from mcap_protobuf.schema import build_file_descriptor_set
 
 from reflexarc_runtime.errors import LogError
+from reflexarc_runtime.messages.wire import NO_SENDER
 
 CHUNK_BYTES = 64 * 1024
 PARTIAL = ".partial"
@@ -25,6 +26,10 @@ POLICY_ATTACHMENT = "policy.onnx"
 CONFIG_ATTACHMENT = "config.json"
 END = "reflexarc.end"
 """Metadata written last, where something is missing: how many records, how many chunks."""
+
+SENDER = "reflexarc.sender"
+"""Metadata of a channel: the identifier of whoever sent its messages, in hexadecimal."""
+NO_METADATA: Mapping[str, str] = {}
 
 
 class LogWriter:
@@ -53,7 +58,7 @@ class LogWriter:
             enable_data_crcs=True,
         )
         self._schemas: dict[str, int] = {}
-        self._channels: dict[tuple[str, str], int] = {}
+        self._channels: dict[tuple[str, str, str], int] = {}
         self._writer.start(profile=PROFILE)
 
     def attach(self, name: str, media_type: str, data: bytes) -> None:
@@ -64,25 +69,32 @@ class LogWriter:
         """Write a metadata record."""
         self._writer.add_metadata(name, dict(document))
 
-    def channel(self, topic: str, kind: type[ProtobufMessage]) -> int:
-        """The channel of a topic that carries this protobuf message."""
-        name = kind.DESCRIPTOR.full_name
-        if (topic, name) in self._channels:
-            return self._channels[topic, name]
-        return self.raw_channel(
-            topic, name, "protobuf", build_file_descriptor_set(kind).SerializeToString()
-        )
+    def channel(self, topic: str, kind: type[ProtobufMessage], sender: bytes = NO_SENDER) -> int:
+        """The channel of a topic that carries this protobuf message from this sender."""
+        name, who = kind.DESCRIPTOR.full_name, sender.hex()
+        if (topic, name, who) in self._channels:
+            return self._channels[topic, name, who]
+        descriptors = build_file_descriptor_set(kind).SerializeToString()
+        return self.raw_channel(topic, name, "protobuf", descriptors, {SENDER: who})
 
-    def raw_channel(self, topic: str, schema: str, encoding: str, descriptors: bytes) -> int:
+    def raw_channel(
+        self,
+        topic: str,
+        schema: str,
+        encoding: str,
+        descriptors: bytes,
+        metadata: Mapping[str, str] = NO_METADATA,
+    ) -> int:
         """The channel of a topic, its schema given as it stands in a log."""
-        if (topic, schema) not in self._channels:
+        place = (topic, schema, metadata.get(SENDER, ""))
+        if place not in self._channels:
             if schema not in self._schemas:
                 registered = self._writer.register_schema(schema, encoding, descriptors)
                 self._schemas[schema] = registered
-            self._channels[topic, schema] = self._writer.register_channel(
-                topic, encoding, self._schemas[schema]
+            self._channels[place] = self._writer.register_channel(
+                topic, encoding, self._schemas[schema], dict(metadata)
             )
-        return self._channels[topic, schema]
+        return self._channels[place]
 
     def add(
         self, channel: int, payload: bytes, *, sequence: int, publish_ns: int, log_ns: int

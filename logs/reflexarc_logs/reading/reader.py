@@ -25,9 +25,10 @@ from reflexarc_logs.container.record_stream import (
     unpack,
 )
 from reflexarc_logs.container.run_info import RunInfo
-from reflexarc_logs.container.writing import CONFIG_ATTACHMENT, POLICY_ATTACHMENT
+from reflexarc_logs.container.writing import CONFIG_ATTACHMENT, POLICY_ATTACHMENT, SENDER
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages.topics import TICK
+from reflexarc_runtime.messages.wire import NO_SENDER, SENDER_BYTES
 from reflexarc_runtime.messages_pb2 import Tick
 
 M = TypeVar("M", bound=ProtobufMessage)
@@ -47,6 +48,8 @@ class Record:
     publish_ns: int
     """On the sender's clock."""
     payload: bytes
+    sender: bytes = NO_SENDER
+    """Who sent it: 16 bytes; zeros in logs that do not say."""
 
 
 @dataclass(frozen=True)
@@ -89,9 +92,9 @@ class Log:
         channels = _Channels()
         for record in self._mcap_records():
             if isinstance(record, McapMessage):
-                channel, schema = channels.of(record, self.path)
-                if not topics or channel.topic in topics:
-                    yield _record(channel, schema, record)
+                stream = channels.of(record, self.path)
+                if not topics or stream.topic in topics:
+                    yield _record(stream, record)
             else:
                 channels.learn(record)
 
@@ -173,35 +176,55 @@ def decode(log: Log, record: Record, kind: type[M]) -> M:
     raise LogError(f"{log.path}: {record.topic}: expected {name}, got something else; damaged?")
 
 
+@dataclass(frozen=True, slots=True)
+class _Stream:
+    """What all messages of a channel have in common."""
+
+    topic: str
+    schema: str
+    sender: bytes
+
+
 class _Channels:
     """The channels and schemas read so far."""
 
     def __init__(self) -> None:
         self._schemas: dict[int, str] = {}
-        self._channels: dict[int, Channel] = {}
+        self._streams: dict[int, _Stream] = {}
 
     def learn(self, record: McapRecord) -> None:
         if isinstance(record, Schema):
             self._schemas[record.id] = record.name
         elif isinstance(record, Channel):
-            self._channels[record.id] = record
+            schema = self._schemas.get(record.schema_id, "")
+            self._streams[record.id] = _Stream(record.topic, schema, _sender(record))
 
-    def of(self, message: McapMessage, path: Path) -> tuple[Channel, str]:
-        channel = self._channels.get(message.channel_id)
-        if channel is None:
+    def of(self, message: McapMessage, path: Path) -> _Stream:
+        stream = self._streams.get(message.channel_id)
+        if stream is None:
             raise LogError(f"{path}: a message on an unknown channel; `reflexarc recover` it")
-        return channel, self._schemas.get(channel.schema_id, "")
+        return stream
 
 
-def _record(channel: Channel, schema: str, message: McapMessage) -> Record:
+def _record(stream: _Stream, message: McapMessage) -> Record:
     return Record(
-        topic=channel.topic,
-        schema=schema,
+        topic=stream.topic,
+        schema=stream.schema,
         sequence=message.sequence,
         log_ns=message.log_time,
         publish_ns=message.publish_time,
         payload=message.data,
+        sender=stream.sender,
     )
+
+
+def _sender(channel: Channel) -> bytes:
+    """The identifier in a channel's metadata; of a damaged one none."""
+    text = channel.metadata.get(SENDER, "")
+    try:
+        return bytes.fromhex(text).ljust(SENDER_BYTES, b"\0")[:SENDER_BYTES]
+    except ValueError:
+        return NO_SENDER
 
 
 def _log(path: Path, found: Survey) -> Log:

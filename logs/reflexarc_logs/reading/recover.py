@@ -127,7 +127,9 @@ class _Rescue:
         schema = None if channel is None else self._schemas.get(channel.schema_id)
         if channel is None or schema is None:
             return  # its channel stood in a damaged chunk, which is counted
-        target = self.file.raw_channel(channel.topic, schema.name, schema.encoding, schema.data)
+        target = self.file.raw_channel(
+            channel.topic, schema.name, schema.encoding, schema.data, channel.metadata
+        )
         self.file.add(
             target,
             message.data,

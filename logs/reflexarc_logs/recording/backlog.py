@@ -2,8 +2,12 @@
 
 import queue
 import threading
+from typing import TypeAlias
 
+from reflexarc_runtime.keyframe import Keyframe
 from reflexarc_runtime.messages.wire import Message
+
+Entry: TypeAlias = Message | Keyframe
 
 MAX_RECORDS = 200_000
 MAX_BYTES = 256 << 20
@@ -13,7 +17,7 @@ class Backlog:
     """Records that wait to be written. When it is full, new ones are dropped and counted."""
 
     def __init__(self, max_records: int = MAX_RECORDS, max_bytes: int = MAX_BYTES) -> None:
-        self._queue: queue.SimpleQueue[Message | None] = queue.SimpleQueue()
+        self._queue: queue.SimpleQueue[Entry | None] = queue.SimpleQueue()
         self._max_records = max_records
         self._max_bytes = max_bytes
         self._bytes = 0
@@ -22,35 +26,40 @@ class Backlog:
         self.ended = False
         """Everything up to the end has been taken."""
 
-    def put(self, message: Message) -> None:
+    def put(self, entry: Entry) -> None:
         """Add a record, or count it as dropped; from any thread, without waiting."""
-        size = len(message.payload)
+        size = _size(entry)
         with self._lock:
             full = self._queue.qsize() >= self._max_records
             if full or self._bytes + size > self._max_bytes:
                 self.dropped += 1
                 return
             self._bytes += size
-        self._queue.put(message)
+        self._queue.put(entry)
 
     def end(self) -> None:
         """Say that no more will come."""
         self._queue.put(None)
 
-    def take(self, timeout_s: float) -> Message | None:
+    def take(self, timeout_s: float) -> Entry | None:
         """Take the oldest record, waiting for one; None when the time or the queue is over."""
         try:
-            message = self._queue.get(timeout=max(0.0, timeout_s))
+            entry = self._queue.get(timeout=max(0.0, timeout_s))
         except queue.Empty:
             return None
-        if message is None:
+        if entry is None:
             self.ended = True
             return None
         with self._lock:
-            self._bytes -= len(message.payload)
-        return message
+            self._bytes -= _size(entry)
+        return entry
 
     def clear(self) -> None:
         """Forget everything that waits."""
         while not self._queue.empty():
             self.take(0.0)
+
+
+def _size(entry: Entry) -> int:
+    """Bytes of what was received; a keyframe shares its arrays with the loop."""
+    return len(entry.payload) if isinstance(entry, Message) else 0

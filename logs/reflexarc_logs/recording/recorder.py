@@ -23,8 +23,10 @@ from reflexarc_logs.container.run_info import RUN, RunInfo
 from reflexarc_logs.container.writing import CONFIG_ATTACHMENT, END, POLICY_ATTACHMENT, LogWriter
 from reflexarc_logs.recording.backlog import Backlog
 from reflexarc_runtime.errors import LogError
+from reflexarc_runtime.keyframe import Keyframe
 from reflexarc_runtime.messages.wire import Message
 from reflexarc_runtime.policy.model_file import policy_hash
+from reflexarc_runtime.rules import CURRENT_RULES
 
 FLUSH_PERIOD_S = 0.5
 
@@ -36,7 +38,8 @@ class Recorder:
 
     Args:
         path: the log to be; it must not exist. Until it is finished it is `path` + `.partial`.
-        run: what the log says about the run; `policy_hash` and `wall_offset_ns` are filled in.
+        run: what the log says about the run; `policy_hash`, `wall_offset_ns` and `rules` are
+            filled in.
         policy: the policy file, attached as `policy.onnx`; empty where none is known.
         config: the resolved configuration, attached as `config.json`.
         wall_offset_ns: wall clock minus monotonic clock at the start; 0 in lockstep.
@@ -57,7 +60,12 @@ class Recorder:
         # A robot without a clock may boot before 1970 + its uptime; a log has no negative times.
         self._offset_ns = max(0, wall_offset_ns)
         identity = policy_hash(policy) if policy else ""
-        self._run = replace(run, policy_hash=identity, wall_offset_ns=self._offset_ns)
+        self._run = replace(
+            run,
+            policy_hash=identity,
+            wall_offset_ns=self._offset_ns,
+            rules=CURRENT_RULES.version,
+        )
         self._intake = Intake(run.robot)
         self._backlog = Backlog()
         self._failure = ""
@@ -101,6 +109,11 @@ class Recorder:
         if not self._failure and not self._closed:
             self._backlog.put(message)
 
+    def put_keyframe(self, keyframe: Keyframe) -> None:
+        """See `Sink.put_keyframe`; encoded in the recorder's own thread."""
+        if not self._failure and not self._closed:
+            self._backlog.put(keyframe)
+
     def close(self) -> None:
         """Write what is queued and finish the file; a second call does nothing."""
         if not self._closed:
@@ -138,16 +151,16 @@ class Recorder:
         flush_due_s = time.monotonic() + FLUSH_PERIOD_S
         told = 0
         while not self._backlog.ended:
-            message = self._backlog.take(flush_due_s - time.monotonic())
-            if message is not None:
-                self._write(self._intake.sort(message))
+            entry = self._backlog.take(flush_due_s - time.monotonic())
+            if entry is not None:
+                self._write(self._intake.sort(entry))
             if time.monotonic() >= flush_due_s:
                 self._file.flush()
                 flush_due_s = time.monotonic() + FLUSH_PERIOD_S
                 told = self._tell_of_drops(told)
 
     def _write(self, entry: LogEntry) -> None:
-        channel = self._file.channel(f"/{entry.key}", entry.kind)
+        channel = self._file.channel(f"/{entry.key}", entry.kind, entry.sender)
         log_ns = entry.received_ns + self._offset_ns
         self._file.add(
             channel,

@@ -1,8 +1,8 @@
 """What a replay found: counts first, then the first divergence, then each flip with its margin.
 
 Rules. With the NumPy backend on both sides values are equal in bits. With onnxruntime on either
-side Q-values agree to `Q_TOLERANCE`, and a flip between two actions whose recorded values lie
-closer than twice that is rounding; everything else is a divergence.
+side Q-values and memories agree to the contract's `q_tolerance`, and a flip between two actions
+whose recorded values lie closer than twice that is rounding; everything else is a divergence.
 """
 
 import dataclasses
@@ -17,6 +17,7 @@ from reflexarc_runtime.policy.agreement import Q_TOLERANCE
 SHOWN_FLIPS = 12
 
 _FOLLOWS_ACTION = (
+    "winner",
     "action",
     "command.action",
     "command.linear_mps",
@@ -54,9 +55,11 @@ class EqualityRules:
     """What counts as equal."""
 
     exact: bool
-    """Bits; or `Q_TOLERANCE`, because onnxruntime computed one side."""
+    """Bits; or `tolerance`, because onnxruntime computed one side."""
     same_policy: bool
     """Whether the policy is the one that was recorded."""
+    tolerance: float = Q_TOLERANCE
+    """The `q_tolerance` of the policy's contract."""
 
     def judge(self, differences: Iterable[Difference], flip: Flip | None) -> list[Difference]:
         """The differences that count."""
@@ -68,8 +71,9 @@ class EqualityRules:
             return True
         if self.exact:
             return False
-        if path.startswith("q_values["):
-            return is_close(float(difference.recorded), float(difference.replayed))
+        if path.startswith(("q_values[", "state[")):
+            recorded, replayed = float(difference.recorded), float(difference.replayed)
+            return is_close(recorded, replayed, self.tolerance)
         return flip is not None and flip.rounding and path in _FOLLOWS_ACTION
 
 
@@ -87,6 +91,8 @@ class LevelResult:
     fields_compared: int
     not_compared: tuple[str, ...] = ()
     """Fields that only the log or only this package knows."""
+    warming_up: int = 0
+    """Ticks at which a candidate with a memory was asked, and that do not count yet."""
     first: Divergence | None = None
     flips: tuple[Flip, ...] = ()
 
@@ -149,6 +155,7 @@ class Tally:
     fields_compared: int = 0
     first: Divergence | None = None
     flips: list[Flip] = field(default_factory=list)
+    warming_up: int = 0
 
     def add(
         self, tick: int, fields: int, differences: Iterable[Difference], flip: Flip | None = None
@@ -175,10 +182,17 @@ class Tally:
             not_compared=not_compared,
             first=self.first,
             flips=tuple(self.flips),
+            warming_up=self.warming_up,
         )
 
 
-def find_flip(tick: int, q_values: Sequence[float], recorded: int, replayed: int) -> Flip | None:
+def find_flip(
+    tick: int,
+    q_values: Sequence[float],
+    recorded: int,
+    replayed: int,
+    tolerance: float = Q_TOLERANCE,
+) -> Flip | None:
     """The flip at a tick, if there is one.
 
     Args:
@@ -186,20 +200,21 @@ def find_flip(tick: int, q_values: Sequence[float], recorded: int, replayed: int
         q_values: what was recorded, (actions,).
         recorded: index of the action that was recorded.
         replayed: index of the action that won now.
+        tolerance: what two backends may differ by.
     """
     last = len(q_values) - 1
     if recorded == replayed or not (0 <= recorded <= last and 0 <= replayed <= last):
         return None
     margin = q_values[recorded] - q_values[replayed]
-    allowed = 2 * Q_TOLERANCE * max(1.0, abs(q_values[recorded]))
+    allowed = 2 * tolerance * max(1.0, abs(q_values[recorded]))
     return Flip(tick, recorded, replayed, margin, rounding=abs(margin) <= allowed)
 
 
-def is_close(recorded: float, replayed: float) -> bool:
+def is_close(recorded: float, replayed: float, tolerance: float = Q_TOLERANCE) -> bool:
     """Whether two Q-values agree as two backends must; what is not finite, only with itself."""
     if not (math.isfinite(recorded) and math.isfinite(replayed)):
         return recorded == replayed or (math.isnan(recorded) and math.isnan(replayed))
-    return abs(replayed - recorded) <= Q_TOLERANCE * max(1.0, abs(recorded))
+    return abs(replayed - recorded) <= tolerance * max(1.0, abs(recorded))
 
 
 def _level_lines(level: LevelResult, actions: tuple[str, ...]) -> Iterator[str]:
@@ -207,6 +222,8 @@ def _level_lines(level: LevelResult, actions: tuple[str, ...]) -> Iterator[str]:
         f"  level {level.level}: {level.ticks} ticks, {level.compared} compared, "
         f"{level.identical} identical; {level.fields_compared} fields"
     )
+    if level.warming_up:
+        yield f"    not counted: {level.warming_up} ticks in which its memory warms up"
     if level.not_compared:
         yield f"    not compared: {', '.join(level.not_compared)}"
     if level.first is not None:

@@ -1,24 +1,47 @@
-"""Replay at level `policy`: each tick's retinas through the policy, in batches.
+"""Replay at level `policy`: each tick's retinas through the policy, and what became of its choice.
 
-Ticks at which the policy was not asked have no Q-values and are not compared.
+Ticks at which the policy was not asked have no Q-values and are not compared. The recorded policy
+is asked in batches: a tick holds its memory as well. Another policy with a memory is asked in
+order, from its start value; what it says while that warms up does not count.
+
+Holds and margins are judged tick by tick, in order: given what was done before, would this action
+have been done?
 """
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from reflexarc_logs.reading.reader import Log
 from reflexarc_logs.replaying.comparison import EqualityRules, LevelResult, Tally, find_flip
-from reflexarc_logs.replaying.message_fields import Difference
-from reflexarc_runtime.arrays import QValues, RetinaBatch
+from reflexarc_logs.replaying.message_fields import Difference, message_type
+from reflexarc_logs.replaying.recorded_holds import RecordedHolds
+from reflexarc_runtime.arrays import Memories, QValues, RetinaBatch
+from reflexarc_runtime.choice import Hold, choose
 from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_runtime.decision import Verdict
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages_pb2 import Decision
+from reflexarc_runtime.policy.golden_check import start_of
 from reflexarc_runtime.policy.policy import LoadedPolicy
 
 BATCH_BYTES = 8 << 20
 """Retinas that go through the policy at once."""
+WARM_UP_NS = 2_000_000_000
+"""How long a candidate's memory warms up."""
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """A tick at which the policy was asked."""
+
+    decision: Decision
+    held: Hold | None
+    """What was being done before."""
+    is_hold_known: bool
+    """Not at the beginning of a slice, until an action is done for a known time."""
+    begins: bool
+    """Whether the policy's memory began anew."""
 
 
 def replay_policy(log: Log, policy: LoadedPolicy, rules: EqualityRules) -> LevelResult:
@@ -28,35 +51,48 @@ def replay_policy(log: Log, policy: LoadedPolicy, rules: EqualityRules) -> Level
         LogError: the log cannot be read, or its retinas are not those of this policy.
     """
     tally = Tally("policy", rules)
-    for batch in _batches(_asked(log, policy.contract, tally), policy.contract):
-        _compare(batch, policy, tally)
+    level = PolicyLevel(policy, tally, has_winner=_has_winner(log))
+    asked = _asked(log, policy.contract, tally)
+    if policy.contract.state.size and not rules.same_policy:
+        level.compare_in_order(asked)
+    else:
+        for batch in _batches(asked, policy.contract):
+            level.compare(batch)
     return tally.result()
 
 
-def _asked(log: Log, contract: PolicyContract, tally: Tally) -> Iterator[Decision]:
+def _has_winner(log: Log) -> bool:
+    """Whether ticks say what the policy preferred; before, it was always what was done."""
+    return "winner" in message_type(log.tick_descriptor(), "decision").fields_by_name
+
+
+def _asked(log: Log, contract: PolicyContract, tally: Tally) -> Iterator[Asked]:
     """Count every tick; yield those that have Q-values."""
     expected = contract.retina.frames * contract.retina.size, len(contract.actions)
+    holds, begins = RecordedHolds(contract), True
     for tick in log.ticks():
         tally.ticks += 1
         decision = tick.decision
-        if not decision.q_values:
-            continue
-        got = len(decision.retina), len(decision.q_values)
-        if got != expected:
-            raise LogError(
-                f"{log.path}: tick {decision.index}: the policy takes and gives {expected} "
-                f"(retina bytes, Q-values), the log holds {got}; give a policy that fits"
-            )
-        yield decision
+        if decision.q_values:
+            _check_sizes(log, decision, expected)
+            yield Asked(decision, holds.held, holds.are_known(decision), begins)
+        begins = not holds.saw(decision)
 
 
-def _batches(
-    decisions: Iterator[Decision], contract: PolicyContract
-) -> Iterator[Sequence[Decision]]:
+def _check_sizes(log: Log, decision: Decision, expected: tuple[int, int]) -> None:
+    got = len(decision.retina), len(decision.q_values)
+    if got != expected:
+        raise LogError(
+            f"{log.path}: tick {decision.index}: the policy takes and gives {expected} "
+            f"(retina bytes, Q-values), the log holds {got}; give a policy that fits"
+        )
+
+
+def _batches(asked: Iterator[Asked], contract: PolicyContract) -> Iterator[Sequence[Asked]]:
     size = max(1, BATCH_BYTES // (contract.retina.frames * contract.retina.size))
-    batch: list[Decision] = []
-    for decision in decisions:
-        batch.append(decision)
+    batch: list[Asked] = []
+    for one in asked:
+        batch.append(one)
         if len(batch) >= size:
             yield batch
             batch = []
@@ -64,28 +100,103 @@ def _batches(
         yield batch
 
 
-def _compare(batch: Sequence[Decision], policy: LoadedPolicy, tally: Tally) -> None:
-    replayed, winners = policy.decide(_stack(batch, policy.contract))
-    recorded: QValues = np.array([d.q_values for d in batch], np.float32)
-    same = (recorded.view(np.uint32) == replayed.view(np.uint32)).all(axis=1)
-    for row, decision in enumerate(batch):
-        differences: list[Difference] = []
-        if not same[row]:
-            differences += _value_differences(recorded[row], replayed[row])
-        flip, winner = None, int(winners[row])
-        if decision.verdict == Verdict.OK.value and decision.action != winner:
-            flip = find_flip(decision.index, decision.q_values, decision.action, winner)
-            differences.append(Difference("action", str(decision.action), str(winner)))
-        tally.add(decision.index, 2, differences, flip)
+@dataclass
+class PolicyLevel:
+    """A policy that is asked again, and the counts of what it said."""
+
+    policy: LoadedPolicy
+    tally: Tally
+    has_winner: bool
+
+    def compare(self, batch: Sequence[Asked]) -> None:
+        """Compare ticks, each given the memory that was recorded."""
+        contract = self.policy.contract
+        stacks = _stack([one.decision for one in batch], contract)
+        if contract.state.size:
+            memories = _recorded_memories(batch, contract)
+            q_values, winners, _ = self.policy.decide(stacks, memories)
+        else:
+            q_values, winners = self.policy.decide(stacks)
+        for one, values, winner in zip(batch, q_values, winners, strict=True):
+            self._add(one, values, int(winner))
+
+    def compare_in_order(self, asked: Iterator[Asked]) -> None:
+        """Compare ticks, with a memory of the policy's own."""
+        first_ns: int | None = None
+        memory = CandidateMemory(self.policy)
+        for one in asked:
+            now_ns = one.decision.now_ns
+            first_ns = now_ns if first_ns is None else first_ns
+            values, winner = memory.decide(one)
+            if now_ns - first_ns < WARM_UP_NS:
+                self.tally.warming_up += 1
+            else:
+                self._add(one, values, winner)
+
+    def _add(self, one: Asked, values: QValues, winner: int) -> None:
+        """Compare one tick: values (actions,) and the winner."""
+        decision = one.decision
+        differences = list(_value_differences(decision, values))
+        was = decision.winner if self.has_winner else decision.action
+        flip = None
+        if was != winner and decision.action >= 0:
+            tolerance = self.tally.rules.tolerance
+            flip = find_flip(decision.index, decision.q_values, was, winner, tolerance)
+            name = "winner" if self.has_winner else "action"
+            differences.append(Difference(name, str(was), str(winner)))
+        if self.has_winner and one.is_hold_known and decision.action >= 0:
+            differences += self._action_differences(one, values, winner)
+        self.tally.add(decision.index, 2 + self.has_winner, differences, flip)
+
+    def _action_differences(self, one: Asked, values: QValues, winner: int) -> list[Difference]:
+        contract, slot = self.policy.contract, one.decision.slot
+        q_values = values.tolist()
+        now = choose(one.held, q_values, winner, slot, contract.hold_slots, contract.margin)
+        if now.action == one.decision.action:
+            return []
+        return [Difference("action", str(one.decision.action), str(now.action))]
 
 
-def _stack(batch: Sequence[Decision], contract: PolicyContract) -> RetinaBatch:
-    flat = np.frombuffer(b"".join(d.retina for d in batch), np.uint8)
-    return flat.reshape(len(batch), *contract.retina.stack_shape)
+class CandidateMemory:
+    """What a policy would have remembered of a log that another one drove."""
+
+    def __init__(self, policy: LoadedPolicy) -> None:
+        self._policy = policy
+        self._memory = self._following = self._start()
+        self._input = (-1, -1)
+
+    def decide(self, one: Asked) -> tuple[QValues, int]:
+        """Q-values (actions,) and the winner; a newer input commits what it remembers."""
+        if one.begins:
+            self._memory = self._following = self._start()
+        used = (one.decision.input.sequence, one.decision.input.source_time_ns)
+        if used != self._input:
+            self._memory, self._input = self._following, used
+        stacks = _stack([one.decision], self._policy.contract)
+        q_values, winners, self._following = self._policy.decide(stacks, self._memory)
+        return q_values[0], int(winners[0])
+
+    def _start(self) -> Memories:
+        start = start_of(self._policy.contract, 1)
+        assert start is not None  # it is only asked in order because it has a memory
+        return start
 
 
-def _value_differences(recorded: QValues, replayed: QValues) -> Iterator[Difference]:
+def _stack(decisions: Sequence[Decision], contract: PolicyContract) -> RetinaBatch:
+    flat = np.frombuffer(b"".join(d.retina for d in decisions), np.uint8)
+    return flat.reshape(len(decisions), *contract.retina.stack_shape)
+
+
+def _recorded_memories(batch: Sequence[Asked], contract: PolicyContract) -> Memories:
+    start = contract.state.start_value
+    return np.array([one.decision.state or start for one in batch], np.float32)
+
+
+def _value_differences(decision: Decision, values: QValues) -> Iterator[Difference]:
     """One row, (actions,) each."""
-    for i, (old, new) in enumerate(zip(recorded, replayed, strict=True)):
+    recorded = np.array(decision.q_values, np.float32)
+    if recorded.tobytes() == values.tobytes():
+        return
+    for i, (old, new) in enumerate(zip(recorded, values, strict=True)):
         if old.tobytes() != new.tobytes():
             yield Difference(f"q_values[{i}]", repr(float(old)), repr(float(new)))

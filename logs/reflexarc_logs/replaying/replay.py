@@ -45,6 +45,7 @@ def replay(
     rules = EqualityRules(
         exact=Backend.NUMPY == chosen.backend == source.run.backend,
         same_policy=chosen.policy_hash == source.run.policy_hash,
+        tolerance=chosen.contract.q_tolerance,
     )
     source.tick_descriptor()  # a log without ticks says so before any level begins
     results, notes = _run(source, chosen, rules, level)
@@ -71,7 +72,7 @@ def attached_policy(log: Log, backend: Backend | str | None = None) -> LoadedPol
         raise LogError(f"{log.path}: no policy is attached; give one with --policy")
     _check_identity(log)
     try:
-        return load_policy(log.policy, backend or log.run.replay_backend)
+        return load_policy(log.policy, backend or log.run.replay_backend, bounds=None)
     except ReflexarcError as error:
         raise type(error)(f"{log.path}: attached {error}") from None
 
@@ -82,10 +83,10 @@ def _policy(
     if given is None:
         return attached_policy(log, backend)
     if not isinstance(given, LoadedPolicy):
-        return load_policy(given, backend or log.run.replay_backend)
+        return load_policy(given, backend or log.run.replay_backend, bounds=None)
     if backend is None or given.backend == Backend(backend):
         return given
-    return load_policy(given.data, backend)
+    return load_policy(given.data, backend, bounds=None)
 
 
 def _check_identity(log: Log) -> None:
@@ -110,7 +111,7 @@ def _run(
         if obstacle:
             notes.append(f"level node was left out: {obstacle}")
         else:
-            result, left_over = replay_node(log, policy, rules)
+            result, told = replay_node(log, policy, rules)
             results.append(result)
-            notes += [f"{left_over} inputs after the last tick"] if left_over else []
+            notes += told
     return results, notes

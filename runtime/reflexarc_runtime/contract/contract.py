@@ -10,7 +10,7 @@ retina is the leftmost ray. SI units; times on the bus are integer nanoseconds.
 import dataclasses
 import math
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 from typing import Self
 
 from reflexarc_runtime.config.checks import require
@@ -80,7 +80,7 @@ class PolicyContract:
         """`max_input_age_s` in nanoseconds."""
         return round(self.max_input_age_s * 1e9)
 
-    @property
+    @cached_property
     def hold_slots(self) -> int:
         """`hold_s` in periods of the loop, rounded up; 0.7 s at 10 Hz are 7 in spite of floats."""
         return math.ceil(round(self.hold_s * self.rate_hz, 6))

@@ -6,6 +6,8 @@ message is dropped and counted, so that a runtime that was blocked goes on with 
 
 import threading
 from collections import deque
+from collections.abc import Callable
+from dataclasses import replace
 
 from reflexarc_runtime.messages.wire import Message
 
@@ -20,6 +22,7 @@ class Inbox:
         self._capacity = capacity
         self._arrival = threading.Condition()
         self._overflows = 0
+        self._drained_ns = 0
 
     @property
     def overflows(self) -> int:
@@ -29,18 +32,26 @@ class Inbox:
     def put(self, message: Message) -> None:
         """Add a message; from any thread."""
         with self._arrival:
+            if message.received_ns < self._drained_ns:
+                # It waited for the lock while a tick took the time: it belongs to the next one.
+                message = replace(message, received_ns=self._drained_ns)
             if len(self._messages) >= self._capacity:
                 self._messages.popleft()
                 self._overflows += 1
             self._messages.append(message)
             self._arrival.notify()
 
-    def drain(self) -> tuple[Message, ...]:
-        """Take all messages, oldest first."""
+    def drain(self, now_ns: Callable[[], int]) -> tuple[tuple[Message, ...], int]:
+        """Take all messages, oldest first, and the time.
+
+        No message that comes later has an earlier arrival, so that a log's order in time is the
+        order in which the loop used its inputs.
+        """
         with self._arrival:
             messages = tuple(self._messages)
             self._messages.clear()
-            return messages
+            self._drained_ns = now_ns()
+            return messages, self._drained_ns
 
     def take(self, timeout_s: float) -> Message | None:
         """Take the oldest message, waiting for one if need be; None after the timeout."""

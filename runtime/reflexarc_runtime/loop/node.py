@@ -5,18 +5,29 @@ publish the command, the sink records.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 from reflexarc_runtime.controller import Controller, Inputs, State
 from reflexarc_runtime.decision import Decision, Timing
+from reflexarc_runtime.keyframe import Keyframe
 from reflexarc_runtime.loop.monitor import Monitor, Summary
 from reflexarc_runtime.loop.pacer import Pacer, Wakeup
 from reflexarc_runtime.loop.sink import NoSink, Sink
 from reflexarc_runtime.loop.throttle import Throttle
 from reflexarc_runtime.messages.codec import Status, encode_command, encode_status, encode_tick
-from reflexarc_runtime.messages.topics import COMMAND, DEFAULT_ROBOT, TICK, Topic
-from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp, protobuf_encoding
+from reflexarc_runtime.messages.controls import encode_stop
+from reflexarc_runtime.messages.topics import COMMAND, DEFAULT_ROBOT, STOP, TICK, Topic
+from reflexarc_runtime.messages.wire import (
+    NO_SENDER,
+    Message,
+    Stamp,
+    pack_stamp,
+    protobuf_encoding,
+)
+
+END_OF_RUN = "the runtime was asked to end"
+"""Reason of the stop that the loop gives itself."""
 
 
 class Outlet(Protocol):
@@ -48,6 +59,7 @@ class Node:
         sink: Sink | None = None,
         robot: str = DEFAULT_ROBOT,
         run_id: str = "",
+        sender: bytes = NO_SENDER,
         overflows: Callable[[], int] = lambda: 0,
     ) -> None:
         self._controller = controller
@@ -56,11 +68,14 @@ class Node:
         self._sink: Sink = sink or NoSink()
         self._robot = robot
         self._run_id = run_id
+        self._sender = sender
         self._overflows = overflows
         self._monitor = Monitor()
         self._state = State()
         self._record_ns = 0
         self._every_second = Throttle(at_once=False)
+        self._keyframes = Throttle()
+        self._last_ns: int | None = None
 
     def run(
         self, should_stop: Callable[[], bool] = lambda: False, max_ticks: int | None = None
@@ -71,13 +86,20 @@ class Node:
             if wakeup is None:
                 break
             self._tick(wakeup)
-        self._tick(self._pacer.farewell(), stop=True)
+        self._tick(self._stopped(self._pacer.farewell()))
         return self._monitor.summary()
 
-    def _tick(self, wakeup: Wakeup, *, stop: bool = False) -> None:
-        inputs = Inputs(wakeup.messages, wakeup.slot, stop)
+    def _stopped(self, wakeup: Wakeup) -> Wakeup:
+        """The wake-up with a stop behind its messages: what ends the run is in the log as well."""
+        stamp = Stamp(0, wakeup.now_ns, self._sender)
+        stop = self._own(STOP, encode_stop(END_OF_RUN), stamp)
+        return replace(wakeup, messages=(*wakeup.messages, stop))
+
+    def _tick(self, wakeup: Wakeup) -> None:
+        before = self._state
+        inputs = Inputs(wakeup.messages, wakeup.slot)
         began_ns = self._pacer.now_ns()
-        self._state, decision = self._controller.step(self._state, inputs, wakeup.now_ns)
+        self._state, decision = self._controller.step(before, inputs, wakeup.now_ns)
         decided_ns = self._pacer.now_ns()
         command = self._publish(decision)
         published_ns = self._pacer.now_ns()
@@ -89,6 +111,7 @@ class Node:
             publish_ns=published_ns - decided_ns,
             record_ns=self._record_ns,
         )
+        self._remember(before, wakeup)
         self._record(wakeup.messages, decision, timing, command)
         self._record_ns = self._pacer.now_ns() - published_ns
         self._monitor.saw(decision, timing)
@@ -99,6 +122,21 @@ class Node:
         self._outlets.command.put(command, decision.now_ns)
         return command
 
+    def _remember(self, before: State, wakeup: Wakeup) -> None:
+        """Once a second, and at the first tick, record what the controller knew before this one.
+
+        It stands behind the tick before and in front of this tick's messages, in the file and in
+        time.
+        """
+        if self._keyframes.is_due(wakeup.now_ns):
+            times_ns = [message.received_ns for message in wakeup.messages]
+            earliest_ns = min([wakeup.now_ns, *times_ns])
+            at_ns = earliest_ns if self._last_ns is None else self._last_ns
+            self._sink.put_keyframe(
+                Keyframe(before, at_ns, self._controller.policy_hash, self._sender)
+            )
+        self._last_ns = wakeup.now_ns
+
     def _record(
         self, messages: tuple[Message, ...], decision: Decision, timing: Timing, command: bytes
     ) -> None:
@@ -106,15 +144,15 @@ class Node:
         tick = encode_tick(decision, timing)
         for message in messages:
             self._sink.put(message)
-        self._sink.put(self._own(TICK, tick, decision))
-        self._sink.put(self._own(COMMAND, command, decision))
+        stamp = Stamp(decision.index, decision.now_ns, self._sender)
+        self._sink.put(self._own(TICK, tick, stamp))
+        self._sink.put(self._own(COMMAND, command, stamp))
         self._outlets.tick.put(tick, decision.now_ns)
 
-    def _own(self, topic: Topic, payload: bytes, decision: Decision) -> Message:
-        stamp = Stamp(decision.index, decision.now_ns)
+    def _own(self, topic: Topic, payload: bytes, stamp: Stamp) -> Message:
         encoding = protobuf_encoding(topic.schema)
         key = topic.key(self._robot)
-        return Message(key, payload, encoding, pack_stamp(stamp), decision.now_ns)
+        return Message(key, payload, encoding, pack_stamp(stamp), stamp.time_ns)
 
     def _report(self, now_ns: int, policy_hash: str) -> None:
         if not self._every_second.is_due(now_ns):

@@ -75,8 +75,7 @@ class RatePacer:
     def farewell(self) -> Wakeup:
         """See `Pacer.farewell`."""
         wake_ns = self._clock.now_ns()
-        messages = self._inbox.drain()
-        now_ns = self._clock.now_ns()
+        messages, now_ns = self._inbox.drain(self._clock.now_ns)
         return Wakeup(self._slot, self._deadline_ns(), wake_ns, now_ns, messages, now_ns - wake_ns)
 
     def now_ns(self) -> int:

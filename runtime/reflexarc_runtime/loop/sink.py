@@ -2,6 +2,7 @@
 
 from typing import Protocol
 
+from reflexarc_runtime.keyframe import Keyframe
 from reflexarc_runtime.messages.wire import Message
 
 
@@ -10,6 +11,10 @@ class Sink(Protocol):
 
     def put(self, message: Message) -> None:
         """Take one message, as it came or as it was sent."""
+        ...
+
+    def put_keyframe(self, keyframe: Keyframe) -> None:
+        """Take what the controller remembers between two ticks; it is encoded elsewhere."""
         ...
 
     @property
@@ -25,3 +30,6 @@ class NoSink:
 
     def put(self, message: Message) -> None:
         """See `Sink.put`."""
+
+    def put_keyframe(self, keyframe: Keyframe) -> None:
+        """See `Sink.put_keyframe`."""

@@ -116,6 +116,8 @@ def decision_to_protobuf(decision: Decision) -> pb.Decision:
         reason=decision.reason,
         command=_command_to_protobuf(decision.command),
         policy_hash=decision.policy_hash,
+        winner=decision.winner,
+        state=np.array(decision.state, np.float32) if decision.state else None,
     )
 
 

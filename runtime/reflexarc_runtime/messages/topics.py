@@ -22,6 +22,7 @@ DEFAULT_ROBOT = "robot0"
 RUNTIME_NODE = "runtime"
 BODY_NODE = "body"
 RECORDER_NODE = "recorder"
+OPERATOR = "operator"
 
 
 class Quality(Enum):
@@ -67,6 +68,10 @@ ODOMETRY = Topic("odometry", PoseInFrame, (BODY_NODE,), "sensor")
 SCENE = Topic("scene", SceneUpdate, (BODY_NODE,), "1 Hz")
 LOG = Topic("log", Log, (RUNTIME_NODE, BODY_NODE), "event")
 CONTACT = Topic("contact", pb.Contact, (BODY_NODE,), "event")
+BODY = Topic("body", pb.Body, (BODY_NODE,), "1 Hz")
+STOP = Topic("stop", pb.Stop, (RUNTIME_NODE, OPERATOR), "event", Quality.CONTROL)
+RESET = Topic("reset", pb.Reset, (OPERATOR,), "event", Quality.CONTROL)
+KEYFRAME = Topic("keyframe", pb.Keyframe, (RECORDER_NODE,), "1 Hz")
 REJECTED = Topic("rejected", pb.Rejected, (RECORDER_NODE,), "event")
 
 TOPICS: tuple[Topic, ...] = (
@@ -81,10 +86,20 @@ TOPICS: tuple[Topic, ...] = (
     SCENE,
     LOG,
     CONTACT,
+    BODY,
+    STOP,
+    RESET,
+    KEYFRAME,
     REJECTED,
 )
 SENSORS: dict[str, Topic] = {"retina": RETINA, "scan": SCAN}
 """The streams that the runtime can decide on, by the value of `--input`."""
+CONTROLS = (STOP, RESET)
+"""The streams beside the sensor's that decide: they reach the loop through its inbox."""
+RECORDERS_OWN = (KEYFRAME, REJECTED)
+"""The streams that only a recorder writes: they are in logs, never on the bus."""
+ON_THE_BUS = tuple(topic for topic in TOPICS if topic.recorded and topic not in RECORDERS_OWN)
+"""The streams that are recorded as they are on the bus."""
 
 BODY_TOPICS = tuple(topic for topic in TOPICS if topic.publishers == (BODY_NODE,))
 """The streams that only a body publishes: `play` sends these out again."""

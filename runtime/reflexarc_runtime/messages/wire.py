@@ -11,8 +11,11 @@ MAX_PAYLOAD_BYTES = 1 << 20
 MAX_SEQUENCE = (1 << 32) - 1
 """The largest sequence number that a log can keep, in 32 bits."""
 
+SENDER_BYTES = 16
+NO_SENDER = bytes(SENDER_BYTES)
+"""The identifier of whoever gives none."""
+
 _ATTACHMENT = struct.Struct("<qqB16s")
-_NO_SENDER = bytes(16)
 
 
 class UndecodableError(ValueError):
@@ -38,10 +41,12 @@ class Message:
 
 @dataclass(frozen=True, slots=True)
 class Stamp:
-    """Sequence number of a message, and the time on the sender's clock when it was sent."""
+    """Sequence number of a message, when it was sent on the sender's clock, and by whom."""
 
     sequence: int
     time_ns: int
+    sender: bytes = NO_SENDER
+    """16 bytes that a node draws when it begins; in lockstep the same ones in every run."""
 
 
 def protobuf_encoding(schema: str) -> str:
@@ -49,9 +54,14 @@ def protobuf_encoding(schema: str) -> str:
     return f"application/protobuf;{schema}"
 
 
-def pack_stamp(stamp: Stamp, sender: bytes = _NO_SENDER) -> bytes:
+def lockstep_sender(node: str) -> bytes:
+    """The identifier of a node in lockstep, where the same run gives the same log."""
+    return f"lockstep {node}".encode()[:SENDER_BYTES].ljust(SENDER_BYTES, b"\0")
+
+
+def pack_stamp(stamp: Stamp) -> bytes:
     """A stamp as an attachment."""
-    return _ATTACHMENT.pack(stamp.sequence, stamp.time_ns, len(sender), sender)
+    return _ATTACHMENT.pack(stamp.sequence, stamp.time_ns, len(stamp.sender), stamp.sender)
 
 
 def unpack_stamp(attachment: bytes) -> Stamp:
@@ -66,12 +76,12 @@ def unpack_stamp(attachment: bytes) -> Stamp:
         raise UndecodableError(
             f"attachment: expected {_ATTACHMENT.size} bytes (sequence, time, sender), got {got}"
         )
-    sequence, time_ns, _, _ = _ATTACHMENT.unpack(attachment)
+    sequence, time_ns, _, sender = _ATTACHMENT.unpack(attachment)
     if not 0 <= sequence <= MAX_SEQUENCE or time_ns < 0:
         raise UndecodableError(
             f"attachment: expected sequence 0 to 2^32 − 1 and time ≥ 0, got {sequence}, {time_ns}"
         )
-    return Stamp(sequence, time_ns)
+    return Stamp(sequence, time_ns, sender)
 
 
 def at_source_time(message: Message, earliest_ns: int = 0) -> Message:

@@ -16,7 +16,7 @@ infos = st.builds(
     rate_hz=st.floats(allow_nan=False),
     clock=st.sampled_from(["monotonic", "lockstep"]),
     recorded_by=st.sampled_from(["run", "record"]),
-    seed=st.integers(),
+    policy_seed=st.integers(),
     commit=texts,
     host=texts,
     versions=st.dictionaries(texts, texts, max_size=3),
@@ -45,7 +45,7 @@ def test_a_run_without_an_identity_is_refused():
     ("field", "text", "words"),
     [
         ("rate_hz", "fast", "reflexarc.run.rate_hz: got 'fast'; the log is damaged"),
-        ("seed", "1.5", "reflexarc.run.seed: got '1.5'; the log is damaged"),
+        ("seed", "1.5", "reflexarc.run.policy_seed: got '1.5'; the log is damaged"),
         ("versions", "{", "reflexarc.run.versions: got '{'; the log is damaged"),
         ("versions", "[]", r"reflexarc.run.versions: expected an object, got \[\]"),
         ("clock", "sun", "reflexarc.run.clock: expected monotonic or lockstep, got 'sun'"),

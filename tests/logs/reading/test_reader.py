@@ -229,11 +229,17 @@ def test_a_log_without_chunks_reads_the_same(log_path, tmp_path):
 def test_a_summary_counts_what_is_there(log_path):
     found = summarise(log_path)
     counts = {topic.topic: topic.messages for topic in found.topics}
-    assert counts == {"/robot0/command": 61, "/robot0/retina": 60, "/robot0/tick": 61}
-    retina = found.topics[1]
+    assert counts == {
+        "/robot0/command": 61,
+        "/robot0/keyframe": 2,
+        "/robot0/retina": 60,
+        "/robot0/stop": 1,
+        "/robot0/tick": 61,
+    }
+    retina = found.topics[2]
     assert retina.rate_hz == pytest.approx(50.0)
     assert retina.schema == "foxglove.RawImage"
-    assert found.messages == 182
+    assert found.messages == 185
     assert found.complete
     assert found.bytes == log_path.stat().st_size
     assert found.duration_s == pytest.approx(59 * 0.02 + 0.003)
@@ -245,4 +251,4 @@ def test_a_summary_of_a_truncated_log_says_so_and_counts_the_intact_part(log_pat
     path.write_bytes(log_path.read_bytes()[:9000])
     found = summarise(path)
     assert not found.complete
-    assert 0 < found.messages < 182
+    assert 0 < found.messages < 185

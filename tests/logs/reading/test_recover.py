@@ -5,7 +5,9 @@ import sys
 from pathlib import Path
 
 import pytest
+from mcap.records import Chunk
 
+from reflexarc_logs.container.record_stream import stream_records
 from reflexarc_logs.reading.reader import read_log
 from reflexarc_logs.reading.recover import recover
 from reflexarc_logs.recording.recorder import FLUSH_PERIOD_S
@@ -68,7 +70,7 @@ def test_a_log_cut_anywhere_is_recovered_to_a_log_that_replays(log_path, tmp_pat
         part = list(read_log(fixed).records())
         assert part == whole[: recovered.messages]
         assert read_log(fixed).attachments == read_log(log_path).attachments
-        if recovered.messages:
+        if any(record.topic == "/robot0/tick" for record in part):
             assert replay(fixed).exit_status == 0
             recovered_any += 1
     assert recovered_any > 3
@@ -107,7 +109,8 @@ def test_recovering_a_finished_log_changes_nothing_and_says_so(log_path, tmp_pat
 def test_a_damaged_chunk_is_left_out_and_the_log_says_that_something_is_missing(log_path, tmp_path):
     data = log_path.read_bytes()
     broken, fixed = tmp_path / "broken.mcap", tmp_path / "fixed.mcap"
-    broken.write_bytes(flip_bit(data, len(data) // 2))
+    chunks = [r for r in stream_records(log_path) if isinstance(r.record, Chunk)]
+    broken.write_bytes(flip_bit(data, chunks[len(chunks) // 2].end - 20))
     with pytest.raises(LogError, match="damaged"):
         read_log(broken)
     recovered = recover(broken, fixed)

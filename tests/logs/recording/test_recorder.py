@@ -17,7 +17,7 @@ from reflexarc_logs.container.run_info import RunInfo
 from reflexarc_logs.reading.reader import read_log
 from reflexarc_logs.recording.backlog import Backlog
 from reflexarc_logs.recording.recorder import Recorder
-from reflexarc_logs.replaying.node_level import events
+from reflexarc_logs.replaying.loop_events import loop_events
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages.wire import (
     MAX_PAYLOAD_BYTES,
@@ -62,12 +62,14 @@ def test_whatever_arrives_comes_back_from_the_log_as_it_was_and_in_its_order(
 ):
     path = tmp_path_factory.mktemp("round-trip") / "log.mcap"
     assert record(path, batch).state == "off"
-    assert list(events(read_log(path))) == batch
+    assert list(loop_events(read_log(path))) == batch
 
 
 def test_a_batch_stands_before_its_tick_and_the_tick_before_its_command(log_path):
     topics = [record.topic.rpartition("/")[2] for record in read_log(log_path).records()]
-    assert topics == ["retina", "tick", "command"] * 60 + ["tick", "command"]
+    second = ["retina", "tick", "command"] * 50
+    rest = ["retina", "tick", "command"] * 10
+    assert topics == ["keyframe", *second, "keyframe", *rest, "stop", "tick", "command"]
 
 
 def test_log_time_is_the_arrival_on_the_wall_clock_and_publish_time_the_sender_s(log_path):
@@ -86,6 +88,8 @@ def test_the_log_opens_in_the_ordinary_mcap_reader_with_its_schemas(log_path):
         ("foxglove.RawImage", "/robot0/retina"),
         ("reflexarc.Tick", "/robot0/tick"),
         ("reflexarc.Command", "/robot0/command"),
+        ("reflexarc.Keyframe", "/robot0/keyframe"),
+        ("reflexarc.Stop", "/robot0/stop"),
     }
     assert names == ["policy.onnx", "config.json"]
 
@@ -129,7 +133,7 @@ def test_a_huge_payload_is_kept_in_part_and_its_true_size_in_full(tmp_path):
     log = read_log(tmp_path / "log.mcap")
     ((_, rejected),) = log.messages("/robot0/rejected", Rejected)
     assert (len(rejected.payload), rejected.payload_bytes) == (KEPT_BYTES, len(huge.payload))
-    (back,) = events(log)
+    (back,) = loop_events(log)
     assert len(back.payload) == MAX_PAYLOAD_BYTES + 1
 
 

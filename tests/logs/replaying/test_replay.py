@@ -15,7 +15,7 @@ from reflexarc_logs.container.run_info import RUN as RUN_METADATA
 from reflexarc_logs.container.writing import END
 from reflexarc_logs.reading.reader import read_log
 from reflexarc_logs.recording.recorder import Recorder
-from reflexarc_logs.replaying.node_level import events
+from reflexarc_logs.replaying.loop_events import loop_events
 from reflexarc_logs.replaying.replay import replay
 from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.errors import LogError, PolicyError, UsageError
@@ -80,7 +80,7 @@ def test_counts_decide_which_inputs_a_tick_had_and_not_their_place_or_time(
     log_path, policy, tmp_path
 ):
     log = read_log(log_path)
-    inputs = [event for event in events(log) if isinstance(event, Message)]
+    inputs = [event for event in loop_events(log) if isinstance(event, Message)]
     encoding = protobuf_encoding("reflexarc.Tick")
     ticks = [
         Message("robot0/tick", r.payload, encoding, pack_stamp(Stamp(r.sequence, r.publish_ns)), 0)
@@ -425,7 +425,7 @@ def test_a_flip_between_equal_values_is_rounding_and_only_onnxruntime_may_round(
 
     def choose_left(decision: Decision) -> None:
         left = CONTRACT.actions[1]
-        decision.action = decision.command.action = 1
+        decision.winner = decision.action = decision.command.action = 1
         decision.command.linear_mps = left.linear_mps
         decision.command.lateral_mps = left.lateral_mps
 

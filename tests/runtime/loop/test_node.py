@@ -2,6 +2,7 @@ from dataclasses import dataclass, field
 
 from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.controller import Controller
+from reflexarc_runtime.keyframe import Keyframe
 from reflexarc_runtime.loop.clock import ManualClock
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.node import Node, Outlets
@@ -31,6 +32,10 @@ class Kept:
 
     def put(self, message: Message) -> None:
         self.messages.append(message)
+
+    def put_keyframe(self, keyframe: Keyframe) -> None:
+        at_ns = keyframe.received_ns
+        self.messages.append(Message("robot0/keyframe", b"", "", b"", at_ns))
 
 
 class FeedingClock(ManualClock):
@@ -72,7 +77,7 @@ def test_the_batch_is_recorded_before_the_tick_that_used_it():
     node, _ = node_of(RatePacer(50.0, FeedingClock(inbox), inbox), kept)
     node.run(max_ticks=3)
     names = [message.key.rpartition("/")[2] for message in kept.messages]
-    assert names == ["retina", "tick", "command"] * 3 + ["tick", "command"]
+    assert names == ["keyframe", *["retina", "tick", "command"] * 3, "stop", "tick", "command"]
 
 
 def test_when_the_sender_falls_silent_the_body_is_stopped_and_told_why():

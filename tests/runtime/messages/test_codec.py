@@ -111,17 +111,20 @@ def test_a_tick_holds_every_field_of_its_decision():
         ECHO,
         b"\x01\x02",
         (0.5, -0.25, math.nan),
+        2,
         1,
         Verdict.OK,
         "why",
         drive_command(3, 1, LEFT, ECHO, 100),
         "abc",
+        (0.5, 1.5),
     )
     tick = pb.Tick.FromString(encode_tick(decision, Timing(70, 72, 1, 2, 3, 4)))
     said = tick.decision
     assert (said.index, said.slot, said.now_ns, said.inputs) == (3, 5, 77, 2)
     assert (said.input.sequence, said.input.source_time_ns) == (9, 123)
     assert (said.input.received_ns, said.input.age_ns) == (456, 789)
+    assert (said.winner, list(said.state)) == (2, [0.5, 1.5])
     assert (said.retina, said.action, said.verdict) == (b"\x01\x02", 1, pb.OK)
     assert list(said.q_values)[:2] == [0.5, -0.25]
     assert math.isnan(said.q_values[2])

@@ -57,14 +57,12 @@ class CameraCommand:
 
     def run(self) -> int:
         """Show images until the end, then say how many."""
-        from reflexarc_runtime.bus import Bus
-        from reflexarc_runtime.loop.clock import MonotonicClock
+        from reflexarc_runtime.messages.topics import BODY_NODE
 
         if self.rate is not None and not 0.0 < self.rate <= MAX_RATE_HZ:
             raise UsageError(f"--rate: expected 0 to {MAX_RATE_HZ:g} Hz, got {self.rate}")
         sources, calibration = self._sources(), self._calibration()
-        config = self.joining.config(listens=True)
-        with StopFlag() as stop, Bus(config, MonotonicClock().now_ns) as bus:
+        with StopFlag() as stop, self.joining.bus(BODY_NODE, listens=True) as bus:
             contract = contract_of(self.policy, bus, stop, "reflexarc camera")
             account = self._show(bus, sources, calibration, contract, stop) if contract else None
         if account is not None:

@@ -47,11 +47,10 @@ class Ros2Command:
 
     def run(self) -> int:
         """Serve until the end, then say what went over the bridge."""
-        from reflexarc_runtime.bus import Bus
-        from reflexarc_runtime.loop.clock import MonotonicClock
+        from reflexarc_runtime.messages.topics import BODY_NODE
 
         route = self._route()
-        with StopFlag() as stop, Bus(self.joining.config(), MonotonicClock().now_ns) as bus:
+        with StopFlag() as stop, self.joining.bus(BODY_NODE) as bus:
             account = self._serve(bus, route, stop)
         self._tell(account)
         return 0

@@ -60,9 +60,8 @@ class RunCommand:
 
     def run(self) -> int:
         """Tick until the end, then say how it went."""
-        from reflexarc_runtime.bus import Bus
         from reflexarc_runtime.controller import Controller
-        from reflexarc_runtime.loop.clock import MonotonicClock
+        from reflexarc_runtime.messages.topics import RUNTIME_NODE
         from reflexarc_runtime.policy.policy import load_policy
         from reflexarc_runtime.sensing.senses import sense_for
 
@@ -74,7 +73,7 @@ class RunCommand:
         with (
             StopFlag() as stop,
             self._sink(policy, run_id) as sink,
-            Bus(self.joining.config(), MonotonicClock().now_ns) as bus,
+            self.joining.bus(RUNTIME_NODE, lockstep=self.lockstep) as bus,
         ):
             summary = self._loop(bus, controller, sink, run_id, policy, stop)
         self._tell(summary, sink.state)
@@ -117,6 +116,7 @@ class RunCommand:
             sink=sink,
             robot=self.joining.robot,
             run_id=run_id,
+            sender=bus.sender,
             overflows=lambda: inbox.overflows,
         )
         return node.run(stop, self.ticks)

@@ -82,11 +82,10 @@ class SimCommand:
         script: "FaultScript | None",
     ) -> "Journey | None":
         """Drive one robot; None if it was stopped before it met a runtime."""
-        from reflexarc_runtime.bus import Bus
-        from reflexarc_runtime.loop.clock import MonotonicClock
+        from reflexarc_runtime.messages.topics import BODY_NODE
 
         # The first robot listens for the others.
-        with Bus(robot.config(listens=number == 0), MonotonicClock().now_ns) as bus:
+        with robot.bus(BODY_NODE, listens=number == 0, lockstep=self.lockstep) as bus:
             contract = contract_of(self.policy, bus, stop, self._who(robot.robot))
             if contract is None:
                 return None

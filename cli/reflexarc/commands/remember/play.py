@@ -57,14 +57,13 @@ class PlayCommand:
         """Play to the end, then say what was sent and how late."""
         from reflexarc_logs.playing.schedule import survey_streams
         from reflexarc_logs.reading.reader import read_log
-        from reflexarc_runtime.bus import Bus
-        from reflexarc_runtime.loop.clock import MonotonicClock
+        from reflexarc_runtime.messages.topics import BODY_NODE
 
         self._check_flags()
         log = read_log(self.log)
         streams = survey_streams(log)
-        config = self.joining.config(listens=True)
-        with StopFlag() as stop, Bus(config, MonotonicClock().now_ns) as bus, Keys() as keys:
+        session = self.joining.bus(BODY_NODE, listens=True, lockstep=self.lockstep)
+        with StopFlag() as stop, session as bus, Keys() as keys:
             aside.print(
                 f"reflexarc play: {self.log}, {streams.messages} messages in "
                 f"{streams.length_ns / 1e9:.1f} s (space pauses, q quits)"

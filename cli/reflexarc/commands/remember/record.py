@@ -46,17 +46,15 @@ class RecordCommand:
     def run(self) -> int:
         """Record until the end."""
         from reflexarc.wiring.recorders import recorder_of_bus
-        from reflexarc_runtime.bus import Bus
-        from reflexarc_runtime.loop.clock import MonotonicClock
-        from reflexarc_runtime.messages.topics import TOPICS
+        from reflexarc_runtime.messages.topics import ON_THE_BUS, RECORDER_NODE
 
         if self.seconds is not None and not 0.0 < self.seconds < math.inf:
             raise UsageError(f"--seconds: expected a positive number, got {self.seconds}")
         path = self.out or _default_path()
-        with StopFlag() as stop, Bus(self.joining.config(), MonotonicClock().now_ns) as bus:
+        with StopFlag() as stop, self.joining.bus(RECORDER_NODE) as bus:
             policy = bus.fetch_policy() or b""
             with recorder_of_bus(path, policy, self.joining.robot) as recorder:
-                bus.subscribe([topic for topic in TOPICS if topic.recorded], recorder.put)
+                bus.subscribe(ON_THE_BUS, recorder.put)
                 aside.print(f"reflexarc record: {path} (Ctrl-C ends it)")
                 self._wait(stop, recorder)
         self._tell(path, recorder.state)

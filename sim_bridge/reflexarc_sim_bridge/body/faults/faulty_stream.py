@@ -178,7 +178,7 @@ def transform(script: FaultScript, stream: Iterable[tuple[int, bytes]]) -> Itera
 
 
 def _packed(retina: _Retina, sender: _Sender, time_ns: int) -> Sending:
-    attachment = pack_stamp(retina.stamp, sender.identity)
+    attachment = pack_stamp(replace(retina.stamp, sender=sender.identity))
     return Sending(time_ns, retina.payload, attachment, _ENCODING, retina.seen_ns)
 
 

@@ -82,7 +82,8 @@ def is_usable(sending: Sending) -> bool:
 def test_without_faults_every_retina_goes_out_as_it_is_and_at_once():
     sendings = harmed()
     assert [(s.due_ns, s.payload) for s in sendings] == STREAM
-    assert stamps(sendings) == [Stamp(n, time_ns) for n, (time_ns, _) in enumerate(STREAM)]
+    (sender,) = {stamp.sender for stamp in stamps(sendings)}
+    assert stamps(sendings) == [Stamp(n, time_ns, sender) for n, (time_ns, _) in enumerate(STREAM)]
     assert all(s.seen_ns == s.due_ns and is_usable(s) for s in sendings)
     assert {s.encoding for s in sendings} == {protobuf_encoding("foxglove.RawImage")}
 

@@ -82,7 +82,7 @@ def test_a_namespace_is_mangled_in_tokens_and_kept_in_keys():
 
 def test_an_rmw_attachment_is_these_33_bytes():
     # rmw_zenoh, docs/design.md, "Publishers": int64, int64, uint8, 16 bytes, little-endian.
-    packed = pack_stamp(Stamp(3, 0x0102030405060708), bytes(range(16)))
+    packed = pack_stamp(Stamp(3, 0x0102030405060708, bytes(range(16))))
     assert packed == bytes.fromhex(
         "0300000000000000 0807060504030201 10 000102030405060708090a0b0c0d0e0f"
     )

@@ -1,0 +1,139 @@
+"""Where a replay of a loop begins: at its first tick, or where a slice of a log tells enough.
+
+A slice holds neither all messages nor what the controller knew when it begins. Behind a keyframe
+all is known; without one, a policy that neither remembers nor holds is known behind its first tick
+with verdict OK, because a tick holds what the policy was given.
+"""
+
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import chain
+
+import numpy as np
+
+from reflexarc_logs.reading.reader import Log
+from reflexarc_logs.replaying.loop_events import LoopEvent
+from reflexarc_runtime.choice import Hold
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.controller import State
+from reflexarc_runtime.decision import Verdict
+from reflexarc_runtime.errors import LogError
+from reflexarc_runtime.keyframe import decode_state
+from reflexarc_runtime.loop.inbox import DEFAULT_CAPACITY
+from reflexarc_runtime.messages.wire import Message, Stamp
+from reflexarc_runtime.messages_pb2 import Decision, Keyframe, Tick
+from reflexarc_runtime.policy.policy import LoadedPolicy
+from reflexarc_runtime.sensing.senses import Sensed
+
+MAX_WAITING = 16 * DEFAULT_CAPACITY
+"""So many inputs without a tick are no log of a loop: an inbox holds far fewer."""
+
+
+@dataclass
+class Beginning:
+    """The state from which a replay steps on, and the messages that its first tick takes."""
+
+    state: State | None = None
+    """None: the log nowhere tells enough."""
+    waiting: deque[Message] = field(default_factory=deque)
+    skipped_ticks: int = 0
+    """Ticks before it, which are not replayed."""
+    is_exact: bool = True
+    """Whether the state is the whole one, so that later keyframes can be compared with it."""
+
+    @property
+    def note(self) -> str:
+        """What was left out; empty if nothing was."""
+        if self.state is None:
+            return (
+                "level node was left out: it is a slice without a keyframe, and nothing in it "
+                "tells what the controller knew"
+            )
+        if not self.state.index:
+            return ""
+        left_out = f"; {self.skipped_ticks} ticks before were left out" * bool(self.skipped_ticks)
+        return f"level node begins behind tick {self.state.index - 1}: a slice{left_out}"
+
+
+def begin(
+    log: Log, events: Iterator[LoopEvent], policy: LoadedPolicy
+) -> tuple[Beginning, Iterator[LoopEvent]]:
+    """Find where a replay may begin; returns it with the events that follow.
+
+    Raises:
+        LogError: a keyframe is not of this policy's contract, or no loop recorded the log.
+    """
+    start = Beginning()
+    for event in events:
+        if isinstance(event, Message):
+            keep(start.waiting, event, log)
+        elif isinstance(event, Keyframe):
+            if not start.skipped_ticks:
+                start.waiting.clear()  # they belong to a tick before the slice
+            start.state = state_at(event, policy)
+            return start, events
+        elif event.decision.index == 0:
+            start.state = State()
+            return start, chain([event], events)
+        elif _skip(start, event, policy.contract):
+            return start, events
+    return start, events
+
+
+def keep(waiting: deque[Message], message: Message, log: Log) -> None:
+    """Keep a message for the tick that takes it.
+
+    Raises:
+        LogError: more than any inbox holds.
+    """
+    if len(waiting) >= MAX_WAITING:
+        raise LogError(
+            f"{log.path}: {MAX_WAITING} inputs and no tick that took them: not a log of "
+            "`run --record`; use --level policy"
+        )
+    waiting.append(message)
+
+
+def state_at(keyframe: Keyframe, policy: LoadedPolicy) -> State:
+    """What a policy's controller would know at a keyframe.
+
+    Another policy than the recorded one has neither its memory nor its held action.
+
+    Raises:
+        LogError: the keyframe is not of this policy's contract.
+    """
+    if keyframe.policy_hash and keyframe.policy_hash != policy.policy_hash:
+        keyframe.ClearField("memory")
+        keyframe.ClearField("hold")
+    return decode_state(keyframe, policy.contract)
+
+
+def _skip(start: Beginning, tick: Tick, contract: PolicyContract) -> bool:
+    """Leave a tick out; True if the replay may begin behind it."""
+    start.skipped_ticks += 1
+    for _ in range(min(tick.decision.inputs, len(start.waiting))):
+        start.waiting.popleft()
+    if contract.state.size or contract.hold_s or not _tells_all(tick.decision, contract):
+        return False
+    start.state, start.is_exact = state_behind(tick.decision, contract), False
+    return True
+
+
+def _tells_all(decision: Decision, contract: PolicyContract) -> bool:
+    size = contract.retina.frames * contract.retina.size
+    return decision.verdict == Verdict.OK.value and len(decision.retina) == size
+
+
+def state_behind(decision: Decision, contract: PolicyContract) -> State:
+    """The state behind a tick with verdict OK, as far as it decides anything."""
+    stack = np.frombuffer(decision.retina, np.uint8).reshape(contract.retina.stack_shape)
+    used, frames = decision.input, tuple(stack)
+    stamp = Stamp(used.sequence, used.source_time_ns)
+    return State(
+        index=decision.index + 1,
+        streak=contract.recovery_inputs,
+        newest=Sensed(stamp, used.received_ns, frames[-1]),
+        frames=frames,
+        hold=Hold(decision.action, decision.slot),
+    )

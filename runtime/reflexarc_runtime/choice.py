@@ -1,0 +1,54 @@
+"""Which action is done: the policy's winner, unless the one before is still held.
+
+The same rule for the controller, the simulator and replay. Held actions are an old remedy against
+a reflex that flickers between left and right: an action is kept for a time, and then until another
+one is better by a margin (hysteresis).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True, slots=True)
+class Hold:
+    """The action that is being done, and since which slot."""
+
+    action: int
+    since_slot: int
+
+
+def choose(
+    held: Hold | None,
+    q_values: Sequence[float],
+    winner: int,
+    slot: int,
+    hold_slots: int,
+    margin: float,
+) -> Hold:
+    """What is done at this slot.
+
+    Args:
+        held: what was done before; None at the start and after every verdict but OK.
+        q_values: of all actions, (actions,).
+        winner: index of the largest one.
+        slot: number of this slot.
+        hold_slots: for how many slots an action is done at least.
+        margin: by which share of their spread another action must win, in [0, 1].
+    """
+    if held is None:
+        return Hold(winner, slot)
+    if winner == held.action or slot - held.since_slot < hold_slots:
+        return held
+    lead = q_values[winner] - q_values[held.action]
+    if not outweighs(lead, max(q_values) - min(q_values), margin):
+        return held
+    return Hold(winner, slot)
+
+
+def outweighs(lead: Any, spread: Any, margin: float) -> Any:
+    """Whether a lead is at least that share of the spread: of numbers, or of arrays of float64.
+
+    With no margin every lead is enough, even none: the winner is what the policy says.
+    """
+    return lead >= margin * spread

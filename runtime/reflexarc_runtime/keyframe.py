@@ -1,0 +1,121 @@
+"""A controller's state as a message: replay may begin behind one.
+
+`reflexarc.Keyframe` holds all that the controller remembers between two ticks, so that what comes
+behind it in a log replays without what came before it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from reflexarc_runtime import messages_pb2 as pb
+from reflexarc_runtime.arrays import Memories, Retina
+from reflexarc_runtime.choice import Hold
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.controller import State
+from reflexarc_runtime.errors import LogError
+from reflexarc_runtime.messages.wire import Stamp
+from reflexarc_runtime.sensing.senses import Sensed
+
+
+@dataclass(frozen=True, slots=True)
+class Keyframe:
+    """What the controller remembered, and when."""
+
+    state: State
+    received_ns: int
+    """The time of the tick before, on the runtime's monotonic clock."""
+    policy_hash: str = ""
+    sender: bytes = b""
+
+
+def encode_state(state: State, policy_hash: str) -> bytes:
+    """A controller's state as `reflexarc.Keyframe`."""
+    return pb.Keyframe(
+        index=state.index,
+        policy_hash=policy_hash,
+        streak=state.streak,
+        newest=_accepted(state.newest),
+        frames=[frame.tobytes() for frame in state.frames],
+        fault=state.fault,
+        memory=_memory(state),
+        hold=None if state.hold is None else _hold(state.hold),
+        stopped=state.stopped or None,
+    ).SerializeToString()
+
+
+def decode_state(message: pb.Keyframe, contract: PolicyContract) -> State:
+    """The state that a keyframe holds.
+
+    Raises:
+        LogError: it is not of this contract's eye, memory or actions.
+    """
+    frames = tuple(_retina(frame, contract) for frame in message.frames)
+    if len(frames) not in (0, contract.retina.frames):
+        raise LogError(_unfit("frames", contract.retina.frames, len(frames)))
+    has_memory = message.HasField("memory")
+    return State(
+        index=message.index,
+        streak=message.streak,
+        newest=_sensed(message.newest, frames) if message.HasField("newest") else None,
+        frames=frames,
+        fault=message.fault,
+        memory=_values(message.memory.now, contract) if has_memory else None,
+        following=_values(message.memory.next, contract) if has_memory else None,
+        hold=_held(message.hold, contract) if message.HasField("hold") else None,
+        stopped=message.stopped,
+    )
+
+
+def _accepted(newest: Sensed | None) -> pb.Accepted | None:
+    if newest is None:
+        return None
+    return pb.Accepted(
+        sequence=newest.stamp.sequence,
+        source_time_ns=newest.stamp.time_ns,
+        sender=newest.stamp.sender,
+        received_ns=newest.received_ns,
+    )
+
+
+def _memory(state: State) -> pb.Memory | None:
+    if state.following is None:
+        return None
+    now = [] if state.memory is None else state.memory[0]
+    return pb.Memory(now=now, next=state.following[0])
+
+
+def _hold(hold: Hold) -> pb.Hold:
+    return pb.Hold(action=hold.action, since_slot=hold.since_slot)
+
+
+def _sensed(newest: pb.Accepted, frames: tuple[Retina, ...]) -> Sensed:
+    if not frames:
+        raise LogError(_unfit("frames", "some, with an accepted input", 0))
+    stamp = Stamp(newest.sequence, newest.source_time_ns, newest.sender)
+    return Sensed(stamp, newest.received_ns, frames[-1])
+
+
+def _retina(data: bytes, contract: PolicyContract) -> Retina:
+    if len(data) != contract.retina.size:
+        raise LogError(_unfit("bytes of a retina", contract.retina.size, len(data)))
+    return np.frombuffer(data, np.uint8).reshape(contract.retina.shape)
+
+
+def _values(values: object, contract: PolicyContract) -> Memories | None:
+    memory: Memories = np.array([list(values)], np.float32)  # type: ignore[call-overload]
+    if not memory.size:
+        return None
+    if memory.size != contract.state.size:
+        raise LogError(_unfit("values of a memory", contract.state.size, memory.size))
+    return memory
+
+
+def _held(hold: pb.Hold, contract: PolicyContract) -> Hold:
+    if not 0 <= hold.action < len(contract.actions):
+        raise LogError(_unfit("a held action", f"0 to {len(contract.actions) - 1}", hold.action))
+    return Hold(hold.action, hold.since_slot)
+
+
+def _unfit(what: str, expected: object, got: object) -> str:
+    return f"keyframe: {what}: expected {expected}, got {got}; give the policy of the log"

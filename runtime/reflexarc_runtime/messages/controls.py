@@ -1,0 +1,34 @@
+"""The messages that stop a loop, and that let it drive again."""
+
+from google.protobuf.message import DecodeError
+
+from reflexarc_runtime import messages_pb2 as pb
+from reflexarc_runtime.messages.topics import RESET
+from reflexarc_runtime.messages.wire import Message, UndecodableError, check_encoding
+
+_QUOTED = 80
+"""Characters of a reason that every tick repeats until the reset."""
+
+
+def encode_stop(reason: str) -> bytes:
+    """`reflexarc.Stop`."""
+    return pb.Stop(reason=reason).SerializeToString()
+
+
+def stop_reason(message: Message) -> str:
+    """Why to stop. Whatever comes on this key stops, even if it cannot be read."""
+    try:
+        reason = pb.Stop.FromString(message.payload).reason[:_QUOTED]
+    except DecodeError:
+        reason = ""
+    return reason or "a stop without a reason"
+
+
+def is_reset(message: Message) -> bool:
+    """Whether it is a reset: unlike a stop, it counts only if it is what it should be."""
+    try:
+        check_encoding(message, RESET.schema)
+        pb.Reset.FromString(message.payload)
+    except (UndecodableError, DecodeError):
+        return False
+    return True

@@ -1,0 +1,40 @@
+"""Versions of the controller's rules: a log is replayed by those under which it was recorded.
+
+Whatever changes what the controller does with the same messages is a new version here, and the old
+one stays. What a contract says (holds, margins, memory) is no rule: older contracts have none.
+"""
+
+from dataclasses import dataclass
+
+from reflexarc_runtime.errors import LogError
+
+
+@dataclass(frozen=True, slots=True)
+class ControllerRules:
+    """What the controller does, where versions differ."""
+
+    version: int
+    stop_is_a_message: bool
+    """A stop comes through the inbox, counts as an input, and holds until a reset comes. Before, it
+    came beside the inputs, and ended the run."""
+
+
+RULES = {
+    1: ControllerRules(1, stop_is_a_message=False),
+    2: ControllerRules(2, stop_is_a_message=True),
+}
+CURRENT_RULES = RULES[2]
+
+
+def rules_of(version: int) -> ControllerRules:
+    """The rules of a version.
+
+    Raises:
+        LogError: a version that this package does not know.
+    """
+    if version not in RULES:
+        raise LogError(
+            f"rules {version} of the controller are newer than this reflexarc knows "
+            f"({max(RULES)}); upgrade reflexarc on this machine"
+        )
+    return RULES[version]
