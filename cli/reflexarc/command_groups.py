@@ -16,6 +16,7 @@ from reflexarc.commands.learn.evaluate import EvaluateCommand
 from reflexarc.commands.learn.export import ExportCommand
 from reflexarc.commands.learn.study import StudyCommand
 from reflexarc.commands.learn.train import TrainCommand
+from reflexarc.commands.remember.cut import CutCommand
 from reflexarc.commands.remember.import_log import ImportCommand
 from reflexarc.commands.remember.info import InfoCommand
 from reflexarc.commands.remember.play import PlayCommand
@@ -45,6 +46,7 @@ GROUPS: dict[str, tuple[type[CliCommand], ...]] = {
         ReplayCommand,
         RenderCommand,
         ImportCommand,
+        CutCommand,
         RecoverCommand,
         InfoCommand,
     ),

@@ -5,6 +5,7 @@ a reflex that flickers between left and right: an action is kept for a time, and
 one is better by a margin (hysteresis).
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -44,6 +45,11 @@ def choose(
     if not outweighs(lead, max(q_values) - min(q_values), margin):
         return held
     return Hold(winner, slot)
+
+
+def slots_of(seconds: float, rate_hz: float) -> int:
+    """A time in periods of a loop, rounded up; 0.7 s at 10 Hz are 7 in spite of floats."""
+    return math.ceil(round(seconds * rate_hz, 6))
 
 
 def outweighs(lead: Any, spread: Any, margin: float) -> Any:

@@ -20,6 +20,7 @@ from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.policy.policy import LoadedPolicy, load_policy
 from reflexarc_runtime.sensing.retina import Scan, retina_from_scan
+from reflexarc_sim_bridge.evaluation.pilot import Pilot
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.files import world_named
 from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
@@ -61,7 +62,7 @@ def simulate_scans(policy: LoadedPolicy, path: Path) -> Path:
     """Write what a scanner would see on a drive through the reference field, as a CARMEN log."""
     sweep = RetinaSpec(rays=BEAMS, fov_rad=SWEEP_RAD * BEAMS / (BEAMS - 1))
     simulation = Simulation(world_named("reference-1"), reference_contract(sweep), test_seeds(1))
-    lines = []
+    pilot, lines = Pilot(policy, policy.contract, 1, simulation.dt_s), []
     for number in range(SIMULATED_SCANS):
         distances = simulation.distances()[::-1].astype(np.float64)
         ranges = np.where(distances < sweep.range_m, distances, NO_RETURN_M)
@@ -70,8 +71,7 @@ def simulate_scans(policy: LoadedPolicy, path: Path) -> Path:
         retina = retina_from_scan(
             Scan(-SWEEP_RAD / 2, SWEEP_RAD / 2, ranges), policy.contract.retina
         )
-        _, actions = policy.decide(retina[np.newaxis, np.newaxis])
-        simulation.step(actions)
+        simulation.step(pilot.act(retina[np.newaxis, np.newaxis]))
     path.write_text("".join(lines))
     return path
 

@@ -32,6 +32,9 @@ SENDER = "reflexarc.sender"
 NO_METADATA: Mapping[str, str] = {}
 
 
+_MEDIA_TYPES = {".onnx": "application/onnx", ".json": "application/json"}
+
+
 class LogWriter:
     """An MCAP file that one thread writes.
 
@@ -126,6 +129,11 @@ class LogWriter:
         """Close the file and remove it."""
         self.abandon()
         self.partial.unlink(missing_ok=True)
+
+
+def media_type_of(attachment: str) -> str:
+    """Media type of an attachment, by its name."""
+    return _MEDIA_TYPES.get(Path(attachment).suffix, "application/octet-stream")
 
 
 def open_for_writing(partial: Path) -> BinaryIO:

@@ -90,7 +90,7 @@ class Log:
             LogError: a chunk is damaged (in a truncated log, reading ends there instead).
         """
         channels = _Channels()
-        for record in self._mcap_records():
+        for record in self.mcap_records():
             if isinstance(record, McapMessage):
                 stream = channels.of(record, self.path)
                 if not topics or stream.topic in topics:
@@ -118,14 +118,14 @@ class Log:
         Raises:
             LogError: the log has none, or a malformed one.
         """
-        for record in self._mcap_records():
+        for record in self.mcap_records():
             if isinstance(record, Schema) and record.name == TICK.schema:
                 return _descriptor(record, self.path)
         raise LogError(
             f"{self.path}: expected ticks ({TICK.schema}), found none; nothing to replay"
         )
 
-    def _mcap_records(self) -> Iterator[McapRecord]:
+    def mcap_records(self) -> Iterator[McapRecord]:
         """Every record, chunks unpacked; ends quietly where a truncated log is no longer intact."""
         try:
             for located in stream_records(self.path, self.intact_size):

@@ -8,8 +8,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from mcap.records import Channel, Chunk, McapRecord, Message, Schema
+from mcap.records import Chunk, McapRecord, Message
 
+from reflexarc_logs.container.copying import MessageCopier
 from reflexarc_logs.container.first_look import Survey, survey
 from reflexarc_logs.container.record_stream import (
     DamagedError,
@@ -17,14 +18,12 @@ from reflexarc_logs.container.record_stream import (
     stream_records,
     unpack,
 )
-from reflexarc_logs.container.writing import END, LogWriter
+from reflexarc_logs.container.writing import END, LogWriter, media_type_of
 from reflexarc_logs.reading.reader import read_log
 from reflexarc_runtime.errors import LogError
 
 UNFINISHED = ".recovering"
 """Not the recorder's suffix: `log.mcap.partial` is recovered to `log.mcap`, and is kept."""
-
-_MEDIA_TYPES = {".onnx": "application/onnx", ".json": "application/json"}
 
 
 @dataclass(frozen=True)
@@ -81,18 +80,15 @@ class _Rescue:
         self.lost_bytes = 0 if found.data_ended else found.size - found.intact_size
         self._path = path
         self._found = found
-        self._schemas: dict[int, Schema] = {}
-        self._channels: dict[int, Channel] = {}
+        self._copier = MessageCopier(file)
 
     def run(self) -> None:
         self._copy_head()
         for record in self._records():
-            if isinstance(record, Schema):
-                self._schemas[record.id] = record
-            elif isinstance(record, Channel):
-                self._channels[record.id] = record
-            elif isinstance(record, Message):
-                self._copy(record)
+            if isinstance(record, Message):
+                self.messages += self._copier.copy(record)
+            else:
+                self._copier.learn(record)
         self._say_what_is_missing()
         self.file.finish()
 
@@ -101,8 +97,7 @@ class _Rescue:
             if name != END:
                 self.file.describe(name, document)
         for name, data in self._found.attachments.items():
-            media_type = _MEDIA_TYPES.get(Path(name).suffix, "application/octet-stream")
-            self.file.attach(name, media_type, data)
+            self.file.attach(name, media_type_of(name), data)
 
     def _records(self) -> Iterator[McapRecord]:
         try:
@@ -121,23 +116,6 @@ class _Rescue:
             self.damaged_chunks += 1
             self.lost_bytes += len(chunk.data)
             return []
-
-    def _copy(self, message: Message) -> None:
-        channel = self._channels.get(message.channel_id)
-        schema = None if channel is None else self._schemas.get(channel.schema_id)
-        if channel is None or schema is None:
-            return  # its channel stood in a damaged chunk, which is counted
-        target = self.file.raw_channel(
-            channel.topic, schema.name, schema.encoding, schema.data, channel.metadata
-        )
-        self.file.add(
-            target,
-            message.data,
-            sequence=message.sequence,
-            publish_ns=message.publish_time,
-            log_ns=message.log_time,
-        )
-        self.messages += 1
 
     def _say_what_is_missing(self) -> None:
         missing = dict(self._found.metadata.get(END, {}))

@@ -121,9 +121,14 @@ def why_not(log: Log) -> str:
         return f"{log.dropped} records or chunks are missing in its middle"
     sensor = log.topic(SENSORS[log.run.input].name)
     stream = next(log.records(sensor, log.topic(REJECTED.name)), None)
-    if stream is None and any(tick.decision.HasField("input") for tick in log.ticks()):
+    if stream is None and any(_took_inputs(tick.decision) for tick in log.ticks()):
         return f"it has no sensor stream ({sensor})"
     return ""
+
+
+def _took_inputs(decision: pb.Decision) -> bool:
+    """Whether a tick took messages of the sensor; the one that stopped it is another one."""
+    return bool(decision.inputs) and decision.verdict != Verdict.STOPPED.value
 
 
 def _inputs(waiting: deque[Message], recorded: pb.Decision, rules: ControllerRules) -> Inputs:

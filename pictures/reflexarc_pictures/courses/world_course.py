@@ -11,6 +11,7 @@ from reflexarc_pictures.log_pictures.decision_strips import BRIGHT
 from reflexarc_pictures.log_pictures.logged_poses import Floats
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_sim_bridge.evaluation.cover_profile import right_side_m
+from reflexarc_sim_bridge.evaluation.pilot import Pilot
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.world import AfterContact, Edges, World, WorldSource
 
@@ -49,11 +50,11 @@ def drive_in_world(
     """
     world = source.drawn(seed)
     simulation = Simulation(world, contract, np.array([seed], np.uint64))
+    pilot = Pilot(policy, contract, 1, world.dt_s)
     steps = max(round(duration_s / world.dt_s), 1)
     snapshots = [_snapshot(simulation, None, met=False)]
     for step in range(steps):
-        _, actions = policy.decide(simulation.stacks)
-        met = bool(simulation.step(actions)[0])
+        met = bool(simulation.step(pilot.act(simulation.stacks))[0])
         snapshots.append(_snapshot(simulation, snapshots[-1], met))
         progress(step + 1, steps)
     params = simulation.params

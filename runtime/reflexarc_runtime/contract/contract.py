@@ -8,11 +8,11 @@ retina is the leftmost ray. SI units; times on the bus are integer nanoseconds.
 """
 
 import dataclasses
-import math
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from typing import Self
 
+from reflexarc_runtime.choice import slots_of
 from reflexarc_runtime.config.checks import require
 from reflexarc_runtime.config.fill import fill
 from reflexarc_runtime.config.source import MappingSource
@@ -82,8 +82,8 @@ class PolicyContract:
 
     @cached_property
     def hold_slots(self) -> int:
-        """`hold_s` in periods of the loop, rounded up; 0.7 s at 10 Hz are 7 in spite of floats."""
-        return math.ceil(round(self.hold_s * self.rate_hz, 6))
+        """`hold_s` in periods of the loop, rounded up."""
+        return slots_of(self.hold_s, self.rate_hz)
 
     def to_json(self) -> str:
         """The contract as text: canonical JSON with its schema version, sealed with a digest."""

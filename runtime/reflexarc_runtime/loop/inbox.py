@@ -2,6 +2,9 @@
 
 A subscriber's callback appends; a tick drains. Its size is bounded: when it is full, the oldest
 message is dropped and counted, so that a runtime that was blocked goes on with recent input.
+
+Its order is the order of arrival, in time as well: no message has an earlier arrival than the one
+before it, or than the last drain. So a log that another tool sorts by time replays.
 """
 
 import threading
@@ -22,7 +25,7 @@ class Inbox:
         self._capacity = capacity
         self._arrival = threading.Condition()
         self._overflows = 0
-        self._drained_ns = 0
+        self._latest_ns = 0
 
     @property
     def overflows(self) -> int:
@@ -32,9 +35,10 @@ class Inbox:
     def put(self, message: Message) -> None:
         """Add a message; from any thread."""
         with self._arrival:
-            if message.received_ns < self._drained_ns:
-                # It waited for the lock while a tick took the time: it belongs to the next one.
-                message = replace(message, received_ns=self._drained_ns)
+            if message.received_ns < self._latest_ns:
+                # Another thread was quicker, or a tick took the time while this one waited.
+                message = replace(message, received_ns=self._latest_ns)
+            self._latest_ns = message.received_ns
             if len(self._messages) >= self._capacity:
                 self._messages.popleft()
                 self._overflows += 1
@@ -42,16 +46,12 @@ class Inbox:
             self._arrival.notify()
 
     def drain(self, now_ns: Callable[[], int]) -> tuple[tuple[Message, ...], int]:
-        """Take all messages, oldest first, and the time.
-
-        No message that comes later has an earlier arrival, so that a log's order in time is the
-        order in which the loop used its inputs.
-        """
+        """Take all messages, oldest first, and the time."""
         with self._arrival:
             messages = tuple(self._messages)
             self._messages.clear()
-            self._drained_ns = now_ns()
-            return messages, self._drained_ns
+            self._latest_ns = now_ns()
+            return messages, self._latest_ns
 
     def take(self, timeout_s: float) -> Message | None:
         """Take the oldest message, waiting for one if need be; None after the timeout."""

@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_sim_bridge.evaluation.pilot import Pilot
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.files import world_named
 from reflexarc_sim_bridge.worlds.reference_contract import WORLD_NAME
@@ -24,7 +25,7 @@ from reflexarc_sim_bridge.worlds.seeds import test_seeds
 from reflexarc_sim_bridge.worlds.world import WorldSource
 
 if TYPE_CHECKING:
-    from reflexarc_runtime.policy.policy import Policy
+    from reflexarc_runtime.policy.policy import Policy, RememberingPolicy
 
 AGENTS = 4096
 STEPS = 2000
@@ -48,7 +49,7 @@ class FieldScore:
 
 
 def measure(
-    policy: "Policy",
+    policy: "Policy | RememberingPolicy",
     contract: PolicyContract,
     *,
     agents: int = AGENTS,
@@ -75,12 +76,13 @@ def measure(
     """
     seeds = test_seeds(agents) if seeds is None else np.resize(seeds, agents)
     simulation = Simulation(world or world_named(WORLD_NAME), contract, seeds)
+    pilot = Pilot(policy, contract, agents, simulation.dt_s)
     before = (simulation.distance_m.copy(), simulation.contacts.copy())
     for step in range(discard + steps):
         if step == discard:
             before = (simulation.distance_m.copy(), simulation.contacts.copy())
         simulation.sense()
-        simulation.step(policy.decide(simulation.stacks)[1])
+        simulation.step(pilot.act(simulation.stacks))
         if progress is not None:
             progress(step + 1, discard + steps)
     return _score(simulation.distance_m - before[0], simulation.contacts - before[1])

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
 from reflexarc_runtime.policy.policy import Policy
+from reflexarc_sim_bridge.evaluation.pilot import Pilot
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.seeds import validation_seeds
 from reflexarc_trainer.config.train_config import TrainConfig
@@ -52,13 +53,14 @@ class GreedyDriver:
 
     def __init__(self, network: QNetwork, config: TrainConfig, simulation: Simulation) -> None:
         self._simulation = simulation
-        self._policy = GreedyPolicy(network, config)
+        policy, agents = GreedyPolicy(network, config), len(simulation.x_m)
+        self._pilot = Pilot(policy, config.contract(), agents, simulation.dt_s)
 
     def drive(self, steps: int) -> None:
         """Sense, decide and act for a number of world steps."""
         for _ in range(steps):
             self._simulation.sense()
-            self._simulation.step(self._policy.decide(self._simulation.stacks)[1])
+            self._simulation.step(self._pilot.act(self._simulation.stacks))
 
 
 def validate(network: QNetwork, config: TrainConfig) -> float:

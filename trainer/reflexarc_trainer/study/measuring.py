@@ -19,6 +19,7 @@ from reflexarc_sim_bridge.evaluation.edge_index import (
     obstacle_radius_m,
     require_edge_index,
 )
+from reflexarc_sim_bridge.evaluation.pilot import Pilot
 from reflexarc_sim_bridge.evaluation.reference_field import measure as measure_contacts
 from reflexarc_sim_bridge.evaluation.simple_policies import BlindPolicy
 from reflexarc_sim_bridge.simulation.simulation import Simulation
@@ -73,10 +74,11 @@ def measure_edge_index(
     """
     sides = require_edge_index(world)
     simulation = Simulation(sides, contract, test_seeds(scale.agents))
+    pilot = Pilot(policy, contract, scale.agents, simulation.dt_s)
     lateral_m = np.empty((scale.steps, scale.agents))
     for step in range(-scale.discard, scale.steps):
         simulation.sense()
-        simulation.step(policy.decide(simulation.stacks)[1])
+        simulation.step(pilot.act(simulation.stacks))
         if step >= 0:
             lateral_m[step] = simulation.y_m
     return edge_index(lateral_m, sides.width_m, obstacle_radius_m(sides))

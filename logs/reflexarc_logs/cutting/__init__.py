@@ -1,0 +1,1 @@
+"""Cutting a log: a part of it becomes a log of its own, which replays."""

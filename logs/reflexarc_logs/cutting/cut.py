@@ -1,0 +1,139 @@
+"""Cuts a part out of a log: it begins with what the controller knew, so it replays by itself.
+
+The cut is made behind a tick in file order, never by log time: what a tick used stands in front of
+it, whatever its time. The keyframe at its beginning is made by replaying all that is cut off.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from mcap.records import Message
+
+from reflexarc_logs.container.copying import MessageCopier
+from reflexarc_logs.container.run_info import RUN
+from reflexarc_logs.container.writing import LogWriter, media_type_of
+from reflexarc_logs.cutting.span import TickSpan
+from reflexarc_logs.reading.reader import Log
+from reflexarc_logs.replaying.node_level import why_not
+from reflexarc_logs.replaying.replay import attached_policy
+from reflexarc_logs.replaying.state_at_tick import KnownState, state_at_tick
+from reflexarc_runtime.errors import LogError
+from reflexarc_runtime.keyframe import encode_state
+from reflexarc_runtime.messages.topics import COMMAND, KEYFRAME, TICK
+from reflexarc_runtime.messages_pb2 import Tick
+from reflexarc_runtime.policy.policy import LoadedPolicy
+
+UNFINISHED = ".cutting"
+CUT = "reflexarc.cut"
+"""Metadata of a part: of which log, from which tick to which."""
+
+
+@dataclass(frozen=True)
+class CutReport:
+    """What a cut kept."""
+
+    path: Path
+    ticks: int
+    messages: int
+    has_keyframe: bool
+    notes: tuple[str, ...] = ()
+
+
+def cut(log: Log, span: TickSpan, out: Path | str) -> CutReport:
+    """Write the ticks of a span, and all that stands between them, to a log of its own.
+
+    Args:
+        log: the whole log.
+        span: which ticks.
+        out: the log to be; it must not exist.
+
+    Raises:
+        LogError: the log cannot be read, or `out` cannot be written.
+        PolicyError, ContractError: the attached policy is not intact.
+    """
+    obstacle = why_not(log) if log.policy is not None else "no policy is attached"
+    policy = None if obstacle else attached_policy(log)
+    known = None if policy is None else state_at_tick(log, policy, span.first)
+    part = _Part(log, span, LogWriter(Path(out), UNFINISHED))
+    try:
+        part.write_head(known, policy)
+        part.write_ticks()
+    except OSError as error:
+        part.file.discard()
+        raise LogError(f"{out}: cannot be written: {error.strerror}; nothing was cut") from None
+    except BaseException:
+        part.file.discard()
+        raise
+    notes = [f"it has no keyframe: {obstacle}"] if obstacle else known.notes if known else []
+    return CutReport(Path(out), part.ticks, part.messages, known is not None, tuple(notes))
+
+
+class _Part:
+    """The part while it is written."""
+
+    def __init__(self, log: Log, span: TickSpan, file: LogWriter) -> None:
+        self.file = file
+        self.ticks = 0
+        self.messages = 0
+        self._log = log
+        self._span = span
+        self._copier = MessageCopier(file)
+        self._tick = log.topic(TICK.name)
+        self._command = log.topic(COMMAND.name)
+        self._keyframe = log.topic(KEYFRAME.name)
+        self._is_keyed = False
+
+    def write_head(self, known: KnownState | None, policy: LoadedPolicy | None) -> None:
+        """Write what the log says about itself, and what the controller knew."""
+        self.file.describe(RUN, self._log.run.to_metadata())
+        span = {"from": str(self._span.first), "to": str(self._span.end)}
+        self.file.describe(CUT, {"of": self._log.path.name, **span})
+        for name, data in self._log.attachments.items():
+            self.file.attach(name, media_type_of(name), data)
+        if known is None or policy is None:
+            return
+        self.file.add(
+            self.file.channel(self._keyframe, KEYFRAME.message),
+            encode_state(known.state, policy.policy_hash),
+            sequence=known.state.index,
+            publish_ns=known.at_ns,
+            log_ns=known.at_ns + self._log.run.wall_offset_ns,
+        )
+        self.messages, self._is_keyed = 1, True
+
+    def write_ticks(self) -> None:
+        """Copy what stands in the span, and finish the file."""
+        for message in self._between():
+            self.messages += self._copier.copy(message)
+        self.file.finish()
+
+    def _between(self) -> Iterator[Message]:
+        """What stands behind the tick before the first one, up to the command of the last one."""
+        first, end = self._span.first, self._span.end
+        inside = first <= next(self._log.ticks()).decision.index
+        for message in self._messages():
+            topic = self._copier.topic(message)
+            index = Tick.FromString(message.data).decision.index if topic == self._tick else None
+            if index is not None and index >= end:
+                return
+            if inside and not self._is_of_the_tick_before(topic, message):
+                self.ticks += index is not None
+                yield message
+            inside = inside or index == first - 1
+            if inside and topic == self._command and message.sequence == end - 1:
+                return
+
+    def _is_of_the_tick_before(self, topic: str, message: Message) -> bool:
+        """Whether it is what the new keyframe replaces, or the command of what was cut off."""
+        first = self._span.first
+        if topic == self._keyframe:
+            return self._is_keyed and message.sequence <= first
+        return topic == self._command and message.sequence < first
+
+    def _messages(self) -> Iterator[Message]:
+        for record in self._log.mcap_records():
+            if isinstance(record, Message):
+                yield record
+            else:
+                self._copier.learn(record)

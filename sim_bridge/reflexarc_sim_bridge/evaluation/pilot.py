@@ -1,0 +1,80 @@
+"""Chooses the actions of many simulated agents as a robot's controller would: with holds, margins
+and memories.
+
+Every look of an agent is a good and fresh input, so the verdicts of a robot do not occur here.
+"""
+
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+import numpy.typing as npt
+
+from reflexarc_runtime.arrays import Actions, Mask, QValues, RetinaBatch
+from reflexarc_runtime.choice import outweighs, slots_of
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.policy.golden_check import start_of
+
+if TYPE_CHECKING:
+    from reflexarc_runtime.policy.policy import Policy, RememberingPolicy
+
+
+class Pilot:
+    """A policy, and what it remembers and holds for each agent.
+
+    Args:
+        policy: decides for all agents at once.
+        contract: its holds, margin and memory.
+        agents: how many.
+        period_s: time between two decisions: a hold has the same length in seconds at any rate.
+    """
+
+    def __init__(
+        self,
+        policy: "Policy | RememberingPolicy",
+        contract: PolicyContract,
+        agents: int,
+        period_s: float,
+    ) -> None:
+        self._policy = policy
+        self._contract = contract
+        self._memories = start_of(contract, agents)
+        self._hold_slots = slots_of(contract.hold_s, 1.0 / period_s)
+        self._slot = 0
+        self._held: Actions | None = None
+        self._since: npt.NDArray[np.int64] = np.zeros(agents, np.int64)
+
+    def act(self, stacks: RetinaBatch) -> Actions:
+        """What each agent does now: (agents,), of (agents, frames, eyes, rays, channels)."""
+        q_values, winners = self._decide(stacks)
+        actions = self._choose(q_values, winners) if self._chooses else winners
+        self._slot += 1
+        return actions
+
+    @property
+    def _chooses(self) -> bool:
+        """Whether another action than the winner may be done."""
+        return self._hold_slots > 1 or self._contract.margin > 0.0
+
+    def _decide(self, stacks: RetinaBatch) -> tuple[QValues, Actions]:
+        if self._memories is None:
+            return cast("Policy", self._policy).decide(stacks)
+        remembering = cast("RememberingPolicy", self._policy)
+        q_values, winners, self._memories = remembering.decide(stacks, self._memories)
+        return q_values, winners
+
+    def _choose(self, q_values: QValues, winners: Actions) -> Actions:
+        """`reflexarc_runtime.choice.choose`, for all agents at once."""
+        if self._held is None:
+            self._held = winners.copy()
+            return self._held
+        stays = self._stays(q_values.astype(np.float64), winners, self._held)
+        self._held = np.where(stays, self._held, winners)
+        self._since = np.where(stays, self._since, self._slot)
+        return self._held
+
+    def _stays(self, q_values: npt.NDArray[np.float64], winners: Actions, held: Actions) -> Mask:
+        rows = np.arange(len(winners))
+        lead = q_values[rows, winners] - q_values[rows, held]
+        wins: Mask = outweighs(lead, np.ptp(q_values, axis=1), self._contract.margin)
+        is_held: Mask = (winners == held) | (self._slot - self._since < self._hold_slots)
+        return is_held | ~wins
