@@ -8,7 +8,7 @@ import numpy.typing as npt
 import onnx
 from onnx import TensorProto, helper, numpy_helper
 
-from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
+from reflexarc_runtime.arrays import Actions, Memories, QValues, RetinaBatch
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.contract.golden import GoldenVectors
@@ -59,10 +59,10 @@ def exported(contract: PolicyContract, seed: int = 0, activation: str = "Sigmoid
     model = network(contract, seed, activation=activation)
     rng = np.random.default_rng(seed + 1)
     stacks = rng.integers(0, 256, (8, *contract.retina.stack_shape), dtype=np.uint8)
-    bare = load_policy(with_contract(model, contract), "onnxruntime", verify=False)
+    bare = load_policy(with_contract(model, contract), "onnxruntime", verify=False, bounds=None)
     q_values, actions = bare.decide(stacks)
     if activation in ("Sigmoid", "Relu", "Tanh"):
-        bare = load_policy(with_contract(model, contract), verify=False)
+        bare = load_policy(with_contract(model, contract), verify=False, bounds=None)
         q_values, actions = bare.decide(stacks)
     return with_contract(
         model, dataclasses.replace(contract, golden=_golden(stacks, q_values, actions))
@@ -106,3 +106,17 @@ def _model(
         [numpy_helper.from_array(array, name) for name, array in weights.items()],
     )
     return helper.make_model(graph, opset_imports=[helper.make_opsetid("", 17)], ir_version=8)
+
+
+@dataclass
+class AddingPolicy:
+    """Remembers the sum of all that it saw: its memory is one number."""
+
+    given: list[float] = field(default_factory=list)
+
+    def decide(self, retinas: RetinaBatch, memories: Memories) -> tuple[QValues, Actions, Memories]:
+        self.given.append(float(memories[0, 0]))
+        seen = retinas.reshape(len(retinas), -1)[:, :1].astype(np.float32)
+        following = (memories + seen).astype(np.float32)
+        q_values = np.hstack([following, -following, 0 * following]).astype(np.float32)
+        return q_values, np.argmax(q_values, axis=1), following
