@@ -7,6 +7,7 @@ input replays too. Unless the input is good and fresh and the action values are 
 is the safe command, with a verdict that says why; there is never an exception.
 """
 
+import math
 from dataclasses import dataclass, replace
 from typing import cast
 
@@ -122,13 +123,16 @@ class Controller:
             return replace(state, streak=0, fault=str(error))
         if state.streak and not _is_newer(sensed.stamp, state.newest):
             return state
-        return replace(
-            state,
+        return State(  # every field by name: `replace` takes three times as long
+            index=state.index,
             streak=state.streak + 1,
             newest=sensed,
             frames=self._push(state.frames, sensed.retina),
             fault="",
             memory=state.following,
+            following=state.following,
+            hold=state.hold,
+            stopped=state.stopped,
         )
 
     def _push(self, frames: tuple[Retina, ...], retina: Retina) -> tuple[Retina, ...]:
@@ -161,7 +165,7 @@ class Controller:
             values = tuple(q_values.tolist())
         except Exception as error:  # whatever a policy does, the body gets its safe command
             return Outcome(Verdict.POLICY_FAULT, type(error).__name__, *given)
-        if not _is_finite(q_values, following) or not 0 <= winner < len(self.contract.actions):
+        if not _is_finite(values, following) or not 0 <= winner < len(self.contract.actions):
             reason = "values not finite, or no such action"
             return Outcome(Verdict.POLICY_FAULT, reason, *given, values)
         hold = self._choose(state.hold, values, winner, slot)
@@ -193,13 +197,16 @@ class Controller:
     def _remember(self, state: State, outcome: Outcome) -> State:
         """The state after a tick. Any verdict but OK ends a hold, and a memory begins anew."""
         is_good = outcome.verdict is Verdict.OK
-        return replace(
-            state,
+        return State(
             index=state.index + 1,
             streak=0 if outcome.verdict is Verdict.STALE_INPUT else state.streak,
+            newest=state.newest,
+            frames=state.frames,
+            fault=state.fault,
             memory=state.memory if is_good else None,
             following=outcome.following,
             hold=outcome.hold,
+            stopped=state.stopped,
         )
 
     def _conclude(self, state: State, inputs: Inputs, now_ns: int, outcome: Outcome) -> Decision:
@@ -240,10 +247,9 @@ def _is_newer(stamp: Stamp, newest: Sensed | None) -> bool:
     return stamp.sequence > newest.stamp.sequence or stamp.time_ns > newest.stamp.time_ns
 
 
-def _is_finite(q_values: QValues, following: Memories | None) -> bool:
-    return bool(np.isfinite(q_values).all()) and (
-        following is None or bool(np.isfinite(following).all())
-    )
+def _is_finite(q_values: tuple[float, ...], following: Memories | None) -> bool:
+    remembered = following is None or bool(np.isfinite(following).all())
+    return remembered and all(map(math.isfinite, q_values))
 
 
 def _input_of(newest: Sensed | None, now_ns: int) -> Input | None:

@@ -28,6 +28,7 @@ from reflexarc_runtime.messages.wire import (
 
 END_OF_RUN = "the runtime was asked to end"
 """Reason of the stop that the loop gives itself."""
+_OWN_TOPICS = (TICK, COMMAND, STOP)
 
 
 class Outlet(Protocol):
@@ -66,7 +67,7 @@ class Node:
         self._pacer = pacer
         self._outlets = outlets
         self._sink: Sink = sink or NoSink()
-        self._robot = robot
+        self._headers = {t: (t.key(robot), protobuf_encoding(t.schema)) for t in _OWN_TOPICS}
         self._run_id = run_id
         self._sender = sender
         self._overflows = overflows
@@ -150,8 +151,7 @@ class Node:
         self._outlets.tick.put(tick, decision.now_ns)
 
     def _own(self, topic: Topic, payload: bytes, stamp: Stamp) -> Message:
-        encoding = protobuf_encoding(topic.schema)
-        key = topic.key(self._robot)
+        key, encoding = self._headers[topic]
         return Message(key, payload, encoding, pack_stamp(stamp), stamp.time_ns)
 
     def _report(self, now_ns: int, policy_hash: str) -> None:

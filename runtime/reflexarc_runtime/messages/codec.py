@@ -3,7 +3,6 @@
 import math
 from dataclasses import dataclass
 
-import numpy as np
 from foxglove_schemas_protobuf.RawImage_pb2 import RawImage
 from google.protobuf.message import DecodeError
 from google.protobuf.message import Message as ProtobufMessage
@@ -110,14 +109,14 @@ def decision_to_protobuf(decision: Decision) -> pb.Decision:
         inputs=decision.inputs,
         input=_input_to_protobuf(decision.input),
         retina=decision.retina,
-        q_values=np.array(decision.q_values, np.float32),
+        q_values=decision.q_values,
         action=decision.action,
         verdict=int(decision.verdict),  # type: ignore[arg-type]  # the stub knows only its own enum
         reason=decision.reason,
         command=_command_to_protobuf(decision.command),
         policy_hash=decision.policy_hash,
         winner=decision.winner,
-        state=np.array(decision.state, np.float32) if decision.state else None,
+        state=decision.state,
     )
 
 

@@ -1,0 +1,129 @@
+"""What does one tick of the loop cost, and how many bytes does it leave on disk?
+
+    python benchmarks/tick.py [--ticks 4000] [--json]
+    python benchmarks/in_turns.py ../before --rounds 9 -- tick.py
+
+From waking to the end of the tick, records handed over: in a tight loop, where all is in the
+caches, and with a pause of 2 ms before each tick, where little is. The bytes are those of a log of
+the real recorder. Nothing is asserted.
+"""
+
+import argparse
+import gc
+import json
+import statistics
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))  # the tests' recordings
+
+from reflexarc_logs.reading.reader import read_log
+from reflexarc_runtime.controller import Controller
+from reflexarc_runtime.loop.node import Node, Outlets
+from reflexarc_runtime.loop.pacer import Wakeup
+from reflexarc_runtime.policy.policy import load_policy
+from reflexarc_runtime.sensing.senses import sense_for
+from support.policies import exported  # found by the line above
+from support.recordings import CONTRACT, PERIOD_NS, Nowhere, drive, nominal
+
+PAUSE_S = 0.002
+
+
+class Stopwatch:
+    """A pacer that gives one retina a tick at once, or after a pause, and times the ticks."""
+
+    def __init__(self, ticks: int, pause_s: float) -> None:
+        self._schedule = nominal(ticks)
+        self._pause_s = pause_s
+        self._slot = 0
+        self._began_ns = 0
+        self.ticks_ns: list[int] = []
+
+    def wait(self, should_stop: object) -> Wakeup | None:
+        """See `Pacer.wait`."""
+        if self._began_ns:
+            self.ticks_ns.append(time.perf_counter_ns() - self._began_ns)
+        if self._pause_s:
+            time.sleep(self._pause_s)
+        self._began_ns = time.perf_counter_ns()
+        self._slot += 1
+        return self._wake(self._schedule[self._slot])
+
+    def farewell(self) -> Wakeup:
+        """See `Pacer.farewell`."""
+        return self._wake([])
+
+    def now_ns(self) -> int:
+        """See `Pacer.now_ns`."""
+        return time.monotonic_ns()
+
+    def _wake(self, messages: object) -> Wakeup:
+        now_ns = 5_000_000_000 + self._slot * PERIOD_NS
+        return Wakeup(self._slot, now_ns, now_ns, now_ns, tuple(messages), 0)  # type: ignore[call-overload]
+
+
+class Nothing:
+    """A sink that takes all and keeps nothing."""
+
+    state = "on"
+
+    def put(self, message: object) -> None:
+        """See `Sink.put`."""
+
+    def put_keyframe(self, keyframe: object) -> None:
+        """See `Sink.put_keyframe`."""
+
+
+def main() -> None:
+    """Measure and print."""
+    arguments = _arguments()
+    figures = {
+        "tick, tight loop, µs": _tick_us(arguments.ticks, 0.0),
+        "tick, after a pause, µs": _tick_us(arguments.ticks, PAUSE_S),
+        **_bytes(arguments.ticks),
+    }
+    if arguments.json:
+        print(json.dumps(figures))
+        return
+    for name, value in figures.items():
+        print(f"{name:<34}{value:>10.2f}")
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--ticks", type=int, default=4000)
+    parser.add_argument("--json", action="store_true")
+    return parser.parse_args()
+
+
+def _tick_us(ticks: int, pause_s: float) -> float:
+    """Median time of a tick, microseconds."""
+    policy = load_policy(exported(CONTRACT, 3, "Relu"))
+    sense = sense_for("retina", policy.contract.retina)
+    controller = Controller(policy, policy.contract, sense, policy.policy_hash)
+    stopwatch = Stopwatch(ticks, pause_s)
+    gc.disable()
+    outlets = Outlets(Nowhere(), Nowhere(), Nowhere())
+    Node(controller, stopwatch, outlets, sink=Nothing()).run(max_ticks=ticks)  # type: ignore[arg-type]
+    gc.enable()
+    return statistics.median(stopwatch.ticks_ns) / 1e3
+
+
+def _bytes(ticks: int) -> dict[str, float]:
+    """Bytes a tick: of the file without its attachments, and of the tick messages themselves."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "log.mcap"
+        drive(path, exported(CONTRACT, 3, "Relu"), nominal(ticks), ticks)
+        log = read_log(path)
+        attached = sum(len(data) for data in log.attachments.values())
+        payload = sum(len(record.payload) for record in log.records("/robot0/tick"))
+        return {
+            "log, bytes a tick": (path.stat().st_size - attached) / ticks,
+            "tick messages, bytes a tick": payload / ticks,
+        }
+
+
+if __name__ == "__main__":
+    main()
