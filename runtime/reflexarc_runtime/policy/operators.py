@@ -82,9 +82,9 @@ def _slice(
     axes = np.arange(len(starts)) if axes is None else axes
     steps = np.ones(len(starts), np.int64) if steps is None else steps
     for axis, start, end, step in zip(axes, starts, ends, steps, strict=True):
-        # Backwards, an end before the first value means: as far as there is. In Python, None does.
-        before_all = step < 0 and end < -x.shape[axis]
-        picked[axis] = slice(int(start), None if before_all else int(end), int(step))
+        if step < 1:
+            raise PolicyError(f"operator Slice: expected steps from 1 on, got {step}")
+        picked[axis] = slice(int(start), int(end), int(step))
     return x[tuple(picked)]
 
 
