@@ -82,6 +82,8 @@ def check_parity(module: nn.Module, model: bytes, probes: Probes) -> None:
     expected = torch_decide(module, probes.retinas, probes.memories)
     _require("NumPy and torch", got, expected, NUMPY_TOLERANCE)
     few = Probes(probes.retinas[:SINGLES], _first(probes.memories, SINGLES))
+    singles, together = (_decided(model, "numpy", few, batch) for batch in (1, SINGLES))
+    _require("NumPy with one retina at a time and with many", singles, together, NUMPY_TOLERANCE)
     for some, batch in ((probes, len(probes.retinas)), (few, 1)):
         got = _decided(model, "onnxruntime", some, batch)
         expected = _decided(model, "numpy", some, len(some.retinas))
@@ -131,8 +133,8 @@ def _tried(
     if len(results) != len(inputs):
         wanted = "Q-values" if memories is None else "Q-values and next states"
         raise PolicyError(
-            f"export: the module returned {len(results)} tensors where its contract (state.size "
-            f"{contract.state.size}) wants {wanted}"
+            f"export: expected {wanted} of the module (the contract's state.size is "
+            f"{contract.state.size}), got {len(results)} tensors"
         )
     return results[0], torch.empty(0) if memories is None else results[1]
 
