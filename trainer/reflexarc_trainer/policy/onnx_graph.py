@@ -123,8 +123,7 @@ def _parameter(translation: Translation, traced: fx.GraphModule, node: fx.Node) 
 
 def _linear(call: Call) -> str:
     module, graph = call.module, call.graph
-    rows = len(call.args[0].shape) == 2
-    if not rows:
+    if len(call.args[0].shape) != 2:
         return _linear_of_many(call)
     inputs = [call.args[0].name, graph.constant("weight", weights(module.weight))]
     if module.bias is not None:

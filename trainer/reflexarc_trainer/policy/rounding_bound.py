@@ -132,8 +132,7 @@ def _moved(node: onnx.NodeProto, attributes: dict[str, Any], inputs: list[Any]) 
 
 
 def _gemm(attributes: dict[str, Any], a: Running, b: Running, c: Running | None = None) -> Running:
-    # The exporter writes no other.
-    assert attributes == {"transB": 1}
+    assert attributes == {"transB": 1}  # the exporter writes no other
     return _product(a, b.map(np.transpose), *(() if c is None else (c,)))
 
 
