@@ -37,7 +37,7 @@ def reproduce_golden_vectors(graph: Graph, contract: PolicyContract) -> None:
     stacks = _stacks(golden.retinas, contract)
     got = run_or_refuse(graph, contract, stacks, start_of(contract, len(stacks)))
     expected = np.array(golden.q_values, np.float32), np.array(golden.actions)
-    _require_equal("vectors", graph, contract, got, (*expected, None))
+    _require_equal("vectors", graph, contract.q_tolerance, got, (*expected, None))
     for sequence in golden.sequences:
         _reproduce_sequence(graph, contract, sequence)
 
@@ -59,7 +59,9 @@ def _reproduce_sequence(graph: Graph, contract: PolicyContract, golden: GoldenSe
     got = np.array(q_values), np.array(actions), memories
     end = np.array([golden.end], np.float32)
     expected = np.array(golden.q_values, np.float32), np.array(golden.actions), end
-    _require_equal("sequences", graph, contract, got, expected)
+    # Each tick adds its own rounding to what the memory brings from those before it.
+    allowed = contract.q_tolerance * len(golden.retinas)
+    _require_equal("sequences", graph, allowed, got, expected)
 
 
 def _stacks(retinas: tuple[tuple[int, ...], ...], contract: PolicyContract) -> RetinaBatch:
@@ -94,12 +96,12 @@ def run_or_refuse(
 def _require_equal(
     what: str,
     graph: Graph,
-    contract: PolicyContract,
+    allowed: float,
     got: tuple[QValues, Actions, Memories | None],
     expected: tuple[QValues, Actions, Memories | None],
 ) -> None:
     q_values, actions, end = expected
-    tolerance = 0.0 if graph.name == "numpy" else contract.q_tolerance
+    tolerance = 0.0 if graph.name == "numpy" else allowed
     agree = _same(got[0], q_values, tolerance) and _same_winners(
         got[1], actions, q_values, tolerance
     )

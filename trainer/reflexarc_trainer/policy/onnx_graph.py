@@ -1,163 +1,179 @@
-"""Translation of a torch module to ONNX nodes, by one small table of operators.
+"""Translation of a torch module to ONNX nodes, by one small table of rules.
 
-`torch.fx` traces the module; each node of the trace is a module's class, a function or a method's
-name, and the table says how it is written in ONNX. Other operators are refused by name, for replay
-needs graphs that the NumPy reference can compute.
+`torch.fx` traces the module; each call of the trace is a module's class, a function or a method's
+name, and the table says how it is written in ONNX. Others are refused by name, for replay needs
+graphs that the NumPy reference can compute.
 """
 
 import operator
-from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
-import numpy.typing as npt
-import onnx
 import torch
-from onnx import helper, numpy_helper
-from torch import Tensor, fx, nn
+from torch import fx, nn
 
 from reflexarc_runtime.errors import PolicyError
 from reflexarc_trainer.policy.q_network import intensity
+from reflexarc_trainer.policy.recurrent_modules import RECURRENT_RULES
+from reflexarc_trainer.policy.shape_operators import SHAPE_RULES
+from reflexarc_trainer.policy.tracing import VARIES, measure_shapes, trace
+from reflexarc_trainer.policy.translation import (
+    Call,
+    Names,
+    Rule,
+    Shape,
+    Translation,
+    Value,
+    weights,
+)
 
 
-@dataclass
-class Translation:
-    """An ONNX graph under construction."""
-
-    nodes: list[onnx.NodeProto] = field(default_factory=list)
-    constants: list[onnx.TensorProto] = field(default_factory=list)
-
-    def node(self, kind: str, inputs: list[str], output: str = "", **attributes: Any) -> str:
-        """Add a node of an ONNX operator (`kind`); returns the name of its output."""
-        output = output or f"{kind.lower()}_{len(self.nodes)}"
-        self.nodes.append(helper.make_node(kind, inputs, [output], name=output, **attributes))
-        return output
-
-    def constant(self, name: str, value: npt.NDArray[Any]) -> str:
-        """Add a constant; returns its name."""
-        name = f"{name}_{len(self.constants)}"
-        self.constants.append(numpy_helper.from_array(value, name))
-        return name
-
-
-Emit: TypeAlias = Callable[[Translation, Any, list[Any], dict[str, Any]], str]
-"""(graph, the module or None, arguments, keyword arguments) → name of the output."""
-
-
-def translate(module: nn.Module, inputs: str, translation: Translation) -> str:
-    """Add the nodes of a module; returns the name of its output.
+def translate(
+    module: nn.Module, inputs: dict[str, tuple[int, ...]], translation: Translation
+) -> tuple[str, ...]:
+    """Add the nodes of a module; returns the names of its outputs.
 
     Args:
-        module: the module.
-        inputs: name of its input in the graph.
+        module: the module, in float64.
+        inputs: name of each of its inputs in the graph, and its shape without the batch.
         translation: the graph.
 
     Raises:
-        PolicyError: the module cannot be traced, or has an operator that is not in the table.
+        PolicyError: the module cannot be traced, or makes a call that is not in the table.
     """
-    traced = _trace(module)
-    names: dict[fx.Node, Any] = {}
+    traced = trace(module, len(inputs))
+    shapes = measure_shapes(traced, list(inputs.values()))
+    values: dict[fx.Node, Any] = {}
+    names = iter(inputs)
     for node in traced.graph.nodes:
         match node.op:
             case "placeholder":
-                names[node] = inputs
+                values[node] = Value(next(names), shapes[node])
             case "output":
-                return str(names[node.args[0]])
+                return _outputs(_filled(node.args[0], values))
             case "get_attr":
-                names[node] = _parameter(translation, traced, str(node.target))
+                values[node] = Value(_parameter(translation, traced, node), shapes[node])
             case _:
-                names[node] = _emit(translation, traced, node, names)
+                values[node] = _called(translation, traced, node, values, shapes[node])
     raise PolicyError("export: the module returns nothing")
 
 
-def _trace(module: nn.Module) -> fx.GraphModule:
-    try:
-        traced = fx.symbolic_trace(module)
-    except Exception as error:  # tracing runs the module's own code, which may raise anything
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise PolicyError(f"export: {type(module).__name__} cannot be traced: {reason}") from None
-    placeholders = sum(node.op == "placeholder" for node in traced.graph.nodes)
-    if placeholders != 1:
-        raise PolicyError(f"export: expected a module of one input, got {placeholders}")
-    return traced
-
-
-def _emit(
-    translation: Translation, traced: fx.GraphModule, node: fx.Node, names: dict[fx.Node, Any]
-) -> str:
+def _called(
+    translation: Translation,
+    traced: fx.GraphModule,
+    node: fx.Node,
+    values: dict[fx.Node, Any],
+    result: Any,
+) -> Any:
+    if not _has_tensors(result):
+        return result  # a size, or what was computed from sizes: it is known already
+    if not node.args:
+        raise PolicyError(f"export: {node.name}: give its inputs by position, not by keyword")
     module = traced.get_submodule(str(node.target)) if node.op == "call_module" else None
-    key = type(module) if module is not None else node.target
-    emit = _TABLE.get(key)
-    if emit is None:
+    args = [_filled(argument, values) for argument in node.args]
+    kwargs = {key: _filled(argument, values) for key, argument in node.kwargs.items()}
+    if node.target is operator.getitem and isinstance(args[0], tuple):
+        return args[0][args[1]]
+    rule = _rule(type(module) if module is not None else node.target, node)
+    return _with_shapes(rule(Call(translation, module, args, kwargs, result)), result)
+
+
+def _rule(key: Any, node: fx.Node) -> Rule:
+    rule = _TABLE.get(key)
+    if rule is None:
         name = getattr(key, "__name__", str(key))
         known = ", ".join(sorted({getattr(k, "__name__", str(k)) for k in _TABLE}))
         raise PolicyError(f"export: operator {name} ({node.name}) is not supported; known: {known}")
-    if not node.args:
-        raise PolicyError(f"export: {node.name}: give its inputs by position, not by keyword")
-    args = [names[a] if isinstance(a, fx.Node) else a for a in node.args]
-    kwargs = {k: names[a] if isinstance(a, fx.Node) else a for k, a in node.kwargs.items()}
-    return emit(translation, module, args, kwargs)
+    return rule
 
 
-def _parameter(translation: Translation, traced: fx.GraphModule, target: str) -> str:
-    owner, _, name = target.rpartition(".")
-    return translation.constant(name, _array(getattr(traced.get_submodule(owner), name)))
+def _filled(argument: Any, values: dict[fx.Node, Any]) -> Any:
+    """An argument with values in place of the calls that they come from."""
+    if isinstance(argument, fx.Node):
+        return values[argument]
+    if isinstance(argument, tuple | list):
+        return tuple(_filled(part, values) for part in argument)
+    if isinstance(argument, slice):
+        ends = (argument.start, argument.stop, argument.step)
+        return slice(*(_filled(part, values) for part in ends))
+    return argument
 
 
-def _array(tensor: Tensor) -> npt.NDArray[np.float32]:
-    array: npt.NDArray[np.float32] = tensor.detach().float().numpy()
-    return array
+def _has_tensors(result: Any) -> bool:
+    if isinstance(result, Shape):
+        return True
+    return isinstance(result, tuple) and any(map(_has_tensors, result))
 
 
-def _linear(translation: Translation, module: Any, args: list[Any], _: dict[str, Any]) -> str:
-    inputs = [args[0], translation.constant("weight", _array(module.weight))]
+def _with_shapes(names: Names, shapes: Any) -> Any:
+    if isinstance(names, str):
+        return Value(names, shapes)
+    return tuple(map(_with_shapes, names, shapes))
+
+
+def _outputs(result: Any) -> tuple[str, ...]:
+    values = result if isinstance(result, tuple) else (result,)
+    return tuple(value.name for value in values)
+
+
+def _parameter(translation: Translation, traced: fx.GraphModule, node: fx.Node) -> str:
+    owner, _, name = str(node.target).rpartition(".")
+    return translation.constant(name, weights(getattr(traced.get_submodule(owner), name)))
+
+
+def _linear(call: Call) -> str:
+    module, graph = call.module, call.graph
+    if len(call.args[0].shape) != 2:
+        return _linear_of_many(call)
+    inputs = [call.args[0].name, graph.constant("weight", weights(module.weight))]
     if module.bias is not None:
-        inputs.append(translation.constant("bias", _array(module.bias)))
-    return translation.node("Gemm", inputs, transB=1)
+        inputs.append(graph.constant("bias", weights(module.bias)))
+    return graph.node("Gemm", inputs, transB=1)
 
 
-def _flatten(translation: Translation, module: Any, args: list[Any], kwargs: dict[str, Any]) -> str:
-    given = {"start_dim": 0, "end_dim": -1}
-    if module is not None:
-        given = {"start_dim": module.start_dim, "end_dim": module.end_dim}
-    given |= dict(zip(given, args[1:], strict=False)) | kwargs
-    if given != {"start_dim": 1, "end_dim": -1}:
-        raise PolicyError(f"export: flatten with {given} is not supported; use flatten(x, 1)")
-    return translation.node("Flatten", [args[0]], axis=1)
+def _linear_of_many(call: Call) -> str:
+    """A layer over the last of several axes, which Gemm does not have."""
+    module, graph = call.module, call.graph
+    columns = np.ascontiguousarray(weights(module.weight).T)
+    product = graph.node("MatMul", [call.args[0].name, graph.constant("weight", columns)])
+    if module.bias is None:
+        return product
+    return graph.node("Add", [product, graph.constant("bias", weights(module.bias))])
 
 
-def _same(_: Translation, __: Any, args: list[Any], ___: dict[str, Any]) -> str:
-    return str(args[0])
+def _same(call: Call) -> str:
+    return str(call.args[0].name)
 
 
-def _plain(kind: str) -> Emit:
+def _plain(kind: str) -> Rule:
     """An operator whose inputs are values or numbers, and that has no attributes."""
 
-    def emit(translation: Translation, _: Any, args: list[Any], kwargs: dict[str, Any]) -> str:
-        if any(key != "inplace" for key in kwargs):
-            raise PolicyError(f"export: {kind} with {', '.join(kwargs)} is not supported")
-        return translation.node(kind, [_value(translation, a) for a in args])
+    def rule(call: Call) -> str:
+        if any(key != "inplace" for key in call.kwargs):
+            raise PolicyError(f"export: {kind} with {', '.join(call.kwargs)} is not supported")
+        return call.graph.node(kind, [_named(call.graph, a) for a in call.args])
 
-    return emit
+    return rule
 
 
-def _value(translation: Translation, argument: Any) -> str:
-    if isinstance(argument, str):
-        return argument
+def _named(translation: Translation, argument: Any) -> str:
+    if isinstance(argument, Value):
+        return argument.name
+    if argument is VARIES:
+        raise PolicyError("export: a number that depends on the size of the batch is not supported")
     return translation.constant("number", np.array(argument, np.float32))
 
 
-_TABLE: dict[Any, Emit] = {
+_TABLE: dict[Any, Rule] = {
+    **SHAPE_RULES,
+    **RECURRENT_RULES,
     nn.Linear: _linear,
-    nn.Flatten: _flatten,
-    torch.flatten: _flatten,
-    "flatten": _flatten,
-    # These add no node: the graph before the module divides by 255, and the other two do nothing
+    # These add no node: the graph before the module divides by 255, and the others do nothing
     # in a network that is not being trained.
     intensity: _same,
     nn.Identity: _same,
     nn.Dropout: _same,
+    "contiguous": _same,
     **dict.fromkeys(
         (nn.Sigmoid, torch.sigmoid, nn.functional.sigmoid, "sigmoid"), _plain("Sigmoid")
     ),
@@ -169,4 +185,4 @@ _TABLE: dict[Any, Emit] = {
     **dict.fromkeys((operator.truediv, torch.div, "div"), _plain("Div")),
     **dict.fromkeys((operator.matmul, torch.matmul, "matmul"), _plain("MatMul")),
 }
-"""Class, function or method name of a traced node → what adds its ONNX nodes."""
+"""Class, function or method name of a traced call → what writes it in ONNX."""

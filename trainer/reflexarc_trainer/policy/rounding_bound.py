@@ -1,0 +1,179 @@
+"""How far float32 may lie from the reference, for a network's own weights.
+
+The bound is found by running the graph once with values that carry their errors
+(`running_error.py`), for the inputs that the export is checked with. For these it is proved: no
+order of summation, no vector width and no fused multiplication gives more. For others it is not,
+but it counts the worst luck in every operation, tens of times what luck gives; it takes every unit
+at its steepest; and the brightest retina, with which a first layer rounds most, is always among
+the inputs.
+
+A bound for every possible input, from ranges in place of values, was up to 100 times larger for
+networks with a memory, whose gates it takes as open and shut at once; and for the cell of an LSTM,
+which may grow without end, there is none.
+
+It holds for one tick, from a memory that both backends are given: that is what a replay compares.
+In a sequence each tick adds its own error, so k ticks are allowed k times as much (`parity.py`).
+"""
+
+import math
+from collections.abc import Callable, Iterator
+from typing import Any, TypeAlias
+
+import numpy as np
+import onnx
+from onnx import numpy_helper
+
+from reflexarc_runtime.policy.agreement import Q_TOLERANCE
+from reflexarc_runtime.policy.operators import OPERATORS
+from reflexarc_runtime.policy.recurrent_operators import MANY_OPERATORS
+from reflexarc_trainer.policy.probes import Probes
+from reflexarc_trainer.policy.recurrent_errors import gru, lstm
+from reflexarc_trainer.policy.running_error import (
+    UNIT,
+    Running,
+    add,
+    affine,
+    divide,
+    exactly,
+    multiply,
+    relu,
+    sigmoid,
+    subtract,
+    tanh,
+)
+
+LARGEST_TOLERANCE = 1e-2
+"""Beyond it two backends would do different things, and damage would pass for rounding."""
+_VALUES_AT_A_TIME = 1 << 22
+"""Of the inputs: thousands of large retinas would need gigabytes."""
+
+Error: TypeAlias = Callable[..., Any]
+
+
+def tolerance_for(model: onnx.ModelProto, probes: Probes, least: float = Q_TOLERANCE) -> float:
+    """The `q_tolerance` for a network: its rounding bound, rounded up to two digits.
+
+    Where the bound exceeds the largest tolerance, that one is taken: it assumes the worst luck, so
+    whether the network agrees is still to be measured.
+
+    Args:
+        model: the graph.
+        probes: the inputs.
+        least: what it is at least.
+    """
+    bound = rounding_bound(model, probes)
+    tolerance = LARGEST_TOLERANCE if bound >= LARGEST_TOLERANCE else _two_digits(bound)
+    return max(least, Q_TOLERANCE, tolerance)
+
+
+def rounding_bound(model: onnx.ModelProto, probes: Probes) -> float:
+    """Largest |float32 − reference| / max(1, |reference|) of Q-values and memories, in one tick.
+
+    Infinite if the graph has an operator for which no bound is known, or divides by what may be 0.
+    """
+    if any(node.op_type not in _KNOWN for node in model.graph.node):
+        return math.inf
+    with np.errstate(all="ignore"):  # what is not finite has no bound
+        bounds = [_relative(output) for output in _outputs(model, probes)]
+    # Not a number is no bound either.
+    return max(bounds) if all(map(math.isfinite, bounds)) else math.inf
+
+
+def _two_digits(value: float) -> float:
+    """Rounded up, to be readable: 3.142e-6 becomes 3.2e-6."""
+    digit = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return float(f"{math.ceil(value / digit) * digit:.1e}")
+
+
+def _relative(output: Running) -> float:
+    """The reference is rounded too, by u |Q|, and so is the difference when it is compared."""
+    scale = np.maximum(1.0, np.abs(output.value))
+    return float(np.max(output.error / scale)) + 2 * UNIT
+
+
+def _outputs(model: onnx.ModelProto, probes: Probes) -> Iterator[Running]:
+    constants = {t.name: exactly(numpy_helper.to_array(t)) for t in model.graph.initializer}
+    batch = max(1, _VALUES_AT_A_TIME // probes.retinas[0].size)
+    for start in range(0, len(probes.retinas), batch):
+        some = slice(start, start + batch)
+        values: dict[str, Any] = {"": None, **constants, "retina": exactly(probes.retinas[some])}
+        if probes.memories is not None:
+            values["state"] = exactly(probes.memories[some])
+        for node in model.graph.node:
+            _run(node, values)
+        yield from (values[name] for name in ("q_values", "state_next") if name in values)
+
+
+def _run(node: onnx.NodeProto, values: dict[str, Any]) -> None:
+    if node.op_type == "ArgMax":
+        return
+    inputs = [values[name] for name in node.input]
+    attributes = {a.name: onnx.helper.get_attribute_value(a) for a in node.attribute}
+    if node.op_type in _MOVES:
+        results = _moved(node, attributes, inputs)
+    else:
+        results = _ERRORS[node.op_type](attributes, *inputs)
+    results = results if isinstance(results, tuple) else (results,)
+    values.update((n, r) for n, r in zip(node.output, results, strict=False) if n)
+
+
+def _moved(node: onnx.NodeProto, attributes: dict[str, Any], inputs: list[Any]) -> Any:
+    """What only moves elements does so with values and errors, by the reference's own operator."""
+    kind = node.op_type
+    whole = inputs if kind == "Concat" else inputs[:1]
+    others = [x.value.astype(np.int64) for x in inputs[len(whole) :]]
+    values, errors = [x.value for x in whole], [x.error for x in whole]
+    if kind in MANY_OPERATORS:
+        split = MANY_OPERATORS[kind](attributes, node)
+        pairs = zip(split(*values, *others), split(*errors, *others), strict=True)
+        return tuple(Running(*pair) for pair in pairs)
+    move = OPERATORS[kind](attributes)
+    return Running(move(*values, *others), move(*errors, *others))
+
+
+def _gemm(attributes: dict[str, Any], a: Running, b: Running, c: Running | None = None) -> Running:
+    assert attributes == {"transB": 1}  # the exporter writes no other
+    return _product(a, b.map(np.transpose), *(() if c is None else (c,)))
+
+
+def _mat_mul(_: dict[str, Any], a: Running, b: Running) -> Running:
+    return _product(a, b)
+
+
+def _product(x: Running, weights: Running, *biases: Running) -> Running:
+    """With weights that are constants; what else may be multiplied has no bound here."""
+    known = not any(part.error.any() for part in (weights, *biases))
+    if not known or weights.value.ndim != 2:
+        return _unknown(x, weights)
+    return affine(x, weights.value, *(bias.value for bias in biases))
+
+
+def _unknown(a: Running, b: Running) -> Running:
+    value = a.value @ b.value
+    return Running(value, np.full(value.shape, np.inf))
+
+
+def _plain(error: Callable[..., Running]) -> Error:
+    return lambda _, *inputs: error(*inputs)
+
+
+_MOVES = frozenset(
+    ("Concat", "Flatten", "Reshape", "Slice", "Split", "Squeeze", "Transpose", "Unsqueeze")
+)
+_ERRORS: dict[str, Error] = {
+    "Add": _plain(add),
+    "Cast": _plain(lambda x: x),  # of bytes, which are exact
+    "Div": _plain(divide),
+    "GRU": gru,
+    "Gemm": _gemm,
+    "Identity": _plain(lambda x: x),
+    "LSTM": lstm,
+    "MatMul": _mat_mul,
+    "Mul": _plain(multiply),
+    "Relu": _plain(relu),
+    "Sigmoid": _plain(sigmoid),
+    "Sub": _plain(subtract),
+    "Tanh": _plain(tanh),
+}
+"""Name of an ONNX operator → its result with its error."""
+_KNOWN = {"ArgMax", *_MOVES, *_ERRORS}
