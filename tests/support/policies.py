@@ -59,10 +59,10 @@ def exported(contract: PolicyContract, seed: int = 0, activation: str = "Sigmoid
     model = network(contract, seed, activation=activation)
     rng = np.random.default_rng(seed + 1)
     stacks = rng.integers(0, 256, (8, *contract.retina.stack_shape), dtype=np.uint8)
-    bare = load_policy(with_contract(model, contract), "onnxruntime", verify=False)
+    bare = load_policy(with_contract(model, contract), "onnxruntime", verify=False, bounds=None)
     q_values, actions = bare.decide(stacks)
     if activation in ("Sigmoid", "Relu", "Tanh"):
-        bare = load_policy(with_contract(model, contract), verify=False)
+        bare = load_policy(with_contract(model, contract), verify=False, bounds=None)
         q_values, actions = bare.decide(stacks)
     return with_contract(
         model, dataclasses.replace(contract, golden=_golden(stacks, q_values, actions))
