@@ -117,3 +117,17 @@ def test_a_body_too_fast_to_simulate_is_refused_before_anything_is_listed():
         with pytest.raises(WorldError, match="100 m in a step"):
             Body(world_named("reference-1").drawn(0), fast, 50.0, 0)
     Body(world_named("reference-1").drawn(0), fast, 51.0, 0)
+
+
+def test_a_body_whose_stop_is_faster_than_its_actions_meets_all_that_lies_in_its_way():
+    rush = Action("rush", 200.0, 0.0)
+    by_stop, by_action = (
+        Body(world_named("reference-1").drawn(0), contract, 10.0, 0)
+        for contract in (
+            replace(CONTRACT, safe_command=rush),
+            replace(CONTRACT, safe_command=rush, actions=(*CONTRACT.actions, rush)),
+        )
+    )
+    for step in range(50):  # nobody has told them to go
+        assert by_stop.move(step) == by_action.move(step)
+    assert by_stop.contacts > 40
