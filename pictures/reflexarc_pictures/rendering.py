@@ -98,7 +98,7 @@ def render_world(
     contract = reference_contract()
     driver: Policy = BlindPolicy(len(contract.actions))
     if policy is not None:
-        loaded = load_policy(policy)
+        loaded = load_policy(policy, bounds=None)
         contract, driver = loaded.contract, loaded
     is_picture = out.suffix.lower() == PICTURE
     duration_s = duration_s or (STRETCH_S if is_picture else FILM_S)

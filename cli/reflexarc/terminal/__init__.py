@@ -1,1 +1,1 @@
-"""The terminal: tables, progress, keys, signals."""
+"""The terminal: tables, descriptions, progress, keys, signals."""

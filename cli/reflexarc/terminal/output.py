@@ -2,11 +2,12 @@
 
 import dataclasses
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import Progress
 from rich.table import Table
 
@@ -23,14 +24,19 @@ def print_json(value: Any) -> None:
     print(json.dumps(plain, default=str))
 
 
-def facts(rows: dict[str, object], title: str | None = None) -> Table:
-    """A table of names and values."""
+def facts(rows: Mapping[str, object], title: str | None = None, name_width: int = 0) -> Table:
+    """A table of names and values; several with one width of the names stand in line."""
     table = Table(title=title, title_justify="left", show_header=False, box=None, pad_edge=False)
-    table.add_column(style="bold", no_wrap=True)
+    table.add_column(style="bold", no_wrap=True, min_width=name_width or None)
     table.add_column(overflow="fold")
     for name, value in rows.items():
         table.add_row(name, str(value))
     return table
+
+
+def plain(text: str) -> str:
+    """Words from a file, so that they are shown as they are: no markup, no control characters."""
+    return escape("".join(c if c.isprintable() else ascii(c)[1:-1] for c in text))
 
 
 def microseconds(time_ns: int) -> str:

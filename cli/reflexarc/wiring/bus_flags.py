@@ -11,6 +11,7 @@ from reflexarc.terminal.output import aside
 if TYPE_CHECKING:
     from reflexarc_runtime.bus import Bus
     from reflexarc_runtime.bus_config import BusConfig
+    from reflexarc_runtime.contract.bounds import Bounds
     from reflexarc_runtime.contract.contract import PolicyContract
 
 ASK_AGAIN_S = 0.1
@@ -61,7 +62,7 @@ class Joining:
 
 
 def contract_of(
-    policy: Path | None, bus: "Bus", stop: Callable[[], bool], who: str
+    policy: Path | None, bus: "Bus", stop: Callable[[], bool], who: str, bounds: "Bounds"
 ) -> "PolicyContract | None":
     """The contract that a body follows: of a policy file, or of the runtime on the bus.
 
@@ -70,18 +71,22 @@ def contract_of(
         bus: where to ask.
         stop: ends the waiting.
         who: the name of the waiting command, for its notice.
+        bounds: what the contract may ask for at most, wherever it comes from.
 
     Returns:
         The contract, or None when asked to stop before anyone answered.
+
+    Raises:
+        ContractError: it asks for more than the bounds allow, or cannot be read.
     """
     from reflexarc_runtime.policy.policy import load_policy
 
     if policy is not None:
-        return load_policy(policy, verify=False).contract
+        return load_policy(policy, verify=False, bounds=bounds).contract
     aside.print(f"{who}: waiting for a runtime to say what it wants to see …")
     while not stop():
         found = bus.fetch_policy(timeout_s=ASK_S)
         if found is not None:
-            return load_policy(found, verify=False).contract
+            return load_policy(found, verify=False, bounds=bounds).contract
         time.sleep(ASK_AGAIN_S)  # without a runtime the query returns at once
     return None

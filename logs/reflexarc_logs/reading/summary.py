@@ -1,10 +1,13 @@
 """What `reflexarc info` says of a log: what was recorded, how much, how fast, and is it whole?"""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from reflexarc_logs.container.run_info import RunInfo
 from reflexarc_logs.reading.reader import Log, Record, read_log
+from reflexarc_runtime.messages.body_info import BodyInfo, decode_body
+from reflexarc_runtime.messages.topics import BODY
+from reflexarc_runtime.messages.wire import NO_SENDER
 
 
 @dataclass(frozen=True)
@@ -17,6 +20,8 @@ class TopicSummary:
     payload_bytes: int
     rate_hz: float
     """Messages a second between the first and the last; 0 with fewer than two."""
+    senders: int
+    """How many different ones sent it; 0 in logs that do not say."""
 
 
 @dataclass(frozen=True)
@@ -33,6 +38,8 @@ class LogSummary:
     dropped: int
     """Records or chunks that are missing in the middle."""
     run: RunInfo
+    body: BodyInfo | None
+    """Who drove, in which world, as its first message said it; None: not recorded."""
     topics: tuple[TopicSummary, ...]
     """By name."""
 
@@ -46,15 +53,17 @@ class LogSummary:
 class _Count:
     """A topic while it is counted."""
 
-    schema: str
+    first: Record
     first_ns: int
     last_ns: int
     messages: int = 0
     payload_bytes: int = 0
+    senders: set[bytes] = field(default_factory=set)
 
     def add(self, record: Record) -> None:
         self.messages += 1
         self.payload_bytes += len(record.payload)
+        self.senders.add(record.sender)
         self.first_ns = min(self.first_ns, record.log_ns)
         self.last_ns = max(self.last_ns, record.log_ns)
 
@@ -68,8 +77,10 @@ def summarise(log: Log | Path | str) -> LogSummary:
     source = log if isinstance(log, Log) else read_log(log, allow_truncated=True)
     counts: dict[str, _Count] = {}
     for record in source.records():
-        new = _Count(record.schema, record.log_ns, record.log_ns)
-        counts.setdefault(record.topic, new).add(record)
+        count = counts.get(record.topic)
+        if count is None:
+            count = counts[record.topic] = _Count(record, record.log_ns, record.log_ns)
+        count.add(record)
     first_ns = min((c.first_ns for c in counts.values()), default=0)
     last_ns = max((c.last_ns for c in counts.values()), default=0)
     return LogSummary(
@@ -80,6 +91,7 @@ def summarise(log: Log | Path | str) -> LogSummary:
         duration_s=(last_ns - first_ns) * 1e-9,
         dropped=source.dropped,
         run=source.run,
+        body=_body(counts.get(source.topic(BODY.name))),
         topics=tuple(_topic(name, counts[name]) for name in sorted(counts)),
     )
 
@@ -87,4 +99,18 @@ def summarise(log: Log | Path | str) -> LogSummary:
 def _topic(name: str, count: _Count) -> TopicSummary:
     seconds = (count.last_ns - count.first_ns) * 1e-9
     rate_hz = (count.messages - 1) / seconds if seconds > 0 else 0.0
-    return TopicSummary(name, count.schema, count.messages, count.payload_bytes, rate_hz)
+    return TopicSummary(
+        topic=name,
+        schema=count.first.schema,
+        messages=count.messages,
+        payload_bytes=count.payload_bytes,
+        rate_hz=rate_hz,
+        senders=len(count.senders - {NO_SENDER}),
+    )
+
+
+def _body(count: _Count | None) -> BodyInfo | None:
+    """What the first message of a body says; None without one that can be read."""
+    if count is None or count.first.schema != BODY.schema:
+        return None
+    return decode_body(count.first.payload)

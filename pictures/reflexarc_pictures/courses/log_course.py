@@ -68,7 +68,7 @@ def course_of(log: Log, duration_s: float) -> Course:
     """
     if log.policy is None:
         raise LogError(f"{log.path}: expected the policy of `reflexarc run --record`, found none")
-    contract = load_policy(log.policy, verify=False).contract
+    contract = load_policy(log.policy, verify=False, bounds=None).contract
     _, posed_ns, poses = poses_of(log)
     if not len(poses):
         raise LogError(f"{log.path}: a film needs poses, found none; draw it as a picture, *.png")

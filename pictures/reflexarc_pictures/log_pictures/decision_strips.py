@@ -134,7 +134,7 @@ def decisions_of(log: Log) -> Decisions:
             f"{log.path}: expected the ticks and the policy of `reflexarc run --record`, found "
             f"{'no ticks' if not made else 'no policy'}; play it into a runtime that records"
         )
-    contract = load_policy(log.policy, verify=False).contract
+    contract = load_policy(log.policy, verify=False, bounds=None).contract
     return Decisions(
         time_s=np.array([decision.now_ns - made[0].now_ns for decision in made]) * 1e-9,
         retinas=_retinas(made, contract),

@@ -6,9 +6,12 @@ by flags of its own.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.errors import ContractError
+
+if TYPE_CHECKING:  # the bounds are flags, and a command line shall not load a contract to show them
+    from reflexarc_runtime.contract.contract import PolicyContract
 
 
 @dataclass(frozen=True)
@@ -25,17 +28,18 @@ class Bounds:
     """Accept a policy whose safe command is not standstill."""
 
 
-def check_bounds(contract: PolicyContract, bounds: Bounds) -> None:
+def check_bounds(contract: "PolicyContract", bounds: Bounds) -> None:
     """Refuse a contract that asks for more than the bounds allow.
 
     Raises:
         ContractError: the first thing that is beyond them, and the flag that widens them.
     """
-    for excess in _excesses(contract, bounds):
+    for excess in excesses(contract, bounds):
         raise ContractError(excess)
 
 
-def _excesses(contract: PolicyContract, bounds: Bounds) -> Iterator[str]:
+def excesses(contract: "PolicyContract", bounds: Bounds) -> Iterator[str]:
+    """Each thing that a contract asks for beyond the bounds, with the flag that widens them."""
     safe = contract.safe_command
     for action in (*contract.actions, safe):
         name, speed_mps = repr(action.name), bounds.max_speed_mps

@@ -60,6 +60,11 @@ def open_text(text: str) -> tuple[dict[str, Any], int]:
     return _migrated(document, schema), schema
 
 
+def digest_in(text: str) -> str:
+    """The digest that a text carries, in hexadecimal; empty for one without."""
+    return text[len(_HEAD) : len(_HEAD) + 64] if text.startswith(_HEAD) else ""
+
+
 def digest_of(body: str) -> str:
     """SHA-256 of a contract's text without its digest, in hexadecimal."""
     return hashlib.sha256(body.encode()).hexdigest()

@@ -17,6 +17,7 @@ import onnx
 from reflexarc_runtime.arrays import Actions, Memories, QValues, RetinaBatch
 from reflexarc_runtime.contract.bounds import Bounds, check_bounds
 from reflexarc_runtime.contract.contract import PolicyContract, why_unsealed
+from reflexarc_runtime.contract.text import digest_in
 from reflexarc_runtime.errors import PolicyError, ReflexarcError, first_line
 from reflexarc_runtime.policy.golden_check import Graph, reproduce_golden_vectors, start_of
 from reflexarc_runtime.policy.model_file import (
@@ -85,6 +86,8 @@ class LoadedPolicy:
     graph: Graph
     notes: tuple[str, ...] = ()
     """What its user should know."""
+    digest: str = ""
+    """SHA-256 that seals the contract's text; empty if it was written without one."""
 
     @property
     def backend(self) -> Backend:
@@ -152,7 +155,7 @@ def _load(data: bytes, backend: Backend, verify: bool, bounds: Bounds | None) ->
     if verify:
         reproduce_golden_vectors(graph, contract)
     notes = tuple(filter(None, [why_unsealed(text)]))
-    return LoadedPolicy(contract, policy_hash(data), data, graph, notes)
+    return LoadedPolicy(contract, policy_hash(data), data, graph, notes, digest_in(text))
 
 
 def _check_reserved(contract: PolicyContract) -> None:

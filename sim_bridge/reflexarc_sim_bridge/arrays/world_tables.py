@@ -238,6 +238,7 @@ def _form(layer: Layer) -> tuple[type[Layer], int]:
 
 
 def _fastest_mps(contract: PolicyContract, world: World) -> float:
-    own = max(math.hypot(a.linear_mps, a.lateral_mps) for a in contract.actions)
+    motions_of_body = (*contract.actions, contract.safe_command)  # a stop may creep
+    own = max(math.hypot(a.linear_mps, a.lateral_mps) for a in motions_of_body)
     motions = [layer.motion for layer in world.layers if layer.motion is not None]
     return own + max((motion.fastest_mps for motion in motions), default=0.0)

@@ -1,5 +1,6 @@
 """A simulated robot in a world, with a watchdog of its own. It uses neither bus nor clock."""
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -7,9 +8,15 @@ import numpy as np
 from reflexarc_runtime.arrays import Retina
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.decision import Command
+from reflexarc_runtime.errors import WorldError
 from reflexarc_runtime.loop.watchdog import Watchdog
+from reflexarc_runtime.messages.body_info import BodyInfo, BodyLimits
 from reflexarc_sim_bridge.simulation.simulation import Simulation
+from reflexarc_sim_bridge.worlds.files import parse_world
 from reflexarc_sim_bridge.worlds.world import World
+
+MAX_STEP_M = 100.0
+"""A body that went farther in one step could meet so much that listing it takes minutes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,9 +38,11 @@ class Body:
         rate_hz: steps of the simulation a second.
         seed: of the world.
         number: which of several robots in one world; each has places of its own.
+        world_text: the file of the world, which the body tells others.
 
     Raises:
-        WorldError: the contract asks for a sense or a motion that the world does not have.
+        WorldError: the contract asks for a sense or a motion that the world does not have, or for
+            too much speed to simulate.
     """
 
     def __init__(
@@ -43,10 +52,14 @@ class Body:
         rate_hz: float,
         seed: int,
         number: int = 0,
+        world_text: str = "",
     ) -> None:
+        step_s = 1.0 / rate_hz
+        _check_speed(contract, step_s)
         self.contract = contract
+        self.info = BodyInfo(world.name, world_text, seed, number, step_s, _limits_of(contract))
         self.simulation = Simulation(
-            replace(world, dt_s=1.0 / rate_hz),
+            replace(world, dt_s=step_s),
             contract,
             np.array([seed], np.uint64),
             lanes=np.array([number], np.uint64),
@@ -78,11 +91,7 @@ class Body:
 
     def _can_move_so(self, command: Command) -> bool:
         """Whether no speed exceeds those of the contract's actions; else it is not obeyed."""
-        return all(
-            abs(getattr(command, speed))
-            <= max(abs(getattr(a, speed)) for a in self.contract.actions)
-            for speed in ("linear_mps", "lateral_mps", "angular_radps")
-        )
+        return self.info.limits is None or self.info.limits.allow(command)
 
     def see(self) -> Retina:
         """The retina now: uint8 (eyes, rays, channels)."""
@@ -94,3 +103,38 @@ class Body:
         """Its position and heading now."""
         here = self.simulation
         return BodyPose(float(here.x_m[0]), float(here.y_m[0]), float(here.heading_rad[0]))
+
+
+def rebuild(info: BodyInfo, contract: PolicyContract) -> Body:
+    """The body that a log tells of, as it was when it began: in the same world, at the same place.
+
+    Args:
+        info: what it said on `<robot>/body`.
+        contract: of the policy that drove it.
+
+    Raises:
+        WorldError: it was not simulated, or its text is no world.
+    """
+    if not (info.world_text and info.step_s):
+        raise WorldError("body: expected the text of a world and a step, got a body without")
+    world = parse_world(info.world_text, info.world).drawn(info.seed)
+    return Body(world, contract, 1.0 / info.step_s, info.seed, info.number, info.world_text)
+
+
+def _check_speed(contract: PolicyContract, step_s: float) -> None:
+    motions = (*contract.actions, contract.safe_command)
+    fastest_mps = max(math.hypot(motion.linear_mps, motion.lateral_mps) for motion in motions)
+    if not fastest_mps * step_s <= MAX_STEP_M:
+        raise WorldError(
+            f"body: expected at most {MAX_STEP_M:g} m in a step, got {fastest_mps:g} m/s for "
+            f"{step_s:g} s; a higher --rate makes the steps shorter"
+        )
+
+
+def _limits_of(contract: PolicyContract) -> BodyLimits:
+    """The fastest of the contract's actions, in each direction."""
+    return BodyLimits(
+        linear_mps=max(abs(action.linear_mps) for action in contract.actions),
+        lateral_mps=max(abs(action.lateral_mps) for action in contract.actions),
+        angular_radps=max(abs(action.angular_radps) for action in contract.actions),
+    )

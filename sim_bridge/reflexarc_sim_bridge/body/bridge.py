@@ -13,6 +13,7 @@ from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.lockstep import await_command, wait_for_runtime
 from reflexarc_runtime.loop.pacer import RatePacer
 from reflexarc_runtime.loop.throttle import Throttle
+from reflexarc_runtime.messages.body_info import encode_body
 from reflexarc_runtime.messages.codec import (
     Status,
     decode_command,
@@ -21,6 +22,7 @@ from reflexarc_runtime.messages.codec import (
     encode_status,
 )
 from reflexarc_runtime.messages.topics import (
+    BODY,
     BODY_NODE,
     COMMAND,
     CONTACT,
@@ -41,7 +43,7 @@ from reflexarc_sim_bridge.body.foxglove_messages import encode_pose, encode_scen
 if TYPE_CHECKING:
     from reflexarc_runtime.bus import Bus
 
-_PUBLISHED = (RETINA, POSE, TRANSFORM, SCENE, CONTACT, STATUS)
+_PUBLISHED = (RETINA, POSE, TRANSFORM, SCENE, CONTACT, BODY, STATUS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,6 +83,7 @@ class StatePublisher:
         self._retinas = retinas or self._publishers[RETINA]
         self._body = body
         self._robot = robot
+        self._info = encode_body(body.info)
         self._steps = 0
         self._every_second = Throttle()
 
@@ -104,6 +107,8 @@ class StatePublisher:
     def _publish_every_second(self, now_ns: int) -> None:
         if not self._every_second.is_due(now_ns):
             return
+        # Again and again: a recorder that joins later shall know where it is, too.
+        self._publishers[BODY].put(self._info, now_ns)
         near = self._body.simulation.outlines_near(0)
         self._publishers[SCENE].put(encode_scene(near, now_ns), now_ns)
         status = Status(node=BODY_NODE, ticks=self._steps)

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from reflexarc_runtime.contract.body_spec import BodySpec, Footprint
-from reflexarc_runtime.contract.bounds import Bounds, check_bounds
+from reflexarc_runtime.contract.bounds import Bounds, check_bounds, excesses
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.motion import Action, sideways_actions
 from reflexarc_runtime.contract.state_spec import StateSpec
@@ -89,3 +89,14 @@ def test_an_impossible_memory_is_refused(size, start):
 def test_a_field_out_of_range_is_refused_by_its_name(changes):
     with pytest.raises(ContractError, match=next(iter(changes))):
         replace(PolicyContract(), **changes)
+
+
+def test_everything_beyond_the_bounds_is_listed():
+    much = replace(FAST, max_input_age_s=60.0, safe_command=Action("go", 0.5, 0.0))
+    assert len(list(excesses(much, Bounds()))) == 3
+    assert list(excesses(SMALL, Bounds())) == []
+
+
+def test_a_bound_that_is_no_number_allows_nothing():
+    with pytest.raises(ContractError):
+        check_bounds(SMALL, Bounds(max_speed_mps=math.nan))

@@ -1,7 +1,16 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
 from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.motion import Action
 from reflexarc_runtime.decision import SAFE_ACTION, Command, Input, Verdict, drive_command
-from reflexarc_sim_bridge.body.body import Body
-from reflexarc_sim_bridge.worlds.files import world_named
+from reflexarc_runtime.errors import WorldError
+from reflexarc_runtime.messages.body_info import BodyInfo, BodyLimits, decode_body, encode_body
+from reflexarc_sim_bridge.body.body import Body, rebuild
+from reflexarc_sim_bridge.body.foxglove_messages import encode_scene
+from reflexarc_sim_bridge.worlds.files import parse_world, world_named, world_text
 
 CONTRACT = PolicyContract()
 PERIOD_NS = 20_000_000
@@ -52,3 +61,73 @@ def test_a_contact_is_said_to_be_where_it_began_and_not_where_the_body_goes_on()
             assert body.place.y_m != met.y_m
             return
     raise AssertionError("it drove 40 m through a quarter-covered field without a contact")
+
+
+def body_in(name: str, rate_hz: float, seed: int, number: int = 0) -> Body:
+    text = world_text(name)
+    return Body(parse_world(text).drawn(seed), CONTRACT, rate_hz, seed, number, text)
+
+
+@pytest.mark.parametrize("name", ["reference-1", "randomised", "crossing", "corridor-20"])
+@pytest.mark.parametrize(("rate_hz", "seed", "number"), [(50.0, 0, 0), (49.0, 2**64 - 1, 3)])
+def test_what_a_body_says_of_itself_builds_it_again(
+    name: str, rate_hz: float, seed: int, number: int
+):
+    first = body_in(name, rate_hz, seed, number)
+    told = decode_body(encode_body(first.info))
+    assert told is not None
+    again = rebuild(told, CONTRACT)
+    assert again.info == first.info
+    assert again.simulation.dt_s == first.simulation.dt_s
+    for step in range(30):
+        assert scene_of(again) == scene_of(first)
+        assert np.array_equal(again.see(), first.see())
+        assert again.place == first.place
+        for body in (first, again):
+            used = Input(step, step * PERIOD_NS, 0, 0)
+            body.hear(drive_command(step, 0, CONTRACT.actions[step % 3], used, 10 * PERIOD_NS))
+            body.move(step * PERIOD_NS)
+
+
+def scene_of(body: Body) -> bytes:
+    return encode_scene(body.simulation.outlines_near(0), 0)
+
+
+def test_robots_of_one_world_say_different_numbers_and_stand_at_different_places():
+    one, other = body_in("reference-1", 50.0, 0, 0), body_in("reference-1", 50.0, 0, 1)
+    assert replace(one.info, number=1) == other.info
+    assert one.place != other.place
+
+
+def test_its_limits_are_the_fastest_of_the_actions_in_each_direction():
+    actions = (Action("back", -2.0, 0.0), Action("left", 1.0, 0.5), Action("turn", 0.0, 0.0, -3.0))
+    body = Body(world_named("reference-1").drawn(0), replace(CONTRACT, actions=actions), 50.0, 0)
+    assert body.info.limits == BodyLimits(2.0, 0.5, 3.0)
+
+
+@pytest.mark.parametrize("info", [BodyInfo(), BodyInfo(step_s=0.1), BodyInfo("x", "name = 1")])
+def test_a_body_that_was_not_simulated_cannot_be_built_again(info: BodyInfo):
+    with pytest.raises(WorldError):
+        rebuild(info, CONTRACT)
+
+
+def test_a_body_too_fast_to_simulate_is_refused_before_anything_is_listed():
+    for action in (Action("go", 1e308, 0.0), Action("slide", 0.0, 5001.0)):
+        fast = replace(CONTRACT, actions=(*CONTRACT.actions, action))
+        with pytest.raises(WorldError, match="100 m in a step"):
+            Body(world_named("reference-1").drawn(0), fast, 50.0, 0)
+    Body(world_named("reference-1").drawn(0), fast, 51.0, 0)
+
+
+def test_a_body_whose_stop_is_faster_than_its_actions_meets_all_that_lies_in_its_way():
+    rush = Action("rush", 200.0, 0.0)
+    by_stop, by_action = (
+        Body(world_named("reference-1").drawn(0), contract, 10.0, 0)
+        for contract in (
+            replace(CONTRACT, safe_command=rush),
+            replace(CONTRACT, safe_command=rush, actions=(*CONTRACT.actions, rush)),
+        )
+    )
+    for step in range(50):  # nobody has told them to go
+        assert by_stop.move(step) == by_action.move(step)
+    assert by_stop.contacts > 40

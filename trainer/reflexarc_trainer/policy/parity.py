@@ -77,7 +77,7 @@ def check_parity(module: nn.Module, model: bytes, probes: Probes) -> None:
     Raises:
         PolicyError: two of torch, NumPy and onnxruntime differ.
     """
-    contract = load_policy(model, "numpy").contract
+    contract = load_policy(model, "numpy", bounds=None).contract
     got = _decided(model, "numpy", probes, len(probes.retinas))
     expected = torch_decide(module, probes.retinas, probes.memories)
     _require("NumPy and torch", got, expected, NUMPY_TOLERANCE)
@@ -91,7 +91,7 @@ def check_parity(module: nn.Module, model: bytes, probes: Probes) -> None:
         _require(who, got, expected, contract.q_tolerance, _why(contract))
     for sequence in golden_sequences(contract):
         _check_sequence(module, model, contract, sequence)
-    load_policy(model, "onnxruntime")  # as a robot will, golden vectors and all
+    load_policy(model, "onnxruntime", bounds=None)  # as a robot will, golden vectors and all
 
 
 def torch_decide(
@@ -141,7 +141,7 @@ def _tried(
 
 def _decided(model: bytes, backend: str, probes: Probes, batch: int) -> Decided:
     """What a backend computes, given so many at a time."""
-    graph = load_policy(model, backend, verify=False).graph
+    graph = load_policy(model, backend, verify=False, bounds=None).graph
     ends = range(0, len(probes.retinas), batch)
     pieces = [
         graph.run(probes.retinas[i : i + batch], _first(probes.memories, batch, i)) for i in ends
@@ -155,7 +155,10 @@ def _check_sequence(
     module: nn.Module, model: bytes, contract: PolicyContract, sequence: RetinaBatch
 ) -> None:
     """Each goes its own way, tick by tick, from its own memory."""
-    graphs = [load_policy(model, name, verify=False).graph for name in ("numpy", "onnxruntime")]
+    graphs = [
+        load_policy(model, name, verify=False, bounds=None).graph
+        for name in ("numpy", "onnxruntime")
+    ]
     start = start_of(contract, 1)
     reference, fast, slow = start, start, start
     for tick, retina in enumerate(sequence[:, np.newaxis], start=1):

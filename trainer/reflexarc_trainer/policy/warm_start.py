@@ -38,7 +38,7 @@ def weights_of(path: Path, config: TrainConfig) -> tuple[npt.NDArray[np.float64]
         PolicyError: the file is not a policy, or damaged.
         UsageError: its eye, actions or network are not those of the run.
     """
-    policy = load_policy(path)
+    policy = load_policy(path, bounds=None)
     _check_contract(path, policy, config)
     weights = _gathered(policy.data)
     wanted, got = layers_for(config.network, config.contract()).parameters, weights.size

@@ -12,6 +12,7 @@ import tyro
 from reflexarc.terminal.output import aside, console, facts, print_json, progress_bar
 from reflexarc.terminal.signals import StopFlag
 from reflexarc.wiring.bus_flags import Joining, contract_of
+from reflexarc_runtime.contract.bounds import Bounds
 from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:
@@ -39,6 +40,7 @@ class CameraCommand:
       reflexarc camera drive.avi --policy runs/paper/policy.onnx
       reflexarc camera 0 --right 1
       reflexarc camera "frames/*.png" --rate 10
+      reflexarc camera 0 --policy racer.onnx --max-speed-mps 30
     """
 
     source: tyro.conf.Positional[str]
@@ -51,6 +53,7 @@ class CameraCommand:
     """Build the eye from this policy; by default, ask the runtime on the bus."""
     rate: float | None = None
     """Images a second; by default the video's own, or the contract's. A camera may give another."""
+    bounds: Bounds = field(default_factory=Bounds)
     joining: Joining = field(default_factory=Joining)
     json: bool = False
     """Print one JSON object at the end."""
@@ -63,7 +66,7 @@ class CameraCommand:
             raise UsageError(f"--rate: expected 0 to {MAX_RATE_HZ:g} Hz, got {self.rate}")
         sources, calibration = self._sources(), self._calibration()
         with StopFlag() as stop, self.joining.bus(BODY_NODE, listens=True) as bus:
-            contract = contract_of(self.policy, bus, stop, "reflexarc camera")
+            contract = contract_of(self.policy, bus, stop, "reflexarc camera", self.bounds)
             account = self._show(bus, sources, calibration, contract, stop) if contract else None
         if account is not None:
             self._tell(account)

@@ -12,6 +12,7 @@ import tyro
 from reflexarc.terminal.output import aside, console, facts, microseconds, print_json
 from reflexarc.terminal.signals import StopFlag
 from reflexarc.wiring.bus_flags import Joining
+from reflexarc_runtime.contract.bounds import Bounds
 from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:
@@ -31,13 +32,15 @@ class RunCommand:
     """Run a policy: sense, decide, act, at the contract's rate, until Ctrl-C.
 
     Whatever comes in, the body gets a command at every tick: the policy's while its input is good
-    and fresh, the contract's safe command otherwise. SIGINT and SIGTERM end in a safe command and a
-    finished log.
+    and fresh, the contract's safe command otherwise. A policy that asks for more speed or patience
+    than is usual, or whose safe command moves, is refused unless flags allow it. SIGINT and SIGTERM
+    end in a safe command and a finished log.
 
     Examples:
       reflexarc run runs/reflex-0/policy.onnx
       reflexarc run runs/reflex-0/policy.onnx --record runs/drive.mcap
       reflexarc run runs/reflex-0/policy.onnx --input scan --robot rover1
+      reflexarc run racer.onnx --max-speed-mps 30
     """
 
     policy: tyro.conf.Positional[Path]
@@ -54,6 +57,7 @@ class RunCommand:
     """End after so many ticks; by default, at Ctrl-C."""
     fifo: int = 0
     """SCHED_FIFO priority, 1 to 99; 0: ordinary scheduling."""
+    bounds: Bounds = field(default_factory=Bounds)
     joining: Joining = field(default_factory=Joining)
     json: bool = False
     """Print one JSON object at the end."""
@@ -66,7 +70,9 @@ class RunCommand:
         from reflexarc_runtime.sensing.senses import sense_for
 
         self._check_flags()
-        policy = load_policy(self.policy, self.backend)
+        policy = load_policy(self.policy, self.backend, bounds=self.bounds)
+        for note in policy.notes:
+            aside.print(f"reflexarc run: {note}", soft_wrap=True)
         sense = sense_for(self.input, policy.contract.retina)
         controller = Controller(policy, policy.contract, sense, policy.policy_hash)
         run_id = uuid.uuid4().hex

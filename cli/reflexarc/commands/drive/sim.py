@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import asdict, dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,6 +11,7 @@ from reflexarc.terminal.output import aside, console, facts, print_json
 from reflexarc.terminal.signals import StopFlag
 from reflexarc.wiring.bus_flags import Joining, contract_of
 from reflexarc.wiring.fleet import drive_together
+from reflexarc_runtime.contract.bounds import Bounds
 from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
     from reflexarc_runtime.contract.contract import PolicyContract
     from reflexarc_sim_bridge.body.bridge import Journey
     from reflexarc_sim_bridge.body.faults.script import FaultScript
+    from reflexarc_sim_bridge.worlds.world import World
 
 MIN_RATE_HZ, MAX_RATE_HZ = 0.1, 1000.0
 MAX_ROBOTS = 64
@@ -27,7 +30,8 @@ class SimCommand:
     """Simulate a body on the bus: it sees and moves, in real time or in lockstep.
 
     It builds its eye from a policy's contract: from --policy, or from the runtime that it meets on
-    the bus. Without a fresh and valid command it stops by itself.
+    the bus. A contract that asks for more speed or patience than is usual is refused, unless flags
+    allow it. Without a fresh and valid command it stops by itself.
 
     Examples:
       reflexarc sim
@@ -35,6 +39,7 @@ class SimCommand:
       reflexarc sim --lockstep --steps 500
       reflexarc sim --faults seed:17
       reflexarc sim --world crossing --robots 4
+      reflexarc sim --policy racer.onnx --max-speed-mps 30
     """
 
     world: str = "reference-1"
@@ -54,16 +59,15 @@ class SimCommand:
     robots: int = 1
     """So many robots in one world, robot0, robot1, …; each waits for a runtime of its own. They do
     not see each other."""
+    bounds: Bounds = field(default_factory=Bounds)
     joining: Joining = field(default_factory=Joining)
     json: bool = False
     """Print one JSON object at the end."""
 
     def run(self) -> int:
         """Drive until the end, then print the journey."""
-        from reflexarc_sim_bridge.worlds.files import world_named
-
-        world_named(self.world)
         self._check_flags()
+        _ = self._drawn_world  # a world that is none is said before anyone is waited for
         script = self._script()
         with StopFlag() as stop:
             journeys = drive_together(
@@ -73,6 +77,19 @@ class SimCommand:
             )
         self._tell(journeys)
         return 0
+
+    @cached_property
+    def _world_text(self) -> str:
+        """The file of the world, read once: what is told of it is what is driven in."""
+        from reflexarc_sim_bridge.worlds.files import world_text
+
+        return world_text(self.world)
+
+    @cached_property
+    def _drawn_world(self) -> "World":
+        from reflexarc_sim_bridge.worlds.files import parse_world
+
+        return parse_world(self._world_text, self.world).drawn(self.seed)
 
     def _ride(
         self,
@@ -86,7 +103,7 @@ class SimCommand:
 
         # The first robot listens for the others.
         with robot.bus(BODY_NODE, listens=number == 0, lockstep=self.lockstep) as bus:
-            contract = contract_of(self.policy, bus, stop, self._who(robot.robot))
+            contract = contract_of(self.policy, bus, stop, self._who(robot.robot), self.bounds)
             if contract is None:
                 return None
             return self._drive(bus, contract, stop, script, robot.robot, number)
@@ -132,11 +149,11 @@ class SimCommand:
         from reflexarc_runtime.loop.pacer import RatePacer
         from reflexarc_sim_bridge.body.body import Body
         from reflexarc_sim_bridge.body.bridge import Bridge, faulty_retinas
-        from reflexarc_sim_bridge.worlds.files import world_named
 
         rate_hz = self.rate or contract.rate_hz
-        world = world_named(self.world).drawn(self.seed)
-        body = Body(world, contract, rate_hz, self.seed, number)
+        body = Body(
+            self._drawn_world, contract, rate_hz, self.seed, number, world_text=self._world_text
+        )
         inbox, clock = Inbox(), MonotonicClock()
         with faulty_retinas(bus, script, clock.now_ns) if script else nullcontext() as retinas:
             bridge = Bridge(bus, body, robot, inbox, retinas)

@@ -52,7 +52,7 @@ class EvaluateCommand:
         from reflexarc_sim_bridge.evaluation.simple_policies import BlindPolicy
         from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
 
-        loaded = {str(path): load_policy(path) for path in self.policies}
+        loaded = {str(path): load_policy(path, bounds=None) for path in self.policies}
         for name, policy in loaded.items():
             if any(action.angular_radps for action in policy.contract.actions):
                 raise UsageError(

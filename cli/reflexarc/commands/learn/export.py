@@ -32,7 +32,7 @@ class ExportCommand:
         from reflexarc_trainer.run.delivery import export_checkpoint
 
         export_checkpoint(self.checkpoint, self.out)
-        policy = load_policy(self.out)
+        policy = load_policy(self.out, bounds=None)
         if self.json:
             print_json({"policy": self.out, "policy_hash": policy.policy_hash})
         else:

@@ -2,24 +2,22 @@
 
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import tyro
-from rich.table import Table
 
-from reflexarc.terminal.output import console, facts, kibibytes, print_json
+from reflexarc.terminal.output import console, print_json
 from reflexarc_runtime.errors import UsageError
 
-if TYPE_CHECKING:
-    from reflexarc_logs.reading.summary import TopicSummary
-
 MCAP_MAGIC = b"\x89MCAP"
-SHOWN_HASH = 12
 
 
 @dataclass(frozen=True)
 class InfoCommand:
     """Describe a file: the contract and origin of a policy, or the run and streams of a log.
+
+    Of a policy: all its speeds, what it waits for, the body that it learned with, and what a robot
+    would refuse without a flag. Of a log: also the world, its seed and the body's limits, where a
+    body drove; with --json the text of the world's file, too.
 
     Examples:
       reflexarc info runs/reflex-0/policy.onnx
@@ -38,51 +36,34 @@ class InfoCommand:
         return self._of_policy()
 
     def _of_policy(self) -> int:
-        from reflexarc_runtime.policy.policy import load_policy
+        from reflexarc.terminal.policy_description import describe_policy
+        from reflexarc_runtime.contract.bounds import excesses
+        from reflexarc_runtime.policy.policy import USUAL_BOUNDS, load_policy
 
-        policy = load_policy(self.file, verify=False)
-        contract, origin = policy.contract, policy.contract.provenance
-        if self.json:
-            print_json({"policy_hash": policy.policy_hash, "contract": asdict(contract)})
+        policy = load_policy(self.file, verify=False, bounds=None)
+        if not self.json:
+            console.print(describe_policy(self.file, policy))
             return 0
-        eye = contract.retina
-        rows: dict[str, object] = {
-            "policy": self.file,
-            "hash": policy.policy_hash,
-            "sees": f"{eye.eyes} eye, {eye.rays} rays over {eye.fov_rad:.3f} rad, "
-            f"{eye.range_m:g} m, {eye.shading}, {eye.channels} channel, {eye.frames} frame",
-            "does": ", ".join(action.name for action in contract.actions),
-            "rate": f"{contract.rate_hz:g} Hz, inputs at most {contract.max_input_age_s:g} s old",
-            "learned as": f"preset {origin.preset}, seed {origin.seed}, "
-            f"configuration {origin.config_hash[:SHOWN_HASH]}",
-            "commit": origin.commit or "unknown",
-            "scores": ", ".join(f"{k} {v:g}" for k, v in origin.scores.items()) or "none",
-            "golden vectors": len(contract.golden.retinas),
-        }
-        console.print(facts(rows))
+        print_json(
+            {
+                "policy_hash": policy.policy_hash,
+                "digest": policy.digest,
+                "notes": policy.notes,
+                "beyond_usual_bounds": list(excesses(policy.contract, USUAL_BOUNDS)),
+                "contract": asdict(policy.contract),
+            }
+        )
         return 0
 
     def _of_log(self) -> int:
+        from reflexarc.terminal.log_description import describe_log
         from reflexarc_logs.reading.summary import summarise
 
         summary = summarise(self.file)
         if self.json:
             print_json(summary)
-            return 0
-        run = summary.run
-        state = "complete" if summary.complete else "cut off: see `reflexarc recover`"
-        console.print(
-            facts(
-                {
-                    "log": f"{self.file} ({state})",
-                    "run": f"{run.run_id}, {run.recorded_by} on {run.host}, {run.clock} clock",
-                    "policy": summary.policy_hash or "none attached",
-                    "size": f"{kibibytes(summary.bytes)}, {summary.messages} messages, "
-                    f"{summary.duration_s:.1f} s",
-                }
-            )
-        )
-        console.print(_topics(summary.topics))
+        else:
+            console.print(describe_log(self.file, summary))
         return 0
 
 
@@ -94,14 +75,3 @@ def _begins_with(path: Path, magic: bytes) -> bool:
         raise UsageError(
             f"{path}: cannot be read: {error.strerror}; give a policy (.onnx) or a log (.mcap)"
         ) from None
-
-
-def _topics(topics: "tuple[TopicSummary, ...]") -> Table:
-    table = Table()
-    for name in ("topic", "message", "messages", "rate", "payload"):
-        table.add_column(name, justify="left" if name in ("topic", "message") else "right")
-    for topic in topics:
-        rate = f"{topic.rate_hz:.1f} Hz" if topic.rate_hz else ""
-        size = kibibytes(topic.payload_bytes)
-        table.add_row(topic.topic, topic.schema, str(topic.messages), rate, size)
-    return table

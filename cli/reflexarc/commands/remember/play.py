@@ -29,8 +29,8 @@ MS = 1_000_000
 class PlayCommand:
     """Send the sensor streams of a log on the bus again, as its body did.
 
-    These are retina, scan, pose, tf, odometry, contact and scene, and nothing of the runtime. In
-    real time the messages carry the time of the player's own clock, and no process waits for
+    These are retina, scan, pose, tf, odometry, contact, scene and body, and nothing of the runtime.
+    In real time the messages carry the time of the player's own clock, and no process waits for
     another. In lockstep they carry the log's time, and after each retina or scan the player waits
     for its command. At a terminal the space bar pauses and q quits. Records that cannot be decoded
     are counted and not sent.

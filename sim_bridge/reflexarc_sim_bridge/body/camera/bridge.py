@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Protocol
 from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.loop.clock import Clock
 from reflexarc_runtime.loop.throttle import Throttle
+from reflexarc_runtime.messages.body_info import BodyInfo, encode_body
 from reflexarc_runtime.messages.codec import Status, encode_retina, encode_status
-from reflexarc_runtime.messages.topics import BODY_NODE, RETINA, STATUS
+from reflexarc_runtime.messages.topics import BODY, BODY_NODE, RETINA, STATUS
 from reflexarc_sim_bridge.body.camera.eye import CameraEye, Image
 
 if TYPE_CHECKING:
@@ -51,7 +52,7 @@ class CameraBridge:
         self, bus: "Bus", eye: CameraEye, spec: RetinaSpec, robot: str, clock: Clock
     ) -> None:
         self._retinas = bus.publisher(RETINA)
-        self._status = bus.publisher(STATUS)
+        self._status, self._info = bus.publisher(STATUS), bus.publisher(BODY)
         self._every_second = Throttle()
         self._eye = eye
         self._spec = spec
@@ -104,3 +105,4 @@ class CameraBridge:
             return
         status = Status(node=BODY_NODE, ticks=self._retinas.next_sequence)
         self._status.put(encode_status(status), now_ns)
+        self._info.put(encode_body(BodyInfo()), now_ns)

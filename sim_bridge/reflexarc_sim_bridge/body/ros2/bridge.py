@@ -23,8 +23,9 @@ from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.pacer import Pacer
 from reflexarc_runtime.loop.throttle import Throttle
 from reflexarc_runtime.loop.watchdog import Watchdog
+from reflexarc_runtime.messages.body_info import BodyInfo, encode_body
 from reflexarc_runtime.messages.codec import Status, decode_command, encode_status
-from reflexarc_runtime.messages.topics import BODY_NODE, COMMAND, SCAN, STATUS, Quality
+from reflexarc_runtime.messages.topics import BODY, BODY_NODE, COMMAND, SCAN, STATUS, Quality
 from reflexarc_runtime.messages.wire import Message
 from reflexarc_sim_bridge.body.ros2.key_expressions import LASER_SCAN, TWIST, TWIST_STAMPED, RosType
 from reflexarc_sim_bridge.body.ros2.messages import (
@@ -184,7 +185,7 @@ class RosBridge:
         self._scans = ScanRelay(bus.publisher(SCAN))
         wheel = bus.publisher_of_key(route.command_key, _CDR, Quality.CONTROL)
         self._commands = CommandRelay(wheel, route.stamped)
-        self._status = bus.publisher(STATUS)
+        self._status, self._info = bus.publisher(STATUS), bus.publisher(BODY)
         self._every_second = Throttle()
         for token in route.tokens(bus.session_id):
             bus.announce_key(token)
@@ -221,6 +222,7 @@ class RosBridge:
             return
         status = Status(node=BODY_NODE, ticks=self._commands.twists)
         self._status.put(encode_status(status), now_ns)
+        self._info.put(encode_body(BodyInfo()), now_ns)
 
 
 def _is_finite(command: Command) -> bool:

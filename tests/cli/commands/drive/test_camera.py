@@ -1,4 +1,5 @@
 import socket
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -6,6 +7,7 @@ import pytest
 from reflexarc.main import main
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.eye import RetinaSpec, Shading
+from reflexarc_runtime.contract.motion import sideways_actions
 from support.images import bar, write_image
 from support.policies import exported
 
@@ -15,6 +17,8 @@ def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     colours = PolicyContract(retina=RetinaSpec(rays=4, fov_rad=1.5, shading=Shading.COLOUR))
     (tmp_path / "colours.onnx").write_bytes(exported(colours))
+    racer = replace(colours, actions=sideways_actions(30.0))
+    (tmp_path / "racer.onnx").write_bytes(exported(racer))
     (tmp_path / "nearness.onnx").write_bytes(exported(PolicyContract()))
     (tmp_path / "text.avi").write_text("none")
     (tmp_path / "ears.toml").write_text("[ears]")
@@ -41,6 +45,7 @@ SEES = ["--policy", "colours.onnx"]
         (["frame.png", "--policy", "nearness.onnx"], "--preset paper"),
         (["frame.png", "--calibration", "narrow.toml", *SEES], "lens.fov_rad"),
         (["frame.png", "--right", "frame.png", *SEES], "--right"),
+        (["frame.png", "--policy", "racer.onnx"], "--max-speed-mps"),
     ],
 )
 def test_what_cannot_work_is_said_in_one_line(

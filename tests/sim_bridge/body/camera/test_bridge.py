@@ -4,6 +4,7 @@ from foxglove_schemas_protobuf.RawImage_pb2 import RawImage
 
 from reflexarc_runtime.contract.eye import RetinaSpec, Shading
 from reflexarc_runtime.loop.clock import ManualClock
+from reflexarc_runtime.messages.body_info import BodyInfo, decode_body
 from reflexarc_sim_bridge.body.camera.bridge import CameraBridge, CameraBridgeReport
 from reflexarc_sim_bridge.body.camera.calibration import Calibration
 from reflexarc_sim_bridge.body.camera.eye import CameraEye
@@ -77,6 +78,7 @@ def test_moments_become_retinas_with_the_time_at_which_they_were_taken():
     assert account == CameraBridgeReport(retinas=3, undecodable=0)
     assert told == [1, 2, 3]
     assert len(bus.publishers["status"].said) == 3
+    assert [decode_body(p) for p, _ in bus.publishers["body"].said] == [BodyInfo()] * 3
     assert bus.announced == ["body"]
 
 

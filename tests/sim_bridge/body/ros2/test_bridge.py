@@ -6,6 +6,8 @@ import pytest
 
 from reflexarc_runtime.contract.motion import Action
 from reflexarc_runtime.decision import Command, Input, Verdict, drive_command, safe_command
+from reflexarc_runtime.loop.pacer import Wakeup
+from reflexarc_runtime.messages.body_info import BodyInfo, decode_body
 from reflexarc_runtime.messages.codec import encode_command
 from reflexarc_runtime.messages.wire import Message
 from reflexarc_sim_bridge.body.ros2.bridge import CommandRelay, RosBridge, Route, ScanRelay
@@ -159,6 +161,29 @@ def test_a_loop_that_fails_still_tells_the_robot_to_stand():
         bridge.serve(pacer, lambda: False)
     assert speeds(bus.publishers["cmd_vel"]) == [(0.0, 0.0, 0.0)]
     assert bridge.account.standstills == 1
+
+
+def woken_at(now_ns: int) -> Wakeup:
+    return Wakeup(0, now_ns, now_ns, now_ns, (), 0)
+
+
+class HalfSeconds(FailingPacer):
+    """Wakes up five times, every half second."""
+
+    def __init__(self) -> None:
+        self._wakeups = iter([woken_at(slot * 500 * MS) for slot in range(5)])
+
+    def wait(self, should_stop: Any) -> Any:
+        return next(self._wakeups, None)
+
+
+def test_a_robot_says_once_a_second_that_it_is_not_simulated():
+    bus: Any = FakeBus()
+    pacer: Any = HalfSeconds()
+    inbox: Any = type("NoInbox", (), {"put": None})
+    RosBridge(bus, Route(Ros2DdsWire(), "/scan", "/cmd_vel"), inbox).serve(pacer, lambda: False)
+    said = [(decode_body(payload), time_ns) for payload, time_ns in bus.publishers["body"].said]
+    assert said == [(BodyInfo(), second * 1000 * MS) for second in range(3)]
 
 
 def test_what_is_declared_on_rmw():

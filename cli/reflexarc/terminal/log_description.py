@@ -1,0 +1,74 @@
+"""A log in words and tables: the run, where it was driven, and its streams."""
+
+from pathlib import Path
+
+from rich import box
+from rich.console import Group
+from rich.table import Table
+
+from reflexarc.terminal.output import facts, kibibytes, plain
+from reflexarc_logs.container.run_info import RunInfo
+from reflexarc_logs.reading.summary import LogSummary, TopicSummary
+from reflexarc_runtime.messages.body_info import BodyInfo, BodyLimits
+
+NOT_RECORDED = "not recorded"
+
+
+def describe_log(path: Path, summary: LogSummary) -> Group:
+    """All that a person should know of a log before it is replayed."""
+    run = summary.run
+    state = "complete" if summary.complete else "cut off: see `reflexarc recover`"
+    rows = {
+        "log": f"{plain(str(path))} ({state})",
+        "run": f"{plain(run.run_id)}, {run.recorded_by} on {plain(run.host)}, {run.clock} clock",
+        "policy": plain(summary.policy_hash) or "none attached",
+        "rules": _rules(run),
+        **_place(summary.body),
+        "size": f"{kibibytes(summary.bytes)}, {summary.messages} messages, "
+        f"{summary.duration_s:.1f} s",
+    }
+    return Group(facts(rows), _topics(summary.topics))
+
+
+def _rules(run: RunInfo) -> str:
+    """By which rules the controller decided; what is imported was decided by none."""
+    return "none" if run.recorded_by == "import" else f"version {run.rules} of the controller's"
+
+
+def _place(body: BodyInfo | None) -> dict[str, str]:
+    """In which world a body drove, and how fast it could."""
+    if body is None:
+        return {"world": NOT_RECORDED}
+    limits = {"limits": _limits(body.limits)}
+    if not body.step_s:
+        return {"world": "none: the body is not simulated", **limits}
+    where = f"{plain(body.world)}, seed {body.seed}, robot number {body.number}"
+    return {"world": f"{where}, steps of {body.step_s:g} s", **limits}
+
+
+def _limits(limits: BodyLimits | None) -> str:
+    if limits is None:
+        return "none of the body's own"
+    return (
+        f"{limits.linear_mps:g} m/s ahead, {limits.lateral_mps:g} m/s sideways, "
+        f"{limits.angular_radps:g} rad/s"
+    )
+
+
+def _topics(topics: tuple[TopicSummary, ...]) -> Table:
+    # Without lines between the columns, so that the names of messages are whole in 80 characters.
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+    for name in ("topic", "message"):
+        table.add_column(name)
+    for name in ("count", "senders", "rate", "payload"):
+        table.add_column(name, justify="right")
+    for topic in topics:
+        table.add_row(
+            plain(topic.topic),
+            plain(topic.schema),
+            str(topic.messages),
+            str(topic.senders or ""),
+            f"{topic.rate_hz:.1f} Hz" if topic.rate_hz else "",
+            kibibytes(topic.payload_bytes),
+        )
+    return table

@@ -1,0 +1,48 @@
+from dataclasses import replace
+from pathlib import Path
+
+from reflexarc_logs.reading.summary import LogSummary, summarise
+from reflexarc_logs.recording.recorder import Recorder
+from reflexarc_runtime.messages.body_info import BodyInfo, BodyLimits, encode_body
+from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp, protobuf_encoding
+from support.recordings import RUN
+
+GOLDEN = Path(__file__).parents[2] / "golden"
+INFO = BodyInfo("w", 'name = "w"', 7, 1, 0.02, BodyLimits(1.0, 1.0, 0.0))
+
+
+def said(payload: bytes, number: int, sender: bytes = b"a" * 16) -> Message:
+    stamp = pack_stamp(Stamp(number, number, sender))
+    return Message("robot0/body", payload, protobuf_encoding("reflexarc.Body"), stamp, number)
+
+
+def summary_of(path: Path, *messages: Message) -> LogSummary:
+    with Recorder(path, replace(RUN), b"", {}, wall_offset_ns=0) as recorder:
+        for message in messages:
+            recorder.put(message)
+    return summarise(path)
+
+
+def test_where_the_body_was_is_what_its_first_message_says(tmp_path: Path):
+    later = encode_body(replace(INFO, seed=8))
+    summary = summary_of(tmp_path / "a.mcap", said(encode_body(INFO), 0), said(later, 1))
+    assert summary.body == INFO
+
+
+def test_a_log_without_a_body_says_nothing_of_a_world(tmp_path: Path):
+    assert summary_of(tmp_path / "a.mcap").body is None
+    assert summarise(GOLDEN / "nominal.mcap").body is None
+    unreadable = said(b"\xff", 0)
+    assert summary_of(tmp_path / "b.mcap", unreadable).body is None
+
+
+def test_the_senders_of_a_topic_are_counted(tmp_path: Path):
+    payload = encode_body(INFO)
+    messages = [said(payload, number, bytes([65 + number % 2] * 16)) for number in range(6)]
+    (topic,) = summary_of(tmp_path / "a.mcap", *messages).topics
+    assert (topic.topic, topic.messages, topic.senders) == ("/robot0/body", 6, 2)
+
+
+def test_an_older_log_says_no_senders():
+    old = summarise(GOLDEN / "museum" / "schema-2" / "drive.mcap")
+    assert {topic.senders for topic in old.topics} == {0}

@@ -1,0 +1,42 @@
+from typing import Any
+
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.messages.body_info import decode_body
+from reflexarc_sim_bridge.body.body import Body
+from reflexarc_sim_bridge.body.bridge import StatePublisher
+from reflexarc_sim_bridge.worlds.files import world_named
+
+STEP_NS = 250_000_000
+
+
+class Spoken:
+    """A publisher that remembers."""
+
+    def __init__(self) -> None:
+        self.said: list[tuple[bytes, int]] = []
+
+    def put(self, payload: bytes, time_ns: int) -> None:
+        self.said.append((payload, time_ns))
+
+
+class FakeBus:
+    """Publishers by the names of their topics."""
+
+    def __init__(self) -> None:
+        self.publishers: dict[str, Spoken] = {}
+
+    def publisher(self, topic: Any) -> Spoken:
+        return self.publishers.setdefault(topic.name, Spoken())
+
+
+def test_a_body_says_where_it_is_when_it_begins_and_then_once_a_second():
+    bus: Any = FakeBus()
+    body = Body(world_named("reference-1").drawn(7), PolicyContract(), 4.0, 7, 2, "its text")
+    state = StatePublisher(bus, body, "robot0")
+    for step in range(9):
+        state.publish(None, step * STEP_NS)
+    said = bus.publishers["body"].said
+    assert [time_ns for _, time_ns in said] == [0, 4 * STEP_NS, 8 * STEP_NS]
+    assert {decode_body(payload) for payload, _ in said} == {body.info}
+    assert (body.info.world, body.info.world_text) == ("reference-1", "its text")
+    assert (body.info.seed, body.info.number, body.info.step_s) == (7, 2, 0.25)
