@@ -10,6 +10,7 @@ have been done?
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -31,8 +32,7 @@ WARM_UP_NS = 2_000_000_000
 """How long a candidate's memory warms up."""
 
 
-@dataclass(frozen=True, slots=True)
-class Asked:
+class Asked(NamedTuple):
     """A tick at which the policy was asked."""
 
     decision: Decision
@@ -117,8 +117,13 @@ class PolicyLevel:
             q_values, winners, _ = self.policy.decide(stacks, memories)
         else:
             q_values, winners = self.policy.decide(stacks)
-        for one, values, winner in zip(batch, q_values, winners, strict=True):
-            self._add(one, values, int(winner))
+        recorded: QValues = np.array([one.decision.q_values for one in batch], np.float32)
+        same = (recorded.view(np.uint32) == q_values.view(np.uint32)).all(axis=1).tolist()
+        for row, (one, winner) in enumerate(zip(batch, winners.tolist(), strict=True)):
+            differences = (
+                [] if same[row] else list(_value_differences(recorded[row], q_values[row]))
+            )
+            self._add(one, q_values[row], winner, differences)
 
     def compare_in_order(self, asked: Iterator[Asked]) -> None:
         """Compare ticks, with a memory of the policy's own."""
@@ -131,30 +136,32 @@ class PolicyLevel:
             if now_ns - first_ns < WARM_UP_NS:
                 self.tally.warming_up += 1
             else:
-                self._add(one, values, winner)
+                recorded = np.array(one.decision.q_values, np.float32)
+                self._add(one, values, winner, list(_value_differences(recorded, values)))
 
-    def _add(self, one: Asked, values: QValues, winner: int) -> None:
-        """Compare one tick: values (actions,) and the winner."""
+    def _add(self, one: Asked, values: QValues, winner: int, differences: list[Difference]) -> None:
+        """Compare one tick: values (actions,), how they differ, and the winner."""
         decision = one.decision
-        differences = list(_value_differences(decision, values))
-        was = decision.winner if self.has_winner else decision.action
+        action = decision.action
+        was = decision.winner if self.has_winner else action
         flip = None
-        if was != winner and decision.action >= 0:
+        if was != winner and action >= 0:
             tolerance = self.tally.rules.tolerance
             flip = find_flip(decision.index, decision.q_values, was, winner, tolerance)
             name = "winner" if self.has_winner else "action"
             differences.append(Difference(name, str(was), str(winner)))
-        if self.has_winner and one.is_hold_known and decision.action >= 0:
+        if self.has_winner and one.is_hold_known and action >= 0:
             differences += self._action_differences(one, values, winner)
         self.tally.add(decision.index, 2 + self.has_winner, differences, flip)
 
     def _action_differences(self, one: Asked, values: QValues, winner: int) -> list[Difference]:
-        contract, slot = self.policy.contract, one.decision.slot
-        q_values = values.tolist()
-        now = choose(one.held, q_values, winner, slot, contract.hold_slots, contract.margin)
-        if now.action == one.decision.action:
+        contract, slot, now = self.policy.contract, one.decision.slot, winner
+        if contract.hold_slots or contract.margin:
+            hold, margin = contract.hold_slots, contract.margin
+            now = choose(one.held, values.tolist(), winner, slot, hold, margin).action
+        if now == one.decision.action:
             return []
-        return [Difference("action", str(one.decision.action), str(now.action))]
+        return [Difference("action", str(one.decision.action), str(now))]
 
 
 class CandidateMemory:
@@ -192,11 +199,8 @@ def _recorded_memories(batch: Sequence[Asked], contract: PolicyContract) -> Memo
     return np.array([one.decision.state or start for one in batch], np.float32)
 
 
-def _value_differences(decision: Decision, values: QValues) -> Iterator[Difference]:
+def _value_differences(recorded: QValues, values: QValues) -> Iterator[Difference]:
     """One row, (actions,) each."""
-    recorded = np.array(decision.q_values, np.float32)
-    if recorded.tobytes() == values.tobytes():
-        return
     for i, (old, new) in enumerate(zip(recorded, values, strict=True)):
         if old.tobytes() != new.tobytes():
             yield Difference(f"q_values[{i}]", repr(float(old)), repr(float(new)))

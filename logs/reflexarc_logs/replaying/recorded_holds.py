@@ -5,6 +5,8 @@ from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.decision import Verdict
 from reflexarc_runtime.messages_pb2 import Decision
 
+_OK = Verdict.OK.value  # looked up once: an enum's value costs more than all else here
+
 
 class RecordedHolds:
     """Follows the actions of a log."""
@@ -21,8 +23,9 @@ class RecordedHolds:
         In a slice of a log it is not, until a tick is not OK, the action changes, or it has been
         done for longer than any hold.
         """
-        if not decision.index:
+        if self._is_known or not decision.index:
             self._is_known = True
+            return True
         held = self.held
         if held is not None and decision.slot - held.since_slot >= self._contract.hold_slots:
             self._is_known = True
@@ -30,10 +33,11 @@ class RecordedHolds:
 
     def saw(self, decision: Decision) -> bool:
         """Take the next tick; whether its verdict was OK."""
-        if decision.verdict != Verdict.OK.value:
+        if decision.verdict != _OK:
             self.held, self._is_known = None, True
             return False
-        if self.held is None or decision.action != self.held.action:
+        action = decision.action
+        if self.held is None or action != self.held.action:
             self._is_known = self._is_known or self.held is not None
-            self.held = Hold(decision.action, decision.slot)
+            self.held = Hold(action, decision.slot)
         return True
