@@ -25,8 +25,8 @@ from reflexarc_runtime.decision import (
     drive_command,
     safe_command,
 )
-from reflexarc_runtime.messages.controls import is_reset, stop_reason
-from reflexarc_runtime.messages.topics import RESET, STOP, topic_of
+from reflexarc_runtime.messages.controls import is_reset, lateness_of, stop_reason
+from reflexarc_runtime.messages.topics import OVERRUN, RESET, STOP, topic_of
 from reflexarc_runtime.messages.wire import Message, Stamp, UndecodableError, UnfitError
 from reflexarc_runtime.policy.policy import Policy, RememberingPolicy
 from reflexarc_runtime.rules import CURRENT_RULES, ControllerRules
@@ -43,6 +43,17 @@ class Inputs:
     """Number of the deadline that this tick belongs to."""
     stop: bool = False
     """Under rules 1: the runtime has been asked to end. Since then a stop is a message."""
+
+
+@dataclass(frozen=True, slots=True)
+class BoundBody:
+    """The body whose messages count."""
+
+    sender: bytes
+    heard_ns: int
+    """When it was heard last."""
+    stranger_ns: int | None = None
+    """When another one was heard last, while this one spoke."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +76,10 @@ class State:
     """The action that is being done; None if the last verdict was not OK."""
     stopped: str = ""
     """Why the robot shall stand until a reset comes; empty if it need not."""
+    source: BoundBody | None = None
+    """The body whose messages count; None before the first one."""
+    overrun: str = ""
+    """Why the tick before this one was late; it is forgotten at the end of this one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +129,8 @@ class Controller:
             return replace(state, stopped=stop_reason(message))
         if topic is RESET:
             return replace(state, streak=0, stopped="") if is_reset(message) else state
+        if topic is OVERRUN:
+            return replace(state, streak=0, overrun=lateness_of(message))
         return self._accept(state, message)
 
     def _accept(self, state: State, message: Message) -> State:
@@ -121,8 +138,15 @@ class Controller:
             sensed = self.sense.decode(message)
         except (UndecodableError, UnfitError) as error:
             return replace(state, streak=0, fault=str(error))
+        source = state.source
+        if self.rules.one_source:
+            source = self._source(state.source, sensed)
+            if source.sender != sensed.stamp.sender:
+                return replace(state, streak=0, source=source)
+            if state.source is not None and state.source.sender != source.sender:
+                state = replace(state, streak=0)
         if state.streak and not _is_newer(sensed.stamp, state.newest):
-            return state
+            return state if source is state.source else replace(state, source=source)
         return State(  # every field by name: `replace` takes three times as long
             index=state.index,
             streak=state.streak + 1,
@@ -133,7 +157,18 @@ class Controller:
             following=state.following,
             hold=state.hold,
             stopped=state.stopped,
+            source=source,
+            overrun=state.overrun,
         )
+
+    def _source(self, bound: BoundBody | None, sensed: Sensed) -> BoundBody:
+        """The source after a good message: another one only after this one's silence."""
+        sender, now_ns = sensed.stamp.sender, sensed.received_ns
+        if bound is None or now_ns - bound.heard_ns > self.contract.max_input_age_ns:
+            return BoundBody(sender, now_ns)
+        if bound.sender == sender:
+            return BoundBody(sender, now_ns, bound.stranger_ns)
+        return BoundBody(bound.sender, bound.heard_ns, now_ns)
 
     def _push(self, frames: tuple[Retina, ...], retina: Retina) -> tuple[Retina, ...]:
         depth = self.contract.retina.frames
@@ -144,8 +179,13 @@ class Controller:
             return Verdict.STOPPED, "asked to stop"
         if state.stopped:
             return Verdict.STOPPED, state.stopped
+        if state.overrun:
+            return Verdict.OVERRUN, state.overrun
         if state.fault:
             return Verdict.INVALID_INPUT, state.fault
+        stranger_ns = None if state.source is None else state.source.stranger_ns
+        if stranger_ns is not None and now_ns - stranger_ns <= self.contract.max_input_age_ns:
+            return Verdict.TWO_SOURCES, "another body sends as well"
         if state.newest is None:
             return Verdict.NO_INPUT, "nothing has arrived"
         age_ns, limit_ns = now_ns - state.newest.received_ns, self.contract.max_input_age_ns
@@ -207,6 +247,7 @@ class Controller:
             following=outcome.following,
             hold=outcome.hold,
             stopped=state.stopped,
+            source=state.source,
         )
 
     def _conclude(self, state: State, inputs: Inputs, now_ns: int, outcome: Outcome) -> Decision:
@@ -214,7 +255,8 @@ class Controller:
         action = SAFE_ACTION if outcome.hold is None else outcome.hold.action
         if outcome.hold is not None and used is not None:
             motion, valid_for_ns = self.contract.actions[action], self.contract.max_input_age_ns
-            command = drive_command(state.index, action, motion, used, valid_for_ns)
+            body = state.source.sender if state.source is not None else b""
+            command = drive_command(state.index, action, motion, used, valid_for_ns, body)
         else:
             command = safe_command(state.index, outcome.verdict, self.contract.safe_command)
         return Decision(

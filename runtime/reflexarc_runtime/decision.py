@@ -21,6 +21,10 @@ class Verdict(IntEnum):
     RECOVERING = 5
     POLICY_FAULT = 6
     STOPPED = 7
+    TWO_SOURCES = 8
+    OVERRUN = 9
+    GUARDED = 10
+    STUCK = 11
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +53,8 @@ class Command:
     source_sequence: int | None = None
     """Number of the input that led to it; None in a safe command, which is always obeyed."""
     source_time_ns: int | None = None
+    body: bytes = b""
+    """Who sent that input: a body obeys only echoes of its own identifier."""
 
     @property
     def is_safe(self) -> bool:
@@ -105,7 +111,7 @@ def safe_command(index: int, verdict: Verdict, safe: Action) -> Command:
 
 
 def drive_command(
-    index: int, action: int, motion: Action, echo: Input, valid_for_ns: int
+    index: int, action: int, motion: Action, echo: Input, valid_for_ns: int, body: bytes = b""
 ) -> Command:
     """The command for an action that the policy chose; it names the input that led to it."""
     return Command(
@@ -118,4 +124,5 @@ def drive_command(
         valid_for_ns=valid_for_ns,
         source_sequence=echo.sequence,
         source_time_ns=echo.source_time_ns,
+        body=body,
     )

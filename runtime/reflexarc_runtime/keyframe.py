@@ -12,7 +12,7 @@ from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.arrays import Memories, Retina
 from reflexarc_runtime.choice import Hold
 from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_runtime.controller import State
+from reflexarc_runtime.controller import BoundBody, State
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages.wire import Stamp
 from reflexarc_runtime.sensing.senses import Sensed
@@ -41,6 +41,7 @@ def encode_state(state: State, policy_hash: str) -> bytes:
         memory=_memory(state),
         hold=None if state.hold is None else _hold(state.hold),
         stopped=state.stopped or None,
+        source=None if state.source is None else _source(state.source),
     ).SerializeToString()
 
 
@@ -64,6 +65,7 @@ def decode_state(message: pb.Keyframe, contract: PolicyContract) -> State:
         following=_values(message.memory.next, contract) if has_memory else None,
         hold=_held(message.hold, contract) if message.HasField("hold") else None,
         stopped=message.stopped,
+        source=_bound(message.source) if message.HasField("source") else None,
     )
 
 
@@ -87,6 +89,15 @@ def _memory(state: State) -> pb.Memory | None:
 
 def _hold(hold: Hold) -> pb.Hold:
     return pb.Hold(action=hold.action, since_slot=hold.since_slot)
+
+
+def _source(source: BoundBody) -> pb.Source:
+    return pb.Source(sender=source.sender, heard_ns=source.heard_ns, stranger_ns=source.stranger_ns)
+
+
+def _bound(source: pb.Source) -> BoundBody:
+    stranger_ns = source.stranger_ns if source.HasField("stranger_ns") else None
+    return BoundBody(source.sender, source.heard_ns, stranger_ns)
 
 
 def _sensed(newest: pb.Accepted, frames: tuple[Retina, ...]) -> Sensed:

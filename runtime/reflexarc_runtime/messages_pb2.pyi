@@ -16,6 +16,10 @@ class Verdict(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     RECOVERING: _ClassVar[Verdict]
     POLICY_FAULT: _ClassVar[Verdict]
     STOPPED: _ClassVar[Verdict]
+    TWO_SOURCES: _ClassVar[Verdict]
+    OVERRUN: _ClassVar[Verdict]
+    GUARDED: _ClassVar[Verdict]
+    STUCK: _ClassVar[Verdict]
 VERDICT_UNSPECIFIED: Verdict
 OK: Verdict
 NO_INPUT: Verdict
@@ -24,9 +28,13 @@ INVALID_INPUT: Verdict
 RECOVERING: Verdict
 POLICY_FAULT: Verdict
 STOPPED: Verdict
+TWO_SOURCES: Verdict
+OVERRUN: Verdict
+GUARDED: Verdict
+STUCK: Verdict
 
 class Command(_message.Message):
-    __slots__ = ("sequence", "action", "verdict", "linear_mps", "lateral_mps", "angular_radps", "valid_for_ns", "source_sequence", "source_time_ns")
+    __slots__ = ("sequence", "action", "verdict", "linear_mps", "lateral_mps", "angular_radps", "valid_for_ns", "source_sequence", "source_time_ns", "body")
     SEQUENCE_FIELD_NUMBER: _ClassVar[int]
     ACTION_FIELD_NUMBER: _ClassVar[int]
     VERDICT_FIELD_NUMBER: _ClassVar[int]
@@ -36,6 +44,7 @@ class Command(_message.Message):
     VALID_FOR_NS_FIELD_NUMBER: _ClassVar[int]
     SOURCE_SEQUENCE_FIELD_NUMBER: _ClassVar[int]
     SOURCE_TIME_NS_FIELD_NUMBER: _ClassVar[int]
+    BODY_FIELD_NUMBER: _ClassVar[int]
     sequence: int
     action: int
     verdict: Verdict
@@ -45,7 +54,8 @@ class Command(_message.Message):
     valid_for_ns: int
     source_sequence: int
     source_time_ns: int
-    def __init__(self, sequence: _Optional[int] = ..., action: _Optional[int] = ..., verdict: _Optional[_Union[Verdict, str]] = ..., linear_mps: _Optional[float] = ..., lateral_mps: _Optional[float] = ..., angular_radps: _Optional[float] = ..., valid_for_ns: _Optional[int] = ..., source_sequence: _Optional[int] = ..., source_time_ns: _Optional[int] = ...) -> None: ...
+    body: bytes
+    def __init__(self, sequence: _Optional[int] = ..., action: _Optional[int] = ..., verdict: _Optional[_Union[Verdict, str]] = ..., linear_mps: _Optional[float] = ..., lateral_mps: _Optional[float] = ..., angular_radps: _Optional[float] = ..., valid_for_ns: _Optional[int] = ..., source_sequence: _Optional[int] = ..., source_time_ns: _Optional[int] = ..., body: _Optional[bytes] = ...) -> None: ...
 
 class Input(_message.Message):
     __slots__ = ("sequence", "source_time_ns", "received_ns", "age_ns")
@@ -92,7 +102,7 @@ class Decision(_message.Message):
     def __init__(self, index: _Optional[int] = ..., slot: _Optional[int] = ..., now_ns: _Optional[int] = ..., inputs: _Optional[int] = ..., input: _Optional[_Union[Input, _Mapping]] = ..., retina: _Optional[bytes] = ..., q_values: _Optional[_Iterable[float]] = ..., action: _Optional[int] = ..., verdict: _Optional[_Union[Verdict, str]] = ..., reason: _Optional[str] = ..., command: _Optional[_Union[Command, _Mapping]] = ..., policy_hash: _Optional[str] = ..., winner: _Optional[int] = ..., state: _Optional[_Iterable[float]] = ...) -> None: ...
 
 class Keyframe(_message.Message):
-    __slots__ = ("index", "policy_hash", "streak", "newest", "frames", "fault", "memory", "hold", "stopped")
+    __slots__ = ("index", "policy_hash", "streak", "newest", "frames", "fault", "memory", "hold", "stopped", "source")
     INDEX_FIELD_NUMBER: _ClassVar[int]
     POLICY_HASH_FIELD_NUMBER: _ClassVar[int]
     STREAK_FIELD_NUMBER: _ClassVar[int]
@@ -102,6 +112,7 @@ class Keyframe(_message.Message):
     MEMORY_FIELD_NUMBER: _ClassVar[int]
     HOLD_FIELD_NUMBER: _ClassVar[int]
     STOPPED_FIELD_NUMBER: _ClassVar[int]
+    SOURCE_FIELD_NUMBER: _ClassVar[int]
     index: int
     policy_hash: str
     streak: int
@@ -111,7 +122,18 @@ class Keyframe(_message.Message):
     memory: Memory
     hold: Hold
     stopped: str
-    def __init__(self, index: _Optional[int] = ..., policy_hash: _Optional[str] = ..., streak: _Optional[int] = ..., newest: _Optional[_Union[Accepted, _Mapping]] = ..., frames: _Optional[_Iterable[bytes]] = ..., fault: _Optional[str] = ..., memory: _Optional[_Union[Memory, _Mapping]] = ..., hold: _Optional[_Union[Hold, _Mapping]] = ..., stopped: _Optional[str] = ...) -> None: ...
+    source: Source
+    def __init__(self, index: _Optional[int] = ..., policy_hash: _Optional[str] = ..., streak: _Optional[int] = ..., newest: _Optional[_Union[Accepted, _Mapping]] = ..., frames: _Optional[_Iterable[bytes]] = ..., fault: _Optional[str] = ..., memory: _Optional[_Union[Memory, _Mapping]] = ..., hold: _Optional[_Union[Hold, _Mapping]] = ..., stopped: _Optional[str] = ..., source: _Optional[_Union[Source, _Mapping]] = ...) -> None: ...
+
+class Source(_message.Message):
+    __slots__ = ("sender", "heard_ns", "stranger_ns")
+    SENDER_FIELD_NUMBER: _ClassVar[int]
+    HEARD_NS_FIELD_NUMBER: _ClassVar[int]
+    STRANGER_NS_FIELD_NUMBER: _ClassVar[int]
+    sender: bytes
+    heard_ns: int
+    stranger_ns: int
+    def __init__(self, sender: _Optional[bytes] = ..., heard_ns: _Optional[int] = ..., stranger_ns: _Optional[int] = ...) -> None: ...
 
 class Accepted(_message.Message):
     __slots__ = ("sequence", "source_time_ns", "sender", "received_ns")
@@ -153,6 +175,49 @@ class Reset(_message.Message):
     reason: str
     def __init__(self, reason: _Optional[str] = ...) -> None: ...
 
+class Arm(_message.Message):
+    __slots__ = ("reason",)
+    REASON_FIELD_NUMBER: _ClassVar[int]
+    reason: str
+    def __init__(self, reason: _Optional[str] = ...) -> None: ...
+
+class Release(_message.Message):
+    __slots__ = ("reason",)
+    REASON_FIELD_NUMBER: _ClassVar[int]
+    reason: str
+    def __init__(self, reason: _Optional[str] = ...) -> None: ...
+
+class Overrun(_message.Message):
+    __slots__ = ("since_ns", "late_ns")
+    SINCE_NS_FIELD_NUMBER: _ClassVar[int]
+    LATE_NS_FIELD_NUMBER: _ClassVar[int]
+    since_ns: int
+    late_ns: int
+    def __init__(self, since_ns: _Optional[int] = ..., late_ns: _Optional[int] = ...) -> None: ...
+
+class Lease(_message.Message):
+    __slots__ = ("holder", "epoch", "armed", "stopped", "state", "refused")
+    class RefusedEntry(_message.Message):
+        __slots__ = ("key", "value")
+        KEY_FIELD_NUMBER: _ClassVar[int]
+        VALUE_FIELD_NUMBER: _ClassVar[int]
+        key: str
+        value: int
+        def __init__(self, key: _Optional[str] = ..., value: _Optional[int] = ...) -> None: ...
+    HOLDER_FIELD_NUMBER: _ClassVar[int]
+    EPOCH_FIELD_NUMBER: _ClassVar[int]
+    ARMED_FIELD_NUMBER: _ClassVar[int]
+    STOPPED_FIELD_NUMBER: _ClassVar[int]
+    STATE_FIELD_NUMBER: _ClassVar[int]
+    REFUSED_FIELD_NUMBER: _ClassVar[int]
+    holder: bytes
+    epoch: int
+    armed: bool
+    stopped: str
+    state: str
+    refused: _containers.ScalarMap[str, int]
+    def __init__(self, holder: _Optional[bytes] = ..., epoch: _Optional[int] = ..., armed: bool = ..., stopped: _Optional[str] = ..., state: _Optional[str] = ..., refused: _Optional[_Mapping[str, int]] = ...) -> None: ...
+
 class Body(_message.Message):
     __slots__ = ("world", "world_text", "seed", "number", "step_s", "limits")
     WORLD_FIELD_NUMBER: _ClassVar[int]
@@ -170,14 +235,18 @@ class Body(_message.Message):
     def __init__(self, world: _Optional[str] = ..., world_text: _Optional[str] = ..., seed: _Optional[int] = ..., number: _Optional[int] = ..., step_s: _Optional[float] = ..., limits: _Optional[_Union[BodyLimits, _Mapping]] = ...) -> None: ...
 
 class BodyLimits(_message.Message):
-    __slots__ = ("linear_mps", "lateral_mps", "angular_radps")
+    __slots__ = ("linear_mps", "lateral_mps", "angular_radps", "acceleration_mps2", "valid_for_ns")
     LINEAR_MPS_FIELD_NUMBER: _ClassVar[int]
     LATERAL_MPS_FIELD_NUMBER: _ClassVar[int]
     ANGULAR_RADPS_FIELD_NUMBER: _ClassVar[int]
+    ACCELERATION_MPS2_FIELD_NUMBER: _ClassVar[int]
+    VALID_FOR_NS_FIELD_NUMBER: _ClassVar[int]
     linear_mps: float
     lateral_mps: float
     angular_radps: float
-    def __init__(self, linear_mps: _Optional[float] = ..., lateral_mps: _Optional[float] = ..., angular_radps: _Optional[float] = ...) -> None: ...
+    acceleration_mps2: float
+    valid_for_ns: int
+    def __init__(self, linear_mps: _Optional[float] = ..., lateral_mps: _Optional[float] = ..., angular_radps: _Optional[float] = ..., acceleration_mps2: _Optional[float] = ..., valid_for_ns: _Optional[int] = ...) -> None: ...
 
 class Timing(_message.Message):
     __slots__ = ("deadline_ns", "wake_ns", "lateness_ns", "receive_ns", "decide_ns", "publish_ns", "record_ns")
@@ -206,7 +275,7 @@ class Tick(_message.Message):
     def __init__(self, decision: _Optional[_Union[Decision, _Mapping]] = ..., timing: _Optional[_Union[Timing, _Mapping]] = ...) -> None: ...
 
 class Status(_message.Message):
-    __slots__ = ("node", "run_id", "policy_hash", "ticks", "rate_hz", "lateness_p50_ns", "lateness_p99_ns", "lateness_max_ns", "skipped_slots", "inbox_overflows", "verdicts", "recording")
+    __slots__ = ("node", "run_id", "policy_hash", "ticks", "rate_hz", "lateness_p50_ns", "lateness_p99_ns", "lateness_max_ns", "skipped_slots", "inbox_overflows", "verdicts", "recording", "guard")
     class VerdictsEntry(_message.Message):
         __slots__ = ("key", "value")
         KEY_FIELD_NUMBER: _ClassVar[int]
@@ -226,6 +295,7 @@ class Status(_message.Message):
     INBOX_OVERFLOWS_FIELD_NUMBER: _ClassVar[int]
     VERDICTS_FIELD_NUMBER: _ClassVar[int]
     RECORDING_FIELD_NUMBER: _ClassVar[int]
+    GUARD_FIELD_NUMBER: _ClassVar[int]
     node: str
     run_id: str
     policy_hash: str
@@ -238,7 +308,8 @@ class Status(_message.Message):
     inbox_overflows: int
     verdicts: _containers.ScalarMap[str, int]
     recording: str
-    def __init__(self, node: _Optional[str] = ..., run_id: _Optional[str] = ..., policy_hash: _Optional[str] = ..., ticks: _Optional[int] = ..., rate_hz: _Optional[float] = ..., lateness_p50_ns: _Optional[int] = ..., lateness_p99_ns: _Optional[int] = ..., lateness_max_ns: _Optional[int] = ..., skipped_slots: _Optional[int] = ..., inbox_overflows: _Optional[int] = ..., verdicts: _Optional[_Mapping[str, int]] = ..., recording: _Optional[str] = ...) -> None: ...
+    guard: str
+    def __init__(self, node: _Optional[str] = ..., run_id: _Optional[str] = ..., policy_hash: _Optional[str] = ..., ticks: _Optional[int] = ..., rate_hz: _Optional[float] = ..., lateness_p50_ns: _Optional[int] = ..., lateness_p99_ns: _Optional[int] = ..., lateness_max_ns: _Optional[int] = ..., skipped_slots: _Optional[int] = ..., inbox_overflows: _Optional[int] = ..., verdicts: _Optional[_Mapping[str, int]] = ..., recording: _Optional[str] = ..., guard: _Optional[str] = ...) -> None: ...
 
 class Contact(_message.Message):
     __slots__ = ("count", "x_m", "y_m", "time_ns")

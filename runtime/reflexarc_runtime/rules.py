@@ -18,12 +18,17 @@ class ControllerRules:
     """A stop comes through the inbox, counts as an input, and holds until a reset comes. Before, it
     came beside the inputs, and ended the run."""
 
+    one_source: bool
+    """The loop is bound to one body; its commands echo that body's identifier. Before, whoever
+    sent a fitting message was believed."""
+
 
 RULES = {
-    1: ControllerRules(1, stop_is_a_message=False),
-    2: ControllerRules(2, stop_is_a_message=True),
+    1: ControllerRules(1, stop_is_a_message=False, one_source=False),
+    2: ControllerRules(2, stop_is_a_message=True, one_source=False),
+    3: ControllerRules(3, stop_is_a_message=True, one_source=True),
 }
-CURRENT_RULES = RULES[2]
+CURRENT_RULES = RULES[3]
 
 
 def rules_of(version: int) -> ControllerRules:

@@ -16,12 +16,12 @@ from reflexarc_logs.reading.reader import Log
 from reflexarc_logs.replaying.loop_events import LoopEvent
 from reflexarc_runtime.choice import Hold
 from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_runtime.controller import State
+from reflexarc_runtime.controller import BoundBody, State
 from reflexarc_runtime.decision import Verdict
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.keyframe import decode_state
 from reflexarc_runtime.loop.inbox import DEFAULT_CAPACITY
-from reflexarc_runtime.messages.wire import Message, Stamp
+from reflexarc_runtime.messages.wire import NO_SENDER, Message, Stamp
 from reflexarc_runtime.messages_pb2 import Decision, Keyframe, Tick
 from reflexarc_runtime.policy.policy import LoadedPolicy
 from reflexarc_runtime.sensing.senses import Sensed
@@ -129,11 +129,13 @@ def state_behind(decision: Decision, contract: PolicyContract) -> State:
     """The state behind a tick with verdict OK, as far as it decides anything."""
     stack = np.frombuffer(decision.retina, np.uint8).reshape(contract.retina.stack_shape)
     used, frames = decision.input, tuple(stack)
-    stamp = Stamp(used.sequence, used.source_time_ns)
+    sender = decision.command.body or NO_SENDER
+    stamp = Stamp(used.sequence, used.source_time_ns, sender)
     return State(
         index=decision.index + 1,
         streak=contract.recovery_inputs,
         newest=Sensed(stamp, used.received_ns, frames[-1]),
         frames=frames,
         hold=Hold(decision.action, decision.slot),
+        source=BoundBody(sender, used.received_ns) if decision.command.body else None,
     )

@@ -34,6 +34,7 @@ class Status:
     inbox_overflows: int = 0
     verdicts: tuple[tuple[str, int], ...] = ()
     recording: str = "off"
+    guard: str = ""
 
 
 def timestamp(time_ns: int) -> Timestamp:
@@ -84,6 +85,7 @@ def decode_command(payload: bytes) -> Command | None:
             valid_for_ns=message.valid_for_ns,
             source_sequence=_optional(message, "source_sequence"),
             source_time_ns=_optional(message, "source_time_ns"),
+            body=message.body,
         )
     except (DecodeError, ValueError):
         return None
@@ -142,6 +144,7 @@ def _command_to_protobuf(command: Command) -> pb.Command:
         valid_for_ns=command.valid_for_ns,
         source_sequence=command.source_sequence,
         source_time_ns=command.source_time_ns,
+        body=command.body,
     )
 
 

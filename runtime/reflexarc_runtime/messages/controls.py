@@ -24,6 +24,20 @@ def stop_reason(message: Message) -> str:
     return reason or "a stop without a reason"
 
 
+def lateness_of(message: Message) -> str:
+    """What the watchdog said of a late tick, in words."""
+    try:
+        late_ns = pb.Overrun.FromString(message.payload).late_ns
+    except DecodeError:
+        return "a tick was late"
+    return f"a tick was late by {late_ns / 1e6:.0f} ms"
+
+
+def encode_overrun(since_ns: int, late_ns: int) -> bytes:
+    """`reflexarc.Overrun`."""
+    return pb.Overrun(since_ns=since_ns, late_ns=late_ns).SerializeToString()
+
+
 def is_reset(message: Message) -> bool:
     """Whether it is a reset: unlike a stop, it counts only if it is what it should be."""
     try:

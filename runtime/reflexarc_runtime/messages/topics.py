@@ -71,6 +71,10 @@ CONTACT = Topic("contact", pb.Contact, (BODY_NODE,), "event")
 BODY = Topic("body", pb.Body, (BODY_NODE,), "1 Hz")
 STOP = Topic("stop", pb.Stop, (RUNTIME_NODE, OPERATOR), "event", Quality.CONTROL)
 RESET = Topic("reset", pb.Reset, (OPERATOR,), "event", Quality.CONTROL)
+ARM = Topic("arm", pb.Arm, (OPERATOR,), "event", Quality.CONTROL)
+RELEASE = Topic("release", pb.Release, (RUNTIME_NODE, OPERATOR), "event", Quality.CONTROL)
+OVERRUN = Topic("overrun", pb.Overrun, (RUNTIME_NODE,), "event", Quality.CONTROL)
+LEASE = Topic("lease", pb.Lease, (BODY_NODE,), "event", Quality.CONTROL)
 KEYFRAME = Topic("keyframe", pb.Keyframe, (RECORDER_NODE,), "1 Hz")
 REJECTED = Topic("rejected", pb.Rejected, (RECORDER_NODE,), "event")
 
@@ -89,24 +93,31 @@ TOPICS: tuple[Topic, ...] = (
     BODY,
     STOP,
     RESET,
+    ARM,
+    RELEASE,
+    OVERRUN,
+    LEASE,
     KEYFRAME,
     REJECTED,
 )
 SENSORS: dict[str, Topic] = {"retina": RETINA, "scan": SCAN}
 """The streams that the runtime can decide on, by the value of `--input`."""
-CONTROLS = (STOP, RESET)
+CONTROLS = (STOP, RESET, OVERRUN)
 """The streams beside the sensor's that decide: they reach the loop through its inbox."""
 RECORDERS_OWN = (KEYFRAME, REJECTED)
 """The streams that only a recorder writes: they are in logs, never on the bus."""
 ON_THE_BUS = tuple(topic for topic in TOPICS if topic.recorded and topic not in RECORDERS_OWN)
 """The streams that are recorded as they are on the bus."""
 
-BODY_TOPICS = tuple(topic for topic in TOPICS if topic.publishers == (BODY_NODE,))
-"""The streams that only a body publishes: `play` sends these out again."""
+BODY_TOPICS = tuple(
+    topic for topic in TOPICS if topic.publishers == (BODY_NODE,) and topic is not LEASE
+)
+"""The streams that only a body publishes, and that are true of a log that is played as well: `play`
+sends these out again."""
 OVERHEARD = tuple(
     topic
-    for topic in TOPICS
-    if topic.recorded and BODY_NODE in topic.publishers and topic not in SENSORS.values()
+    for topic in ON_THE_BUS
+    if {BODY_NODE, OPERATOR} & {*topic.publishers} and topic not in (*SENSORS.values(), *CONTROLS)
 )
 """The streams that `run --record` records beside what its loop receives and decides."""
 

@@ -31,9 +31,9 @@ def differences(recorded: Decision, replayed: Decision) -> list[str]:
     return [difference.path for difference in FIELDS.differences(recorded, replayed)]
 
 
-def test_a_decision_has_twenty_five_fields_to_compare():
-    # 11 of its own that are no message, 4 of Input, 9 of Command, and policy_hash
-    assert FIELDS.count == 11 + 4 + 9 + 1
+def test_a_decision_has_twenty_six_fields_to_compare():
+    # 11 of its own that are no message, 4 of Input, 10 of Command, and policy_hash
+    assert FIELDS.count == 11 + 4 + 10 + 1
     assert FIELDS.not_compared == ()
 
 

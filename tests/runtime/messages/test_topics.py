@@ -10,11 +10,15 @@ def test_a_log_plays_what_only_a_body_says() -> None:
 
 def test_the_loop_records_what_others_say_beside_its_own_input_and_output() -> None:
     names = {topic.name for topic in OVERHEARD}
-    assert names == {"pose", "tf", "odometry", "scene", "contact", "status", "log", "body"}
+    assert names == {"pose", "tf", "odometry", "scene", "contact", "status", "log", "body"} | {
+        "lease",
+        "arm",
+        "release",
+    }
 
 
 def test_every_recorded_stream_reaches_the_log_of_a_loop_in_exactly_one_way() -> None:
-    own = {"command", "tick", "rejected", "keyframe", "stop", "reset", *SENSORS}
+    own = {"command", "tick", "rejected", "keyframe", "stop", "reset", "overrun", *SENSORS}
     overheard = {topic.name for topic in OVERHEARD}
     assert own.isdisjoint(overheard)
     assert own | overheard == {topic.name for topic in TOPICS if topic.recorded}
