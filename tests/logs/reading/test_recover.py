@@ -7,13 +7,14 @@ from pathlib import Path
 import pytest
 from mcap.records import Chunk
 
+from reflexarc_logs.container import writing as log_file
 from reflexarc_logs.container.record_stream import stream_records
 from reflexarc_logs.reading.reader import read_log
 from reflexarc_logs.reading.recover import recover
 from reflexarc_logs.recording.recorder import FLUSH_PERIOD_S
 from reflexarc_logs.replaying.replay import replay
 from reflexarc_runtime.errors import LogError
-from support.recordings import RUN
+from support.recordings import RUN, drive, nominal
 from support.rewriting import flip_bit
 
 TESTS = Path(__file__).parents[2]
@@ -87,10 +88,11 @@ def test_the_bytes_after_the_last_intact_record_are_counted_as_lost(log_path, tm
     assert sizes == sorted(sizes)
 
 
-def test_inputs_after_the_last_tick_are_kept_and_counted(log_path, tmp_path):
-    data = log_path.read_bytes()
-    notes = set()
-    for size in range(6000, len(data), 900):
+def test_inputs_after_the_last_tick_are_kept_and_counted(policy, tmp_path, monkeypatch):
+    monkeypatch.setattr(log_file, "CHUNK_BYTES", 50)  # one message each
+    drive(tmp_path / "log.mcap", policy, nominal(40), 40)
+    data, notes = (tmp_path / "log.mcap").read_bytes(), set()
+    for size in range(6000, len(data), 190):
         cut, fixed = tmp_path / f"{size}.mcap", tmp_path / f"{size}-fixed.mcap"
         cut.write_bytes(data[:size])
         recover(cut, fixed)
