@@ -10,7 +10,7 @@ PYTEST_WORKERS ?= 2
 export OPENBLAS_NUM_THREADS ?= 1
 export OMP_WAIT_POLICY ?= passive
 
-.PHONY: help demo test tests-alone test-quick test-numba check fmt wheel golden proto clean real-input worlds studies
+.PHONY: help demo test tests-alone test-quick test-numba test-arm check fmt wheel golden proto clean real-input worlds studies
 
 help:            ## say what there is
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/'
@@ -40,6 +40,10 @@ runs/constraints-numba-%.txt: constraints.txt
 	mkdir -p runs
 	grep -vE '^(numba|llvmlite|numpy)==' $< > $@
 	echo 'numba==$*' >> $@
+
+# The emulated machine lies in .arm/; a second call downloads nothing.
+test-arm: $(STAMP) ## replay the golden logs on an emulated aarch64: the same bits?
+	$(BIN)/python tests/arm/replay_on_arm.py
 
 check: $(STAMP)  ## format, linter, types, import contracts
 	$(BIN)/ruff format --check .
@@ -75,8 +79,8 @@ proto:           ## generate messages_pb2 (protoc of grpcio-tools 1.71, the olde
 	.venv-proto/bin/python -m grpc_tools.protoc -I runtime --python_out=runtime --pyi_out=runtime \
 		reflexarc_runtime/messages.proto
 
-clean:           ## remove the environment and what was built
-	rm -rf .venv .venv-* dist
+clean:           ## remove the environment, the emulated machine and what was built
+	rm -rf .venv .venv-* .arm dist
 
 $(STAMP): pyproject.toml $(CONSTRAINTS)
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)

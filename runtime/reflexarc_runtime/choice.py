@@ -49,7 +49,7 @@ def choose(
 
 def slots_of(seconds: float, rate_hz: float) -> int:
     """A time in periods of a loop, rounded up; 0.7 s at 10 Hz are 7 in spite of floats."""
-    return math.ceil(round(seconds * rate_hz, 6))
+    return max(math.ceil(round(seconds * rate_hz, 6)), int(seconds > 0.0))
 
 
 def outweighs(lead: Any, spread: Any, margin: float) -> Any:

@@ -17,6 +17,9 @@ from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages.wire import Stamp
 from reflexarc_runtime.sensing.senses import Sensed
 
+MAX_COUNT = 1 << 62
+"""More ticks or inputs than any loop counts."""
+
 
 @dataclass(frozen=True, slots=True)
 class Keyframe:
@@ -51,6 +54,8 @@ def decode_state(message: pb.Keyframe, contract: PolicyContract) -> State:
     Raises:
         LogError: it is not of this contract's eye, memory or actions.
     """
+    if max(message.index, message.streak) > MAX_COUNT:
+        raise LogError(_unfit("counts", f"at most {MAX_COUNT}", "more"))
     frames = tuple(_retina(frame, contract) for frame in message.frames)
     if len(frames) not in (0, contract.retina.frames):
         raise LogError(_unfit("frames", contract.retina.frames, len(frames)))

@@ -39,7 +39,7 @@ def rules_of(version: int) -> ControllerRules:
     """
     if version not in RULES:
         raise LogError(
-            f"rules {version} of the controller are newer than this reflexarc knows "
-            f"({max(RULES)}); upgrade reflexarc on this machine"
+            f"rules of the controller: expected a version from 1 to {max(RULES)}, got {version}; "
+            "upgrade reflexarc on this machine if they are newer"
         )
     return RULES[version]

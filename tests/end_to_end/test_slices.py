@@ -10,10 +10,11 @@ import pytest
 from reflexarc_logs.cutting.cut import cut
 from reflexarc_logs.cutting.span import TickSpan
 from reflexarc_logs.reading.reader import Log, read_log
-from reflexarc_logs.replaying.beginning import begin
+from reflexarc_logs.replaying.beginning import begin, keep
+from reflexarc_logs.replaying.comparison import EqualityRules
 from reflexarc_logs.replaying.loop_events import LoopEvent, loop_events
-from reflexarc_logs.replaying.node_level import Stepping, controller_of, keep
 from reflexarc_logs.replaying.replay import attached_policy, replay
+from reflexarc_logs.replaying.stepping import Stepping
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.messages.wire import Message
 from reflexarc_runtime.messages_pb2 import Keyframe, Tick
@@ -66,7 +67,7 @@ def decisions(log: Log, events: list[LoopEvent]) -> dict[int, bytes]:
     """What replay decides from the beginning of these events on, by tick."""
     policy = attached_policy(log)
     beginning, rest = begin(log, iter(events), policy)
-    stepping = Stepping.at(beginning, controller_of(log, policy), log)
+    stepping = Stepping.at(beginning, policy, log, EqualityRules(exact=True, same_policy=True))
     found = {}
     for event in rest:
         if isinstance(event, Message):

@@ -14,7 +14,7 @@ from google.protobuf.message import Message as ProtobufMessage
 
 from reflexarc_runtime.keyframe import Keyframe, encode_state
 from reflexarc_runtime.messages.codec import SCHEMAS
-from reflexarc_runtime.messages.topics import KEYFRAME, ON_THE_BUS, REJECTED, Topic
+from reflexarc_runtime.messages.topics import CONTROLS, KEYFRAME, ON_THE_BUS, REJECTED, Topic
 from reflexarc_runtime.messages.wire import (
     MAX_PAYLOAD_BYTES,
     NO_SENDER,
@@ -57,6 +57,8 @@ class Intake:
 
     def __init__(self, robot: str) -> None:
         self._topics = dict(_recorded(robot))
+        self._controls = {topic.key(robot) for topic in CONTROLS}
+        """What comes on these keys decides even if it cannot be decoded: it is kept whole."""
         self._rejected_key = REJECTED.key(robot)
         self._rejected = 0
         self._keyframe_key = KEYFRAME.key(robot)
@@ -71,7 +73,8 @@ class Intake:
         except CrowdedError as error:
             return self._reject(entry, str(error), MAX_PAYLOAD_BYTES)
         except UndecodableError as error:
-            return self._reject(entry, str(error), KEPT_BYTES)
+            kept = MAX_PAYLOAD_BYTES if entry.key in self._controls else KEPT_BYTES
+            return self._reject(entry, str(error), kept)
 
     def _encode(self, keyframe: Keyframe) -> LogEntry:
         state, at_ns = keyframe.state, keyframe.received_ns

@@ -24,7 +24,8 @@ RUN = "reflexarc.run"
 
 CLOCKS = ("monotonic", "lockstep")
 UNKNOWN_BACKEND = "unknown"
-"""A listener on the bus cannot tell what computed a tick; its log is compared to 1e-6."""
+"""A listener on the bus cannot tell what computed a tick; its log is compared to the contract's
+`q_tolerance`."""
 
 RECORDERS = ("run", "record", "import")
 
@@ -132,6 +133,8 @@ def _check(info: RunInfo) -> None:
         "clock": (info.clock, CLOCKS),
         "recorded_by": (info.recorded_by, RECORDERS),
     }
+    fits = 0 <= info.wall_offset_ns < 1 << 64
+    require(fits, f"{RUN}.wall_offset_ns", "0 to 2^64 − 1", info.wall_offset_ns, LogError)
     for name, (value, allowed) in choices.items():
         known = " or ".join(allowed)
         require(value in allowed, f"{RUN}.{name}", known, repr(value[:40]), LogError)

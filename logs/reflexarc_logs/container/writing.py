@@ -149,7 +149,7 @@ def _open(path: Path, partial: Path) -> BinaryIO:
     except FileExistsError:
         advice = "`reflexarc recover` it or remove it"
         if partial.suffix != PARTIAL:
-            advice = "a recovery was cut off there; remove it"
+            advice = "what made it was killed; remove it"
         raise LogError(f"{partial}: an unfinished log is there; {advice}") from None
     except OSError as error:
         raise LogError(

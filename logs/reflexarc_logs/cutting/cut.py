@@ -5,13 +5,12 @@ it, whatever its time. The keyframe at its beginning is made by replaying all th
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from mcap.records import Message
 
 from reflexarc_logs.container.copying import MessageCopier
-from reflexarc_logs.container.run_info import RUN
 from reflexarc_logs.container.writing import LogWriter, media_type_of
 from reflexarc_logs.cutting.span import TickSpan
 from reflexarc_logs.reading.reader import Log
@@ -34,6 +33,8 @@ class CutReport:
     """What a cut kept."""
 
     path: Path
+    span: TickSpan
+    """Which ticks they are: of a slice, from where it tells enough."""
     ticks: int
     messages: int
     has_keyframe: bool
@@ -55,6 +56,8 @@ def cut(log: Log, span: TickSpan, out: Path | str) -> CutReport:
     obstacle = why_not(log) if log.policy is not None else "no policy is attached"
     policy = None if obstacle else attached_policy(log)
     known = None if policy is None else state_at_tick(log, policy, span.first)
+    if known is not None:
+        span = replace(span, first=max(span.first, known.state.index))
     part = _Part(log, span, LogWriter(Path(out), UNFINISHED))
     try:
         part.write_head(known, policy)
@@ -66,7 +69,7 @@ def cut(log: Log, span: TickSpan, out: Path | str) -> CutReport:
         part.file.discard()
         raise
     notes = [f"it has no keyframe: {obstacle}"] if obstacle else known.notes if known else []
-    return CutReport(Path(out), part.ticks, part.messages, known is not None, tuple(notes))
+    return CutReport(Path(out), span, part.ticks, part.messages, known is not None, tuple(notes))
 
 
 class _Part:
@@ -86,7 +89,8 @@ class _Part:
 
     def write_head(self, known: KnownState | None, policy: LoadedPolicy | None) -> None:
         """Write what the log says about itself, and what the controller knew."""
-        self.file.describe(RUN, self._log.run.to_metadata())
+        for name, document in self._log.metadata.items():
+            self.file.describe(name, document)
         span = {"from": str(self._span.first), "to": str(self._span.end)}
         self.file.describe(CUT, {"of": self._log.path.name, **span})
         for name, data in self._log.attachments.items():
@@ -106,12 +110,14 @@ class _Part:
         """Copy what stands in the span, and finish the file."""
         for message in self._between():
             self.messages += self._copier.copy(message)
+        if not self.ticks:
+            raise LogError(f"{self._log.path}: it has no tick from {self._span.first} on to cut")
         self.file.finish()
 
     def _between(self) -> Iterator[Message]:
         """What stands behind the tick before the first one, up to the command of the last one."""
         first, end = self._span.first, self._span.end
-        inside = first <= next(self._log.ticks()).decision.index
+        inside = first <= next(self._log.ticks()).decision.index  # then all of it belongs
         for message in self._messages():
             topic = self._copier.topic(message)
             index = Tick.FromString(message.data).decision.index if topic == self._tick else None
@@ -120,7 +126,7 @@ class _Part:
             if inside and not self._is_of_the_tick_before(topic, message):
                 self.ticks += index is not None
                 yield message
-            inside = inside or index == first - 1
+            inside = inside or (index is not None and index >= first - 1)
             if inside and topic == self._command and message.sequence == end - 1:
                 return
 

@@ -45,6 +45,8 @@ def span_of(log: Log, since: str = "", until: str = "") -> TickSpan:
 def _tick(flag: str, word: str, times_ns: dict[int, int]) -> int:
     """The number of a tick; of a time, that of the first tick at or after it."""
     try:
+        if word.startswith("-"):
+            raise ValueError("a time or number before the first")
         if not word.endswith("s"):
             return int(word)
         wanted_ns = min(times_ns.values()) + round(float(word[:-1]) * 1e9)

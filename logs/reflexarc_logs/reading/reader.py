@@ -6,6 +6,7 @@ reader that sorts by time could put an input after the tick that used it.
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TypeVar
 
@@ -62,6 +63,8 @@ class Log:
     """`policy.onnx` and `config.json`, where the log has them."""
     complete: bool
     """Whether the log was finished; a truncated one ends at its last intact record."""
+    metadata: Mapping[str, Mapping[str, str]]
+    """All that the log says about itself, by name of the record."""
     dropped: int
     """Records or chunks that are missing in the middle, as the recorder or `recover` said."""
     size: int
@@ -118,12 +121,29 @@ class Log:
         Raises:
             LogError: the log has none, or a malformed one.
         """
+        found = self.descriptor(TICK.schema)
+        if found is None:
+            raise LogError(
+                f"{self.path}: expected ticks ({TICK.schema}), found none; nothing to replay"
+            )
+        return found
+
+    def descriptor(self, schema: str) -> Descriptor | None:
+        """The descriptor of a message that the log itself carries; None if it has none.
+
+        Raises:
+            LogError: a malformed one.
+        """
         for record in self.mcap_records():
-            if isinstance(record, Schema) and record.name == TICK.schema:
+            if isinstance(record, Schema) and record.name == schema:
                 return _descriptor(record, self.path)
-        raise LogError(
-            f"{self.path}: expected ticks ({TICK.schema}), found none; nothing to replay"
-        )
+        return None
+
+    @cached_property
+    def names_senders(self) -> bool:
+        """Whether any channel says who sent its messages; other tools may drop that."""
+        records = self.mcap_records()
+        return any(isinstance(r, Channel) and SENDER in r.metadata for r in records)
 
     def mcap_records(self) -> Iterator[McapRecord]:
         """Every record, chunks unpacked; ends quietly where a truncated log is no longer intact."""
@@ -233,6 +253,7 @@ def _log(path: Path, found: Survey) -> Log:
         run=found.run,
         attachments=found.attachments,
         complete=found.complete,
+        metadata=found.metadata,
         dropped=found.dropped,
         size=found.size,
         intact_size=found.intact_size,

@@ -72,8 +72,9 @@ def begin(
             if not start.skipped_ticks:
                 start.waiting.clear()  # they belong to a tick before the slice
             start.state = state_at(event, policy)
-            return start, events
-        elif event.decision.index == 0:
+            if start.state is not None:
+                return start, events
+        elif event.decision.index == 0 and event.decision.inputs <= len(start.waiting):
             start.state = State()
             return start, chain([event], events)
         elif _skip(start, event, policy.contract):
@@ -95,18 +96,23 @@ def keep(waiting: deque[Message], message: Message, log: Log) -> None:
     waiting.append(message)
 
 
-def state_at(keyframe: Keyframe, policy: LoadedPolicy) -> State:
+def state_at(keyframe: Keyframe, policy: LoadedPolicy) -> State | None:
     """What a policy's controller would know at a keyframe.
 
-    Another policy than the recorded one has neither its memory nor its held action.
+    Another policy than the recorded one has neither its memory nor its held action; None if it
+    sees something else.
 
     Raises:
         LogError: the keyframe is not of this policy's contract.
     """
-    if keyframe.policy_hash and keyframe.policy_hash != policy.policy_hash:
-        keyframe.ClearField("memory")
-        keyframe.ClearField("hold")
-    return decode_state(keyframe, policy.contract)
+    if not keyframe.policy_hash or keyframe.policy_hash == policy.policy_hash:
+        return decode_state(keyframe, policy.contract)
+    keyframe.ClearField("memory")
+    keyframe.ClearField("hold")
+    try:
+        return decode_state(keyframe, policy.contract)
+    except LogError:
+        return None
 
 
 def _skip(start: Beginning, tick: Tick, contract: PolicyContract) -> bool:
@@ -122,7 +128,8 @@ def _skip(start: Beginning, tick: Tick, contract: PolicyContract) -> bool:
 
 def _tells_all(decision: Decision, contract: PolicyContract) -> bool:
     size = contract.retina.frames * contract.retina.size
-    return decision.verdict == Verdict.OK.value and len(decision.retina) == size
+    is_known = 0 <= decision.action < len(contract.actions)
+    return decision.verdict == Verdict.OK.value and len(decision.retina) == size and is_known
 
 
 def state_behind(decision: Decision, contract: PolicyContract) -> State:

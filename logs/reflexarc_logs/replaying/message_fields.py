@@ -15,6 +15,9 @@ from google.protobuf.descriptor_pb2 import DescriptorProto
 from google.protobuf.empty_pb2 import Empty
 from google.protobuf.message import Message as ProtobufMessage
 
+_SHOWN = 80
+"""Characters of a value that a report shows."""
+
 
 @dataclass(frozen=True, slots=True)
 class Difference:
@@ -52,6 +55,10 @@ class Fields:
     def not_compared(self) -> tuple[str, ...]:
         """Paths of the fields that only one of the two knows."""
         return tuple(self._not_compared)
+
+    def compares(self, name: str) -> bool:
+        """Whether both know this field of the message itself."""
+        return any(shared.field.name == name for shared in self._shared)
 
     def differences(
         self, recorded: ProtobufMessage, replayed: ProtobufMessage
@@ -119,7 +126,7 @@ def _values(path: str, recorded: Any, replayed: Any) -> Iterator[Difference]:
     """Scalars, and sequences of them: strings of bytes and repeated fields."""
     if not isinstance(recorded, bytes) and not _is_repeated(recorded):
         if _bits(recorded) != _bits(replayed):
-            yield Difference(path, repr(recorded), repr(replayed))
+            yield Difference(path, _shown(recorded), _shown(replayed))
     elif len(recorded) != len(replayed):
         yield Difference(path, f"{len(recorded)} values", f"{len(replayed)} values")
     else:
@@ -130,6 +137,12 @@ def _values(path: str, recorded: Any, replayed: Any) -> Iterator[Difference]:
 
 def _is_repeated(value: Any) -> bool:
     return not isinstance(value, str) and hasattr(value, "__len__")
+
+
+def _shown(value: Any) -> str:
+    """A value in a report: on one line, and not longer than one."""
+    text = repr(value)
+    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}…"
 
 
 def _bits(value: Any) -> Any:

@@ -18,6 +18,7 @@ from reflexarc_logs.reading.reader import Log
 from reflexarc_logs.replaying.comparison import EqualityRules, LevelResult, Tally, find_flip
 from reflexarc_logs.replaying.message_fields import Difference, message_type
 from reflexarc_logs.replaying.recorded_holds import RecordedHolds
+from reflexarc_logs.replaying.stepping import WARM_UP_NS
 from reflexarc_runtime.arrays import Memories, QValues, RetinaBatch
 from reflexarc_runtime.choice import Hold, choose
 from reflexarc_runtime.contract.contract import PolicyContract
@@ -28,8 +29,6 @@ from reflexarc_runtime.policy.policy import LoadedPolicy
 
 BATCH_BYTES = 8 << 20
 """Retinas that go through the policy at once."""
-WARM_UP_NS = 2_000_000_000
-"""How long a candidate's memory warms up."""
 
 
 class Asked(NamedTuple):
@@ -68,18 +67,19 @@ def _has_winner(log: Log) -> bool:
 
 def _asked(log: Log, contract: PolicyContract, tally: Tally) -> Iterator[Asked]:
     """Count every tick; yield those that have Q-values."""
-    expected = contract.retina.frames * contract.retina.size, len(contract.actions)
     holds, begins = RecordedHolds(contract), True
     for tick in log.ticks():
         tally.ticks += 1
         decision = tick.decision
         if decision.q_values:
-            _check_sizes(log, decision, expected)
-            yield Asked(decision, holds.held, holds.are_known(decision), begins)
+            _check_sizes(log, decision, contract)
+            is_known = holds.are_known(decision)
+            yield Asked(decision, holds.held, is_known, begins or holds.held is None)
         begins = not holds.saw(decision)
 
 
-def _check_sizes(log: Log, decision: Decision, expected: tuple[int, int]) -> None:
+def _check_sizes(log: Log, decision: Decision, contract: PolicyContract) -> None:
+    expected = contract.retina.frames * contract.retina.size, len(contract.actions)
     got = len(decision.retina), len(decision.q_values)
     if got != expected:
         raise LogError(
@@ -159,9 +159,19 @@ class PolicyLevel:
         if contract.hold_slots or contract.margin:
             hold, margin = contract.hold_slots, contract.margin
             now = choose(one.held, values.tolist(), winner, slot, hold, margin).action
-        if now == one.decision.action:
+        if now == one.decision.action or self._is_at_the_edge(one, winner):
             return []
         return [Difference("action", str(one.decision.action), str(now))]
+
+    def _is_at_the_edge(self, one: Asked, winner: int) -> bool:
+        """Whether a margin is won or missed by the rounding of two backends only."""
+        contract, rules, held = self.policy.contract, self.tally.rules, one.held
+        if rules.exact or held is None or not contract.margin:
+            return False
+        q_values = one.decision.q_values
+        edge = contract.margin * (max(q_values) - min(q_values))
+        lead = q_values[winner] - q_values[held.action]
+        return abs(lead - edge) <= 4 * rules.tolerance * max(1.0, *map(abs, q_values))
 
 
 class CandidateMemory:
@@ -195,8 +205,9 @@ def _stack(decisions: Sequence[Decision], contract: PolicyContract) -> RetinaBat
 
 
 def _recorded_memories(batch: Sequence[Asked], contract: PolicyContract) -> Memories:
-    start = contract.state.start_value
-    return np.array([one.decision.state or start for one in batch], np.float32)
+    start, size = contract.state.start_value, contract.state.size
+    rows = [one.decision.state for one in batch]
+    return np.array([row if len(row) == size else start for row in rows], np.float32)
 
 
 def _value_differences(recorded: QValues, values: QValues) -> Iterator[Difference]:

@@ -9,20 +9,29 @@ _OK = Verdict.OK.value  # looked up once: an enum's value costs more than all el
 
 
 class RecordedHolds:
-    """Follows the actions of a log."""
+    """Follows the actions of a log.
 
-    def __init__(self, contract: PolicyContract) -> None:
+    Args:
+        contract: of the policy that drove.
+        held: what is done when it begins, if that is known.
+        index: of the tick that comes first.
+    """
+
+    def __init__(self, contract: PolicyContract, held: Hold | None = None, index: int = 0) -> None:
         self._contract = contract
-        self._is_known = False
-        self.held: Hold | None = None
+        self._is_known = held is not None
+        self._index = index - 1
+        self.held = held
         """What was done at the last tick; None if its verdict was not OK."""
 
     def are_known(self, decision: Decision) -> bool:
         """Whether it is known what was held before this tick.
 
-        In a slice of a log it is not, until a tick is not OK, the action changes, or it has been
-        done for longer than any hold.
+        In a slice of a log, and where ticks are missing, it is not, until a tick is not OK, the
+        action changes, or it has been done for longer than any hold.
         """
+        if decision.index != self._index + 1:
+            self.held, self._is_known = None, False  # ticks are missing
         if self._is_known or not decision.index:
             self._is_known = True
             return True
@@ -33,10 +42,10 @@ class RecordedHolds:
 
     def saw(self, decision: Decision) -> bool:
         """Take the next tick; whether its verdict was OK."""
-        if decision.verdict != _OK:
+        action, self._index = decision.action, decision.index
+        if decision.verdict != _OK or not 0 <= action < len(self._contract.actions):
             self.held, self._is_known = None, True
             return False
-        action = decision.action
         if self.held is None or action != self.held.action:
             self._is_known = self._is_known or self.held is not None
             self.held = Hold(action, decision.slot)

@@ -6,8 +6,7 @@ from reflexarc_logs.reading.reader import Log
 from reflexarc_logs.replaying.beginning import begin, keep
 from reflexarc_logs.replaying.comparison import EqualityRules, Tally
 from reflexarc_logs.replaying.loop_events import loop_events
-from reflexarc_logs.replaying.message_fields import Fields, message_type
-from reflexarc_logs.replaying.node_level import Stepping, controller_of
+from reflexarc_logs.replaying.stepping import Stepping
 from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.controller import State
 from reflexarc_runtime.errors import LogError
@@ -32,29 +31,31 @@ def state_at_tick(log: Log, policy: LoadedPolicy, index: int) -> KnownState:
     Args:
         log: what a loop recorded.
         policy: the policy that it ran.
-        index: the tick in front of which to stop.
+        index: the tick in front of which to stop. Of a slice's first tick the next one that is
+            known takes the place.
 
     Raises:
         LogError: the log cannot be read, or it does not tell enough before this tick.
     """
     beginning, events = begin(log, loop_events(log), policy)
+    is_first = index <= next(log.ticks()).decision.index
+    if is_first and beginning.state is not None:
+        index = max(index, beginning.state.index)
     if beginning.state is None or beginning.state.index > index:
         first = "nowhere" if beginning.state is None else f"from tick {beginning.state.index} on"
         raise LogError(
             f"{log.path}: what the controller knew in front of tick {index} is not known: the log "
             f"is a slice that tells it {first}; cut there"
         )
-    stepping = Stepping.at(beginning, controller_of(log, policy), log)
     exact = Backend.NUMPY == policy.backend == log.run.backend
-    tally = Tally("node", EqualityRules(exact, True, policy.contract.q_tolerance))
-    theirs = message_type(log.tick_descriptor(), "decision")
-    fields = Fields(pb.Decision.DESCRIPTOR, theirs)  # type: ignore[arg-type]  # one of two stubs
+    rules = EqualityRules(exact, True, policy.contract.q_tolerance)
+    stepping, tally = Stepping.at(beginning, policy, log, rules), Tally("node", rules)
     at_ns = _earliest_ns(log)
     while stepping.state.index < index and (event := next(events, None)) is not None:
         if isinstance(event, Message):
             keep(stepping.waiting, event, log)
         elif isinstance(event, pb.Tick):
-            stepping.compare(event, fields, tally)
+            stepping.compare(event, tally)
             at_ns = event.decision.now_ns
     return KnownState(stepping.state, at_ns, _notes(tally, index))
 

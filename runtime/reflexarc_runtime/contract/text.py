@@ -67,7 +67,7 @@ def digest_in(text: str) -> str:
 
 def digest_of(body: str) -> str:
     """SHA-256 of a contract's text without its digest, in hexadecimal."""
-    return hashlib.sha256(body.encode()).hexdigest()
+    return hashlib.sha256(body.encode(errors="surrogatepass")).hexdigest()
 
 
 def _unseal(text: str) -> tuple[bool, str]:
@@ -87,12 +87,20 @@ def _unseal(text: str) -> tuple[bool, str]:
 
 def _parsed(text: str) -> dict[str, Any]:
     try:
-        document = json.loads(text)
+        document = json.loads(text, object_pairs_hook=_without_duplicates)
     except (ValueError, RecursionError) as error:
         raise ContractError(f"contract: expected JSON, got {text[:40]!r}… ({error})") from None
     if not isinstance(document, dict):
         raise ContractError(f"contract: expected a JSON object, got {type(document).__name__}")
     return document
+
+
+def _without_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """A table without a name that stands in it twice: readers differ in which one counts."""
+    table = dict(pairs)
+    if len(table) != len(pairs):
+        raise ValueError("a name stands twice in a table")
+    return table
 
 
 def _schema(version: object) -> int:

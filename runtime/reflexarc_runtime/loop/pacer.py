@@ -7,11 +7,12 @@
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 from reflexarc_runtime.loop.clock import Clock
 from reflexarc_runtime.loop.inbox import Inbox
+from reflexarc_runtime.messages.topics import CONTROLS, topic_of
 from reflexarc_runtime.messages.wire import Message, at_source_time
 
 PATIENCE_NS = 200_000_000
@@ -103,12 +104,15 @@ class LockstepPacer:
         self._inbox = inbox
         self._slot = 0
         self._time_ns = 0
+        self._controls: list[Message] = []
 
     def wait(self, should_stop: Callable[[], bool]) -> Wakeup | None:
         """See `Pacer.wait`."""
         while not should_stop():
             message = self._inbox.take(LOCKSTEP_PATIENCE_S)
-            if message is not None:
+            if message is not None and topic_of(message.key) in CONTROLS:
+                self._controls.append(message)
+            elif message is not None:
                 arrived = at_source_time(message, self._time_ns)
                 self._time_ns = arrived.received_ns
                 return self._wake((arrived,))
@@ -125,4 +129,7 @@ class LockstepPacer:
     def _wake(self, messages: tuple[Message, ...]) -> Wakeup:
         self._slot += 1
         time_ns = self._time_ns
-        return Wakeup(self._slot, time_ns, time_ns, time_ns, messages, 0)
+        # A stop is no slot, and whoever says it has no part in the time: it joins this tick.
+        controls = tuple(replace(message, received_ns=time_ns) for message in self._controls)
+        self._controls.clear()
+        return Wakeup(self._slot, time_ns, time_ns, time_ns, (*controls, *messages), 0)

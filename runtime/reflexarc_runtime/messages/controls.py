@@ -4,8 +4,14 @@ from google.protobuf.message import DecodeError
 
 from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.messages.topics import RESET
-from reflexarc_runtime.messages.wire import Message, UndecodableError, check_encoding
+from reflexarc_runtime.messages.wire import (
+    MAX_PAYLOAD_BYTES,
+    Message,
+    UndecodableError,
+    check_encoding,
+)
 
+_NO_REASON = "a stop without a reason"
 _QUOTED = 80
 """Characters of a reason that every tick repeats until the reset."""
 
@@ -17,11 +23,13 @@ def encode_stop(reason: str) -> bytes:
 
 def stop_reason(message: Message) -> str:
     """Why to stop. Whatever comes on this key stops, even if it cannot be read."""
+    if len(message.payload) > MAX_PAYLOAD_BYTES:
+        return _NO_REASON
     try:
         reason = pb.Stop.FromString(message.payload).reason[:_QUOTED]
     except DecodeError:
         reason = ""
-    return reason or "a stop without a reason"
+    return reason or _NO_REASON
 
 
 def lateness_of(message: Message) -> str:

@@ -151,6 +151,11 @@ class SimCommand:
         from reflexarc_sim_bridge.body.bridge import Bridge, faulty_retinas
 
         rate_hz = self.rate or contract.rate_hz
+        if self.lockstep and contract.hold_s and rate_hz != contract.rate_hz:
+            raise UsageError(
+                f"--rate: the policy holds actions for {contract.hold_s:g} s, which lockstep "
+                f"counts at its own {contract.rate_hz:g} Hz; leave --rate out"
+            )
         body = Body(
             self._drawn_world, contract, rate_hz, self.seed, number, world_text=self._world_text
         )

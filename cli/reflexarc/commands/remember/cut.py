@@ -10,7 +10,6 @@ from reflexarc.terminal.output import console, facts, print_json
 
 if TYPE_CHECKING:
     from reflexarc_logs.cutting.cut import CutReport
-    from reflexarc_logs.cutting.span import TickSpan
 
 
 @dataclass(frozen=True)
@@ -44,8 +43,7 @@ class CutCommand:
         from reflexarc_logs.replaying.replay import replay
 
         log = read_log(self.log)
-        span = span_of(log, self.since, self.until)
-        part = cut(log, span, self.out)
+        part = cut(log, span_of(log, self.since, self.until), self.out)
         verdict, status = "not replayed: no policy is attached", 0
         if log.policy is not None:
             report = replay(part.path)
@@ -53,13 +51,13 @@ class CutCommand:
         if self.json:
             print_json({**asdict(part), "replay": verdict})
             return status
-        self._tell(part, span, verdict)
+        self._tell(part, verdict)
         return status
 
-    def _tell(self, part: "CutReport", span: "TickSpan", verdict: str) -> None:
+    def _tell(self, part: "CutReport", verdict: str) -> None:
         rows: dict[str, object] = {
             "part": part.path,
-            "ticks": f"{span.first} to {span.end - 1}, {part.messages} messages",
+            "ticks": f"{part.span.first} to {part.span.end - 1}, {part.messages} messages",
             "replay": verdict,
         }
         if part.notes:

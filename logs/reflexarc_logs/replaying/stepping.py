@@ -1,0 +1,165 @@
+"""A controller on its way through a log: each recorded tick decided again.
+
+With onnxruntime on either side the values differ by rounding. What they lead to is then taken from
+the record after each tick (what the policy remembers, which action is held), so that a difference
+is judged where it arises and not at every tick behind it.
+"""
+
+from collections import deque
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from reflexarc_logs.reading.reader import Log
+from reflexarc_logs.replaying.beginning import Beginning
+from reflexarc_logs.replaying.comparison import EqualityRules, Flip, Tally, find_flip
+from reflexarc_logs.replaying.message_fields import Difference, Fields, message_type
+from reflexarc_logs.replaying.recorded_holds import RecordedHolds
+from reflexarc_runtime import messages_pb2 as pb
+from reflexarc_runtime.arrays import Memories
+from reflexarc_runtime.controller import Controller, Inputs, State
+from reflexarc_runtime.decision import Decision, Verdict
+from reflexarc_runtime.keyframe import encode_state
+from reflexarc_runtime.messages.codec import decision_to_protobuf
+from reflexarc_runtime.messages.topics import KEYFRAME
+from reflexarc_runtime.messages.wire import Message
+from reflexarc_runtime.policy.policy import LoadedPolicy
+from reflexarc_runtime.rules import ControllerRules, rules_of
+from reflexarc_runtime.sensing.senses import sense_for
+
+WARM_UP_NS = 2_000_000_000
+"""How long the memory of another policy than the recorded one warms up."""
+
+
+def controller_of(log: Log, policy: LoadedPolicy) -> Controller:
+    """The controller that decided on a log, with this policy, under the log's rules.
+
+    Raises:
+        LogError: rules that this package does not know.
+        ContractError: the policy cannot see what the log's sensor sent.
+    """
+    sense = sense_for(log.run.input, policy.contract.retina)
+    rules = rules_of(log.run.rules)
+    return Controller(policy, policy.contract, sense, policy.policy_hash, rules)
+
+
+@dataclass
+class Stepping:
+    """A controller on its way through a log."""
+
+    controller: Controller
+    state: State
+    waiting: deque[Message]
+    """Messages that no tick has taken yet."""
+    fields: Fields
+    """Fields of a decision that log and package have in common."""
+    rules: EqualityRules
+    keyframe_fields: Fields | None = None
+    """Those of a keyframe; None where none can be compared."""
+    surprises: list[Difference] = field(default_factory=list)
+    """What differed from a keyframe; it counts at the next tick."""
+    counts_from_ns: int | None = None
+    """When the memory of a candidate has warmed up; None: not known yet."""
+
+    def __post_init__(self) -> None:
+        state = self.state
+        self._holds = RecordedHolds(self.controller.contract, state.hold, state.index)
+        self._leans = self.rules.same_policy and not self.rules.exact
+
+    @classmethod
+    def at(
+        cls, beginning: Beginning, policy: LoadedPolicy, log: Log, rules: EqualityRules
+    ) -> "Stepping":
+        """At a beginning; where there is none, there is nothing to step.
+
+        Raises:
+            LogError: rules that this package does not know, or no description of ticks.
+        """
+        theirs = message_type(log.tick_descriptor(), "decision")
+        decisions = Fields(pb.Decision.DESCRIPTOR, theirs)  # type: ignore[arg-type]  # one of two stubs
+        keyframes = _keyframe_fields(log) if beginning.is_exact and rules.same_policy else None
+        state = beginning.state or State()
+        controller = controller_of(log, policy)
+        return cls(controller, state, beginning.waiting, decisions, rules, keyframes)
+
+    def meet(self, keyframe: pb.Keyframe) -> None:
+        """Compare what the controller knows with what it knew."""
+        if self.keyframe_fields is None:
+            return
+        ours = pb.Keyframe.FromString(encode_state(self.state, self.controller.policy_hash))
+        self.surprises += [
+            Difference(f"keyframe.{d.path}", d.recorded, d.replayed)
+            for d in self.keyframe_fields.differences(keyframe, ours)
+            if self.rules.exact or not d.path.startswith("memory")
+        ]
+
+    def compare(self, tick: pb.Tick, tally: Tally) -> None:
+        """Decide a tick again, and compare it."""
+        recorded = tick.decision
+        replayed = decision_to_protobuf(self.step(recorded))
+        tally.ticks += 1
+        if self._warms_up(recorded):
+            tally.warming_up += 1
+            return
+        differences = [*self.surprises, *self.fields.differences(recorded, replayed)]
+        self.surprises = []
+        flip = self._flip(recorded, replayed)
+        tally.add(recorded.index, self.fields.count, differences, flip)
+
+    def step(self, recorded: pb.Decision) -> Decision:
+        """Decide a tick again."""
+        inputs = _inputs(self.waiting, recorded, self.controller.rules)
+        self.state, decision = self.controller.step(self.state, inputs, recorded.now_ns)
+        self._holds.saw(recorded)
+        if self._leans and recorded.verdict == int(decision.verdict) == Verdict.OK.value:
+            self._lean_on(recorded)
+        return decision
+
+    def _lean_on(self, recorded: pb.Decision) -> None:
+        """Go on from what was recorded, not from what rounding made of it here."""
+        self.state = replace(self.state, hold=self._holds.held)
+        contract = self.controller.contract
+        if len(recorded.state) == contract.state.size > 0:
+            memory: Memories = np.array([recorded.state], np.float32)
+            stack = np.stack(self.state.frames)[np.newaxis]
+            following = self.controller.policy.decide(stack, memory)[2]  # type: ignore[call-arg, misc]
+            self.state = replace(self.state, memory=memory, following=following)
+
+    def _flip(self, recorded: pb.Decision, replayed: pb.Decision) -> Flip | None:
+        """Of the winner; or, with the same winner, of what a margin at its edge made of it."""
+        if {recorded.verdict, replayed.verdict} != {Verdict.OK.value}:
+            return None
+        index, q_values, tolerance = recorded.index, recorded.q_values, self.rules.tolerance
+        if self.fields.compares("winner") and recorded.winner != replayed.winner:
+            return find_flip(index, q_values, recorded.winner, replayed.winner, tolerance)
+        contract = self.controller.contract
+        was, now = recorded.action, replayed.action
+        flip = find_flip(index, q_values, was, now, tolerance)
+        if flip is None or not contract.margin:
+            return flip
+        edge = contract.margin * (max(q_values) - min(q_values))
+        scale = max(1.0, *map(abs, q_values))
+        return replace(flip, rounding=abs(abs(flip.margin) - edge) <= 4 * tolerance * scale)
+
+    def _warms_up(self, recorded: pb.Decision) -> bool:
+        """Whether another policy's memory is not worth a comparison yet."""
+        if self.rules.same_policy or not self.controller.contract.state.size:
+            return False
+        if self.counts_from_ns is None:
+            self.counts_from_ns = recorded.now_ns + WARM_UP_NS
+        return recorded.now_ns < self.counts_from_ns
+
+
+def _keyframe_fields(log: Log) -> Fields | None:
+    theirs = log.descriptor(KEYFRAME.schema)
+    if theirs is None:
+        return None
+    return Fields(pb.Keyframe.DESCRIPTOR, theirs)  # type: ignore[arg-type]  # one of two stubs
+
+
+def _inputs(waiting: deque[Message], recorded: pb.Decision, rules: ControllerRules) -> Inputs:
+    """What the loop had drained; where the log holds less, the count itself will differ."""
+    count = min(recorded.inputs, len(waiting))
+    messages = tuple(waiting.popleft() for _ in range(count))
+    stop = not rules.stop_is_a_message and recorded.verdict == Verdict.STOPPED.value
+    return Inputs(messages, recorded.slot, stop=stop)
