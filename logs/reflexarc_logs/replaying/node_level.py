@@ -16,6 +16,7 @@ from reflexarc_logs.replaying.message_fields import Difference, Fields, message_
 from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.controller import Controller, Inputs, State
 from reflexarc_runtime.decision import Decision, Verdict
+from reflexarc_runtime.guard import Guard, GuardSettings
 from reflexarc_runtime.keyframe import encode_state
 from reflexarc_runtime.messages.codec import decision_to_protobuf
 from reflexarc_runtime.messages.topics import REJECTED, SENSORS
@@ -25,6 +26,8 @@ from reflexarc_runtime.rules import ControllerRules, rules_of
 from reflexarc_runtime.sensing.senses import sense_for
 
 KEYFRAME_FIELDS = Fields(pb.Keyframe.DESCRIPTOR, pb.Keyframe.DESCRIPTOR)  # type: ignore[arg-type]  # one of two stubs
+
+_DRIVING = (Verdict.OK.value, Verdict.GUARDED.value)
 
 
 def replay_node(
@@ -59,12 +62,15 @@ def controller_of(log: Log, policy: LoadedPolicy) -> Controller:
     """The controller that decided on a log, with this policy, under the log's rules.
 
     Raises:
-        LogError: rules that this package does not know.
+        LogError: rules that this package does not know, or settings of a guard that are none.
         ContractError: the policy cannot see what the log's sensor sent.
     """
-    sense = sense_for(log.run.input, policy.contract.retina)
+    contract, guard = policy.contract, None
+    if log.run.guard:
+        guard = Guard.for_contract(GuardSettings.from_json(log.run.guard), contract)
+    sense = sense_for(log.run.input, contract.retina, guarded=guard is not None)
     rules = rules_of(log.run.rules)
-    return Controller(policy, policy.contract, sense, policy.policy_hash, rules)
+    return Controller(policy, contract, sense, policy.policy_hash, rules, guard)
 
 
 @dataclass
@@ -140,7 +146,7 @@ def _inputs(waiting: deque[Message], recorded: pb.Decision, rules: ControllerRul
 
 
 def _flip(recorded: pb.Decision, replayed: pb.Decision, rules: EqualityRules) -> Flip | None:
-    if {recorded.verdict, replayed.verdict} != {Verdict.OK.value}:
+    if recorded.verdict != replayed.verdict or recorded.verdict not in _DRIVING:
         return None
     now, q_values = replayed.action, recorded.q_values
     return find_flip(recorded.index, q_values, recorded.action, now, rules.tolerance)

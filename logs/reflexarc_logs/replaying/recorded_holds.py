@@ -2,10 +2,11 @@
 
 from reflexarc_runtime.choice import Hold
 from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_runtime.decision import Verdict
+from reflexarc_runtime.decision import ASKED, Verdict
 from reflexarc_runtime.messages_pb2 import Decision
 
 _OK = Verdict.OK.value  # looked up once: an enum's value costs more than all else here
+_ASKED = frozenset(verdict.value for verdict in ASKED)
 
 
 class RecordedHolds:
@@ -32,10 +33,10 @@ class RecordedHolds:
         return self._is_known
 
     def saw(self, decision: Decision) -> bool:
-        """Take the next tick; whether its verdict was OK."""
+        """Take the next tick; whether a memory of the policy's went on at it."""
         if decision.verdict != _OK:
             self.held, self._is_known = None, True
-            return False
+            return decision.verdict in _ASKED
         action = decision.action
         if self.held is None or action != self.held.action:
             self._is_known = self._is_known or self.held is not None
