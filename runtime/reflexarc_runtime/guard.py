@@ -8,7 +8,8 @@ sweeps until it could stand again?
 The outline of the body, widened by a margin, goes that way along the path of the commanded motion.
 Where nothing was measured, nothing is free: a beam that says nothing counts as something very near,
 and no motion leads out of the sector that is seen. If the wanted action is not free, the policy's
-next-best one that is takes its place; then a slower motion; then standstill.
+next-best one that is takes its place; then a slower motion; then standstill. An action whose way is
+free for somewhat longer is preferred: the wanted one, if it is, else the next best.
 
 Pure, and the same for one robot and for many simulated ones. What it cannot see it cannot guard:
 things thinner than the gap between two beams, things that move, and, in a retina, things darker
@@ -43,6 +44,9 @@ VERY_NEAR_M = 1e-6
 VERY_FAR_M = 1e6
 """Where a beam ends that meets nothing: infinity has no place."""
 
+LEAST_MARGIN_M = 0.001
+"""A point without a margin sweeps a line, and no beam's point lies on a line."""
+
 _SLACK_RAD = 1e-9
 
 _require = partial(require, error=UsageError)
@@ -60,12 +64,17 @@ class GuardSettings:
     """From a command's arrival to the motion that it asks for."""
     deceleration_mps2: float | None = None
     """How hard the body brakes; None: at once."""
+    evade_s: float = 0.3
+    """How much longer a way must be free for an action to be preferred: who evades only at the last
+    moment has nowhere left to go. 0: no action is preferred."""
     may_slow: bool = True
     """Whether a slower motion is tried before standstill."""
 
     def __post_init__(self) -> None:
-        _require(0.0 <= self.margin_m < math.inf, "guard.margin_m", "0 or more", self.margin_m)
+        least, margin_m = LEAST_MARGIN_M, self.margin_m
+        _require(least <= margin_m < math.inf, "guard.margin_m", f"{least:g} or more", margin_m)
         _require(0.0 <= self.delay_s < math.inf, "guard.delay_s", "0 or more", self.delay_s)
+        _require(0.0 <= self.evade_s < math.inf, "guard.evade_s", "0 or more", self.evade_s)
         braking = self.deceleration_mps2
         fits = braking is None or 0.0 < braking < math.inf
         _require(fits, "guard.deceleration_mps2", "above 0", braking)
@@ -176,8 +185,16 @@ class Guard:
         """
         if beams is None:
             return STAND
+        order = in_order(wanted, q_values)
+        for action in order:
+            if self.share(self._twists[action], beams, age_s + self.settings.evade_s) == 1.0:
+                return Answer(action, 1.0)
+        return self._least_evil(order, beams, age_s)
+
+    def _least_evil(self, order: Sequence[int], beams: Beams, age_s: float) -> Answer:
+        """Where nothing is free in good time: what is free now, or free when it goes slower."""
         best = STAND
-        for action in in_order(wanted, q_values):
+        for action in order:
             share = self.share(self._twists[action], beams, age_s)
             if share == 1.0:
                 return Answer(action, share)
@@ -286,10 +303,12 @@ def answers(
     age_s: float,
 ) -> tuple[npt.NDArray[np.int64], Floats]:
     """`Guard.answer` for many agents: the action of each, and its share; 0.0 where it stands."""
+    in_time = guard.shares(beams, age_s + guard.settings.evade_s) == 1.0
     shares = guard.shares(beams, age_s)
     if not guard.settings.may_slow:
         shares = np.where(shares == 1.0, shares, 0.0)
-    best: npt.NDArray[np.int64] = np.argmax(shares * 1000.0 - ranks(wanted, q_values), axis=1)
+    worth = 1000.0 * np.where(in_time, 2.0, shares)
+    best: npt.NDArray[np.int64] = np.argmax(worth - ranks(wanted, q_values), axis=1)
     return best, shares[np.arange(len(best)), best]
 
 

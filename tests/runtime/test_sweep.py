@@ -63,13 +63,14 @@ def test_an_almost_straight_arc_is_as_the_straight_line():
             bent = touch_times_s(x, y, footprint, 0.05, (1.0, 0.3, angular))
             both = np.isfinite(straight) & (bent < 6.0)
             assert both.sum() > 20
-            assert np.quantile(np.abs(straight[both] - bent[both]), 0.98) < 1e-3
+            assert np.quantile(np.abs(straight.clip(0.0)[both] - bent.clip(0.0)[both]), 0.98) < 1e-3
             assert (np.isfinite(straight) != (bent < 6.0)).sum() <= 1
 
 
-speeds = st.floats(-1.5, 1.5).map(lambda v: 0.0 if abs(v) < 0.05 else v)
+speeds = st.integers(-150, 150).map(lambda v: 0.0 if abs(v) < 5 else v / 100.0)
 twists = st.tuples(speeds, speeds, speeds)
-places = st.tuples(st.floats(-2.0, 2.0), st.floats(-2.0, 2.0))
+sides = st.integers(-2000, 2000).map(lambda millimetres: millimetres / 1000.0 + 1e-5)
+places = st.tuples(sides, sides)
 points = places.filter(lambda at: math.hypot(*at) > 1e-3)  # in the middle, no way leads away
 STEP_S, UNTIL_S = 0.002, 1.6
 

@@ -16,7 +16,11 @@ def place_at(twist: Twist, time_s: float) -> tuple[float, float, float]:
     if abs(turned) < 1e-12:
         return linear * time_s, lateral * time_s, 0.0
     sin, cos = math.sin(turned), 1.0 - math.cos(turned)
-    return (linear * sin - lateral * cos) / angular, (linear * cos + lateral * sin) / angular, turned
+    return (
+        (linear * sin - lateral * cos) / angular,
+        (linear * cos + lateral * sin) / angular,
+        turned,
+    )
 
 
 def seen_from(point: Point, place: tuple[float, float, float]) -> Point:
@@ -64,7 +68,7 @@ def first_touch_s(
         before, after = (
             off_the_body_m(seen_from(point, place_at(twist, t)), footprint) for t in (0.0, 1e-7)
         )
-        if after < before:
+        if after < before - 1e-12:
             return 0.0
     for step in range(1, math.ceil(until_s / step_s) + 1):
         place = place_at(twist, step * step_s)

@@ -29,6 +29,8 @@ class GuardFlags:
     """From a command's arrival to its motion; by default the contract's."""
     guard_deceleration_mps2: float | None = None
     """How hard the body brakes; by default as the contract says."""
+    guard_evade_s: float = 0.3
+    """How much earlier it takes another action that is free."""
     guard_only_stops: bool = False
     """Never go slower than the policy wants: a motion of the policy's, or standstill."""
 
@@ -56,6 +58,7 @@ class GuardFlags:
             "footprint": None if radius_m is None else Footprint(radius_m),
             "delay_s": self.guard_delay_s,
             "deceleration_mps2": self.guard_deceleration_mps2,
+            "evade_s": self.guard_evade_s,
             "may_slow": not self.guard_only_stops,
         }
         known = {name: value for name, value in given.items() if value is not None}
