@@ -240,14 +240,14 @@ class Guard:
         first_s: Floats = np.minimum.reduce(times_s, axis=-1)
         return first_s
 
-    def _way(self, twist: Twist, age_s: float) -> "Way":
+    def _way(self, twist: Twist, age_s: float) -> "GroundNeeded":
         mine, outline_m = self.settings, self._outline_m
         speed_mps = swept_speed_mps(mine.footprint, twist)
         braking = mine.deceleration_mps2
         braking_s = 0.0 if braking is None else speed_mps / (2.0 * braking)
         obeyed_s = age_s + self.valid_for_s + mine.delay_s
         limit_m = outline_m + speed_mps * (obeyed_s + braking_s) if any(twist) else 0.0
-        return Way(obeyed_s, braking_s, limit_m)
+        return GroundNeeded(obeyed_s, braking_s, limit_m)
 
     @cached_property
     def _outline_m(self) -> float:
@@ -260,7 +260,7 @@ class Guard:
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
+class GroundNeeded:
     """How much ground a motion needs, in seconds at its full speed."""
 
     obeyed_s: float

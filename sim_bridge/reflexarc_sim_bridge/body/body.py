@@ -22,6 +22,9 @@ from reflexarc_sim_bridge.worlds.world import World
 MAX_STEP_M = 100.0
 """A body that went farther in one step could meet so much that listing it takes minutes."""
 
+CHECK_MARGIN_M = 0.02
+"""Less than a runtime's guard keeps: the body steps in where that one was late, or is not there."""
+
 
 @dataclass(frozen=True, slots=True)
 class BodyPose:
@@ -163,7 +166,7 @@ def _check_of(world: World, contract: PolicyContract, step_s: float) -> Guard:
     chassis = world.chassis
     braking = chassis.acceleration_mps2 if math.isfinite(chassis.acceleration_mps2) else None
     outline = Footprint(radius_m=chassis.radius_m)
-    known = GuardSettings(footprint=outline, delay_s=chassis.lag_s, deceleration_mps2=braking)
+    known = GuardSettings(CHECK_MARGIN_M, outline, chassis.lag_s, braking)
     return Guard(known, contract.actions, step_s)
 
 
