@@ -18,7 +18,7 @@ than the brightest: a ray's value tells how far away its thing is at most.
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import cached_property, lru_cache, partial
 from typing import Self
@@ -185,17 +185,25 @@ class Guard:
         """
         if beams is None:
             return STAND
-        order = in_order(wanted, q_values)
-        for action in order:
-            if self.share(self._twists[action], beams, age_s + self.settings.evade_s) == 1.0:
+        late_s, touched_s = age_s + self.settings.evade_s, dict[int, float]()
+        for action in in_order(wanted, q_values):
+            twist = self._twists[action]
+            touched_s[action] = self._touch_s(twist, beams, late_s)
+            if self._share(twist, beams.fan, late_s, touched_s[action]) == 1.0:
                 return Answer(action, 1.0)
-        return self._least_evil(order, beams, age_s)
+        return self._least_evil(touched_s, beams.fan, age_s)
 
-    def _least_evil(self, order: Sequence[int], beams: Beams, age_s: float) -> Answer:
-        """Where nothing is free in good time: what is free now, or free when it goes slower."""
+    def _least_evil(self, touched_s: dict[int, float], fan: Fan, age_s: float) -> Answer:
+        """Where nothing is free in good time: what is free now, or free when it goes slower.
+
+        Args:
+            touched_s: when each action touches something, in the order in which they are tried.
+            fan: the directions that were measured.
+            age_s: how long ago.
+        """
         best = STAND
-        for action in order:
-            share = self.share(self._twists[action], beams, age_s)
+        for action, time_s in touched_s.items():
+            share = self._share(self._twists[action], fan, age_s, time_s)
             if share == 1.0:
                 return Answer(action, share)
             if self.settings.may_slow and share > best.share:
@@ -204,15 +212,24 @@ class Guard:
 
     def share(self, twist: Twist, beams: Beams, age_s: float) -> float:
         """The largest of `SHARES` at which a motion's way is free; 0.0: none."""
+        return self._share(twist, beams.fan, age_s, self._touch_s(twist, beams, age_s))
+
+    def _share(self, twist: Twist, fan: Fan, age_s: float, touched_s: float) -> float:
         way = self._way(twist, age_s)
-        if not _stays_in_sight(beams.fan, twist, way.full_s):
+        if not _stays_in_sight(fan, twist, way.full_s):
             return 0.0
-        near = (~(beams.ranges_m >= way.limit_m)).nonzero()[0]  # what is no number is near
-        if not len(near):
+        if way.full_s <= touched_s:
             return 1.0
-        ranges_m, fan = beams.ranges_m[near], beams.fan
-        touched_s = self._touched_s(ranges_m, fan.cos[near], fan.sin[near], twist)
         return next((s for s in SHARES if way.at_share_s(s) <= touched_s), 0.0)
+
+    def _touch_s(self, twist: Twist, beams: Beams, age_s: float) -> float:
+        """When a motion touches the first thing, if it does before its way ends; else +inf."""
+        limit_m = self._way(twist, age_s).limit_m
+        near = (~(beams.ranges_m >= limit_m)).nonzero()[0]  # what is no number is near
+        if not len(near):
+            return math.inf
+        ranges_m, fan = beams.ranges_m[near], beams.fan
+        return float(self._touched_s(ranges_m, fan.cos[near], fan.sin[near], twist))
 
     def shares(self, beams: Beams, age_s: float) -> Floats:
         """`share` for many agents at once: of each action, (agents, actions)."""
@@ -280,10 +297,11 @@ class GroundNeeded:
         return share * self.obeyed_s + share * share * self.braking_s
 
 
-def in_order(wanted: int, q_values: Sequence[float]) -> list[int]:
+def in_order(wanted: int, q_values: Sequence[float]) -> Iterator[int]:
     """The actions as they are tried: the wanted one, then the others from the best on."""
+    yield wanted  # mostly it is free, and nothing needs to be sorted
     others = (action for action in range(len(q_values)) if action != wanted)
-    return [wanted, *sorted(others, key=lambda action: -q_values[action])]
+    yield from sorted(others, key=lambda action: -q_values[action])
 
 
 def ranks(wanted: npt.NDArray[np.int64], q_values: npt.NDArray[np.float32]) -> Floats:

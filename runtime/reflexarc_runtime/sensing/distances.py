@@ -48,7 +48,7 @@ def beams_of_retina(retina: Retina, spec: RetinaSpec) -> Beams:
         retina: (…, 1, rays, 1).
         spec: its eye.
     """
-    return Beams(_fan(spec), _table(spec.range_m)[retina[..., 0, :, 0]])
+    return Beams(fan_of_rays(spec), distances_of_values(spec.range_m)[retina[..., 0, :, 0]])
 
 
 def beams_of_scan(scan: Scan) -> Beams:
@@ -57,13 +57,14 @@ def beams_of_scan(scan: Scan) -> Beams:
 
 
 @lru_cache(maxsize=16)
-def _fan(spec: RetinaSpec) -> Fan:
+def fan_of_rays(spec: RetinaSpec) -> Fan:
+    """The directions of an eye's rays."""
     first_rad = ray_bearing_rad(0, spec.rays, spec.fov_rad)
     return fan_of(first_rad, -spec.fov_rad / spec.rays, spec.rays)
 
 
 @lru_cache(maxsize=16)
-def _table(range_m: float) -> Floats:
+def distances_of_values(range_m: float) -> Floats:
     """Distance for each value of a ray; a value was rounded, so half a step nearer."""
     values = np.arange(FULL_SCALE + 1, dtype=np.float64)
     distances: Floats = range_m * (1.0 - np.minimum(values + 0.5, FULL_SCALE) / FULL_SCALE)

@@ -23,9 +23,10 @@ from reflexarc_runtime.messages.wire import (
     unpack_stamp,
 )
 from reflexarc_runtime.sensing.distances import (
-    beams_of_retina,
     beams_of_scan,
     check_tells_ranges,
+    distances_of_values,
+    fan_of_rays,
 )
 from reflexarc_runtime.sensing.retina import (
     Scan,
@@ -77,10 +78,11 @@ class RetinaSense:
 
     def __init__(self, spec: RetinaSpec) -> None:
         self._spec = spec
+        self._fan, self._distances_m = fan_of_rays(spec), distances_of_values(spec.range_m)
 
     def beams(self, sensed: Sensed) -> Beams | None:
         """See `Sense.beams`: where each ray's thing is at most."""
-        return beams_of_retina(sensed.retina, self._spec)
+        return Beams(self._fan, self._distances_m[sensed.retina[0, :, 0]])
 
     def decode(self, message: Message) -> Sensed:
         """See `Sense.decode`."""
