@@ -188,8 +188,9 @@ class Guard:
         late_s, touched_s = age_s + self.settings.evade_s, dict[int, float]()
         for action in in_order(wanted, q_values):
             twist = self._twists[action]
-            touched_s[action] = self._touch_s(twist, beams, late_s)
-            if self._share(twist, beams.fan, late_s, touched_s[action]) == 1.0:
+            way = self._way(twist, late_s)
+            touched_s[action] = self._touch_s(twist, beams, way.limit_m)
+            if _share(twist, beams.fan, way, touched_s[action]) == 1.0:
                 return Answer(action, 1.0)
         return self._least_evil(touched_s, beams.fan, age_s)
 
@@ -203,7 +204,8 @@ class Guard:
         """
         best = STAND
         for action, time_s in touched_s.items():
-            share = self._share(self._twists[action], fan, age_s, time_s)
+            twist = self._twists[action]
+            share = _share(twist, fan, self._way(twist, age_s), time_s)
             if share == 1.0:
                 return Answer(action, share)
             if self.settings.may_slow and share > best.share:
@@ -212,19 +214,11 @@ class Guard:
 
     def share(self, twist: Twist, beams: Beams, age_s: float) -> float:
         """The largest of `SHARES` at which a motion's way is free; 0.0: none."""
-        return self._share(twist, beams.fan, age_s, self._touch_s(twist, beams, age_s))
-
-    def _share(self, twist: Twist, fan: Fan, age_s: float, touched_s: float) -> float:
         way = self._way(twist, age_s)
-        if not _stays_in_sight(fan, twist, way.full_s):
-            return 0.0
-        if way.full_s <= touched_s:
-            return 1.0
-        return next((s for s in SHARES if way.at_share_s(s) <= touched_s), 0.0)
+        return _share(twist, beams.fan, way, self._touch_s(twist, beams, way.limit_m))
 
-    def _touch_s(self, twist: Twist, beams: Beams, age_s: float) -> float:
-        """When a motion touches the first thing, if it does before its way ends; else +inf."""
-        limit_m = self._way(twist, age_s).limit_m
+    def _touch_s(self, twist: Twist, beams: Beams, limit_m: float) -> float:
+        """When a motion touches the first thing that is nearer than a limit; +inf: never."""
         near = (~(beams.ranges_m >= limit_m)).nonzero()[0]  # what is no number is near
         if not len(near):
             return math.inf
@@ -328,6 +322,13 @@ def answers(
     worth = 1000.0 * np.where(in_time, 2.0, shares)
     best: npt.NDArray[np.int64] = np.argmax(worth - ranks(wanted, q_values), axis=1)
     return best, shares[np.arange(len(best)), best]
+
+
+def _share(twist: Twist, fan: Fan, way: GroundNeeded, touched_s: float) -> float:
+    """The largest share of a motion that ends before it touches something."""
+    if not _stays_in_sight(fan, twist, way.full_s):
+        return 0.0
+    return next((s for s in SHARES if way.at_share_s(s) <= touched_s), 0.0)
 
 
 def _stays_in_sight(fan: Fan, twist: Twist, full_s: float) -> bool:
