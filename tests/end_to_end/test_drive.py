@@ -8,7 +8,8 @@ from foxglove_schemas_protobuf.PoseInFrame_pb2 import PoseInFrame
 
 from reflexarc_logs.reading.reader import Log, read_log
 from reflexarc_logs.replaying.replay import replay
-from reflexarc_runtime.messages_pb2 import Tick
+from reflexarc_runtime.guard import GuardSettings
+from reflexarc_runtime.messages_pb2 import Status, Tick
 from reflexarc_runtime.policy.model_file import policy_hash
 from support.processes import finished, reflexarc, said_line, started, wait_for_records
 
@@ -48,6 +49,9 @@ def test_a_50_hz_loop_of_30_s_loses_neither_a_tick_nor_a_retina(
     assert len(numbers) > 1400
     assert summary["ticks"] == 1501
     assert asked(summary["verdicts"]) > 1400
+    assert GuardSettings.from_json(read.run.guard) == GuardSettings()
+    said = [status for _, status in read_log(heard).messages("/robot0/status", Status)]
+    assert {status.guard for status in said if status.node == "runtime"} == {"on"}
     assert replay(log).exit_status == 0
     assert replay(heard, policy=policy, level="policy").exit_status == 0
 
