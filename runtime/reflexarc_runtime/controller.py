@@ -4,7 +4,8 @@
 
 No clock, bus, file or randomness. It is given raw bytes and decodes them itself, so that bad
 input replays too. Unless the input is good and fresh and the action values are finite, the decision
-is the safe command, with a verdict that says why; there is never an exception.
+is the safe command, with a verdict that says why; there is never an exception. A guard, where there
+is one, lets only pass what is free.
 """
 
 import math
@@ -17,6 +18,7 @@ from reflexarc_runtime.arrays import Memories, QValues, Retina, RetinaStack
 from reflexarc_runtime.choice import Hold, choose
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.decision import (
+    ASKED,
     NO_WINNER,
     SAFE_ACTION,
     Decision,
@@ -25,6 +27,7 @@ from reflexarc_runtime.decision import (
     drive_command,
     safe_command,
 )
+from reflexarc_runtime.guard import Guard
 from reflexarc_runtime.messages.controls import is_reset, lateness_of, stop_reason
 from reflexarc_runtime.messages.topics import OVERRUN, RESET, STOP, topic_of
 from reflexarc_runtime.messages.wire import Message, Stamp, UndecodableError, UnfitError
@@ -94,6 +97,10 @@ class Outcome:
     winner: int = NO_WINNER
     hold: Hold | None = None
     following: Memories | None = None
+    action: int = SAFE_ACTION
+    """What is done."""
+    share: float = 1.0
+    """How much of its speed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,6 +113,8 @@ class Controller:
     sense: Sense
     policy_hash: str = ""
     rules: ControllerRules = CURRENT_RULES
+    guard: Guard | None = None
+    """Lets only pass what is free; None: whatever the policy says is done."""
 
     def step(self, state: State, inputs: Inputs, now_ns: int) -> tuple[State, Decision]:
         """Decide one tick.
@@ -120,6 +129,8 @@ class Controller:
         verdict, reason = self._judge(state, inputs.stop, now_ns)
         is_good = verdict is Verdict.OK
         outcome = self._ask(state, inputs.slot) if is_good else Outcome(verdict, reason)
+        if self.guard is not None and outcome.hold is not None:
+            outcome = self._guarded(self.guard, outcome, outcome.hold, state.newest, now_ns)
         decision = self._conclude(state, inputs, now_ns, outcome)
         return self._remember(state, outcome), decision
 
@@ -209,7 +220,33 @@ class Controller:
             reason = "values not finite, or no such action"
             return Outcome(Verdict.POLICY_FAULT, reason, *given, values)
         hold = self._choose(state.hold, values, winner, slot)
-        return Outcome(Verdict.OK, "", *given, values, winner, hold, following)
+        return Outcome(Verdict.OK, "", *given, values, winner, hold, following, hold.action)
+
+    def _guarded(
+        self, guard: Guard, wanted: Outcome, hold: Hold, newest: Sensed | None, now_ns: int
+    ) -> Outcome:
+        """What is done of what the policy wants: whatever else it is ends the hold."""
+        beams = None if newest is None else self.sense.beams(newest)
+        age_s = 0.0 if newest is None else max(0, now_ns - newest.received_ns) * 1e-9
+        answer = guard.answer(hold.action, wanted.q_values, beams, age_s)
+        if answer.action == hold.action and answer.share == 1.0:
+            return wanted
+        wish = self.contract.actions[hold.action].name
+        if answer.action is None:
+            reason = f"{wish} is not free, nor is anything else"
+            return replace(
+                wanted, verdict=Verdict.STUCK, reason=reason, hold=None, action=SAFE_ACTION
+            )
+        instead = self.contract.actions[answer.action].name
+        reason = f"{wish} is not free: {instead} at {answer.share:.0%}"
+        return replace(
+            wanted,
+            verdict=Verdict.GUARDED,
+            reason=reason,
+            hold=None,
+            action=answer.action,
+            share=answer.share,
+        )
 
     def _memory(self, state: State) -> Memories | None:
         spec = self.contract.state
@@ -235,8 +272,11 @@ class Controller:
         return choose(held, q_values, winner, slot, contract.hold_slots, contract.margin)
 
     def _remember(self, state: State, outcome: Outcome) -> State:
-        """The state after a tick. Any verdict but OK ends a hold, and a memory begins anew."""
-        is_good = outcome.verdict is Verdict.OK
+        """The state after a tick. Any verdict but OK ends a hold.
+
+        Where the policy was not asked, or failed, its memory begins anew.
+        """
+        is_good = outcome.verdict in ASKED
         return State(
             index=state.index + 1,
             streak=0 if outcome.verdict is Verdict.STALE_INPUT else state.streak,
@@ -252,13 +292,15 @@ class Controller:
 
     def _conclude(self, state: State, inputs: Inputs, now_ns: int, outcome: Outcome) -> Decision:
         used = _input_of(state.newest, now_ns)
-        action = SAFE_ACTION if outcome.hold is None else outcome.hold.action
-        if outcome.hold is not None and used is not None:
+        action, verdict = outcome.action, outcome.verdict
+        if action != SAFE_ACTION and used is not None:
             motion, valid_for_ns = self.contract.actions[action], self.contract.max_input_age_ns
             body = state.source.sender if state.source is not None else b""
-            command = drive_command(state.index, action, motion, used, valid_for_ns, body)
+            command = drive_command(
+                state.index, action, motion, used, valid_for_ns, body, verdict, outcome.share
+            )
         else:
-            command = safe_command(state.index, outcome.verdict, self.contract.safe_command)
+            command = safe_command(state.index, verdict, self.contract.safe_command)
         return Decision(
             index=state.index,
             slot=inputs.slot,
@@ -269,7 +311,7 @@ class Controller:
             q_values=outcome.q_values,
             winner=outcome.winner,
             action=action,
-            verdict=outcome.verdict,
+            verdict=verdict,
             reason=outcome.reason,
             command=command,
             policy_hash=self.policy_hash,

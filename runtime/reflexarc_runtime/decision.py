@@ -27,6 +27,10 @@ class Verdict(IntEnum):
     STUCK = 11
 
 
+ASKED = frozenset({Verdict.OK, Verdict.GUARDED, Verdict.STUCK})
+"""Verdicts at which the policy was asked and answered."""
+
+
 @dataclass(frozen=True, slots=True)
 class Input:
     """The input that a decision rests on."""
@@ -76,7 +80,7 @@ class Decision:
     winner: int
     """What the policy preferred; `NO_WINNER` where it was not asked."""
     action: int
-    """What is done: the winner, or an action that is still held."""
+    """What is done: the winner, an action that is still held, or what the guard lets it do."""
     verdict: Verdict
     reason: str
     command: Command
@@ -111,16 +115,23 @@ def safe_command(index: int, verdict: Verdict, safe: Action) -> Command:
 
 
 def drive_command(
-    index: int, action: int, motion: Action, echo: Input, valid_for_ns: int, body: bytes = b""
+    index: int,
+    action: int,
+    motion: Action,
+    echo: Input,
+    valid_for_ns: int,
+    body: bytes = b"",
+    verdict: Verdict = Verdict.OK,
+    share: float = 1.0,
 ) -> Command:
-    """The command for an action that the policy chose; it names the input that led to it."""
+    """The command for an action, at a share of its speed; it names the input that led to it."""
     return Command(
         sequence=index,
         action=action,
-        verdict=Verdict.OK,
-        linear_mps=motion.linear_mps,
-        lateral_mps=motion.lateral_mps,
-        angular_radps=motion.angular_radps,
+        verdict=verdict,
+        linear_mps=share * motion.linear_mps,
+        lateral_mps=share * motion.lateral_mps,
+        angular_radps=share * motion.angular_radps,
         valid_for_ns=valid_for_ns,
         source_sequence=echo.sequence,
         source_time_ns=echo.source_time_ns,

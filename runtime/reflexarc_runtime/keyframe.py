@@ -15,6 +15,7 @@ from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.controller import BoundBody, State
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages.wire import Stamp
+from reflexarc_runtime.sensing.retina import Scan
 from reflexarc_runtime.sensing.senses import Sensed
 
 MAX_COUNT = 1 << 62
@@ -82,6 +83,13 @@ def _accepted(newest: Sensed | None) -> pb.Accepted | None:
         source_time_ns=newest.stamp.time_ns,
         sender=newest.stamp.sender,
         received_ns=newest.received_ns,
+        scan=None if newest.scan is None else _swept(newest.scan),
+    )
+
+
+def _swept(scan: Scan) -> pb.AcceptedScan:
+    return pb.AcceptedScan(
+        start_rad=scan.start_rad, end_rad=scan.end_rad, ranges_m=scan.ranges_m.tolist()
     )
 
 
@@ -109,7 +117,12 @@ def _sensed(newest: pb.Accepted, frames: tuple[Retina, ...]) -> Sensed:
     if not frames:
         raise LogError(_unfit("frames", "some, with an accepted input", 0))
     stamp = Stamp(newest.sequence, newest.source_time_ns, newest.sender)
-    return Sensed(stamp, newest.received_ns, frames[-1])
+    scan = _scan(newest.scan) if newest.HasField("scan") else None
+    return Sensed(stamp, newest.received_ns, frames[-1], scan)
+
+
+def _scan(swept: pb.AcceptedScan) -> Scan:
+    return Scan(swept.start_rad, swept.end_rad, np.array(swept.ranges_m, np.float64))
 
 
 def _retina(data: bytes, contract: PolicyContract) -> Retina:

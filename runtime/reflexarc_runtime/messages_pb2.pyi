@@ -136,16 +136,28 @@ class Source(_message.Message):
     def __init__(self, sender: _Optional[bytes] = ..., heard_ns: _Optional[int] = ..., stranger_ns: _Optional[int] = ...) -> None: ...
 
 class Accepted(_message.Message):
-    __slots__ = ("sequence", "source_time_ns", "sender", "received_ns")
+    __slots__ = ("sequence", "source_time_ns", "sender", "received_ns", "scan")
     SEQUENCE_FIELD_NUMBER: _ClassVar[int]
     SOURCE_TIME_NS_FIELD_NUMBER: _ClassVar[int]
     SENDER_FIELD_NUMBER: _ClassVar[int]
     RECEIVED_NS_FIELD_NUMBER: _ClassVar[int]
+    SCAN_FIELD_NUMBER: _ClassVar[int]
     sequence: int
     source_time_ns: int
     sender: bytes
     received_ns: int
-    def __init__(self, sequence: _Optional[int] = ..., source_time_ns: _Optional[int] = ..., sender: _Optional[bytes] = ..., received_ns: _Optional[int] = ...) -> None: ...
+    scan: AcceptedScan
+    def __init__(self, sequence: _Optional[int] = ..., source_time_ns: _Optional[int] = ..., sender: _Optional[bytes] = ..., received_ns: _Optional[int] = ..., scan: _Optional[_Union[AcceptedScan, _Mapping]] = ...) -> None: ...
+
+class AcceptedScan(_message.Message):
+    __slots__ = ("start_rad", "end_rad", "ranges_m")
+    START_RAD_FIELD_NUMBER: _ClassVar[int]
+    END_RAD_FIELD_NUMBER: _ClassVar[int]
+    RANGES_M_FIELD_NUMBER: _ClassVar[int]
+    start_rad: float
+    end_rad: float
+    ranges_m: _containers.RepeatedScalarFieldContainer[float]
+    def __init__(self, start_rad: _Optional[float] = ..., end_rad: _Optional[float] = ..., ranges_m: _Optional[_Iterable[float]] = ...) -> None: ...
 
 class Memory(_message.Message):
     __slots__ = ("now", "next")

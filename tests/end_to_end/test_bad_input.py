@@ -9,6 +9,7 @@ import onnx
 import pytest
 
 from reflexarc_runtime.contract.contract import METADATA_KEY, PolicyContract
+from reflexarc_runtime.contract.eye import RetinaSpec, Shading
 from reflexarc_runtime.contract.text import seal
 from support.policies import exported, network
 from support.processes import reflexarc
@@ -23,6 +24,8 @@ def files(policy: Path, tmp_path: Path) -> Path:
     (tmp_path / "bare.onnx").write_bytes(network(PolicyContract()))
     (tmp_path / "cut.onnx").write_bytes(data[: len(data) // 2])
     (tmp_path / "operator.onnx").write_bytes(exported(PolicyContract(), activation="Softsign"))
+    colours = PolicyContract(retina=RetinaSpec(shading=Shading.COLOUR))
+    (tmp_path / "colours.onnx").write_bytes(exported(colours))
     (tmp_path / "tampered.onnx").write_bytes(tampered(data))
     (tmp_path / "newer.onnx").write_bytes(of_schema_9(data))
     (tmp_path / "empty.mcap").write_bytes(b"")
@@ -72,6 +75,9 @@ CASES: dict[str, tuple[list[str], str]] = {
     "run: zenoh text": (["run", "policy.onnx", "--zenoh", "text.mcap"], "--zenoh"),
     "run: ticks": (["run", "policy.onnx", "--ticks", "0"], "--ticks"),
     "run: backend": (["run", "policy.onnx", "--backend", "tpu"], "backend"),
+    "run: no ranges": (["run", "colours.onnx"], "--no-guard"),
+    "run: margin": (["run", "policy.onnx", "--guard-margin-m", "0"], "guard.margin_m"),
+    "run: radius": (["run", "policy.onnx", "--guard-radius-m", "-1"], "--guard-radius-m"),
     "run: flag": (["run", "policy.onnx", "--fast"], "--fast"),
     "run: nothing": (["run"], "reflexarc run"),
     "sim: world": (["sim", "--world", "mars"], "reference-1"),

@@ -52,7 +52,17 @@ def test_a_real_log_drives_a_policy_in_lockstep_and_replays_to_the_bit(
 ):
     scans, drive = tmp_path / "scans.mcap", tmp_path / "drive.mcap"
     count = import_log(carmen_file(name), scans, "carmen").scans
-    words = ("run", lidar_policy, "--input", "scan", "--lockstep", "--record", drive, "--json")
+    words = (
+        "run",
+        lidar_policy,
+        "--no-guard",
+        "--input",
+        "scan",
+        "--lockstep",
+        "--record",
+        drive,
+        "--json",
+    )
     with (
         started(*words, "--port", port) as runtime,
         started("play", scans, "--lockstep", "--port", port, "--json") as body,
@@ -74,7 +84,18 @@ def test_a_real_log_drives_a_policy_in_real_time_and_replays_to_the_bit(
     done = reflexarc("import", "carmen", carmen_file(LIVE), "-o", scans)
     assert done.returncode == 0, done.stderr
     assert "241 in 24.0 s" in done.stdout
-    words = ("run", lidar_policy, "--input", "scan", "--record", drive, "--port", port, "--json")
+    words = (
+        "run",
+        lidar_policy,
+        "--no-guard",
+        "--input",
+        "scan",
+        "--record",
+        drive,
+        "--port",
+        port,
+        "--json",
+    )
     with started(*words) as runtime:
         said_line(runtime, "reflexarc run:")
         with started("play", scans, "--speed", 5, "--port", port, "--json") as body:

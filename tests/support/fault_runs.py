@@ -58,7 +58,7 @@ def fault_run(seed: int, policy: Path, port: int, folder: Path) -> Outcome:
     """The script of one seed, from beginning to end."""
     outcome = Outcome(f"seed:{seed}", kind_of_seed(seed))
     log, noted = folder / f"{seed}.mcap", folder / f"{seed}.json"
-    with started("run", policy, "--port", port, "--record", log, "--json") as runtime:
+    with started("run", policy, "--no-guard", "--port", port, "--record", log, "--json") as runtime:
         said_line(runtime, "reflexarc run:")
         with body(port, noted, f"seed:{seed}", SECONDS) as process:
             _end_of(process, outcome)
@@ -73,7 +73,7 @@ def killed_body_run(policy: Path, port: int, folder: Path) -> Outcome:
     """`kill -9` of the body, and its return under another identity."""
     outcome = Outcome("kill -9 of the body", "killed body")
     log, noted = folder / "killed-body.mcap", folder / "killed-body.json"
-    with started("run", policy, "--port", port, "--record", log, "--json") as runtime:
+    with started("run", policy, "--no-guard", "--port", port, "--record", log, "--json") as runtime:
         said_line(runtime, "reflexarc run:")
         with body(port, folder / "never.json", "none", 60.0) as first:
             _said_joined(first)
@@ -97,13 +97,15 @@ def killed_runtime_run(policy: Path, port: int, folder: Path) -> Outcome:
     log, noted, saved = (folder / f"killed-runtime{s}" for s in (".mcap", ".json", "-saved.mcap"))
     again = folder / "killed-runtime-again.mcap"
     with body(port, noted, "none", 9.0) as process:
-        with started("run", policy, "--port", port, "--record", log) as runtime:
+        with started("run", policy, "--no-guard", "--port", port, "--record", log) as runtime:
             said_line(runtime, "reflexarc run:")
             _said_joined(process)
             time.sleep(1.5)
             runtime.kill()
             runtime.wait()
-        with started("run", policy, "--port", port, "--record", again, "--json") as runtime:
+        with started(
+            "run", policy, "--no-guard", "--port", port, "--record", again, "--json"
+        ) as runtime:
             said_line(runtime, "reflexarc run:")
             _end_of(process, outcome)
             _stop(runtime, outcome)

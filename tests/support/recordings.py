@@ -12,6 +12,7 @@ from reflexarc_logs.recording.recorder import Recorder
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.controller import Controller
+from reflexarc_runtime.guard import Guard, GuardSettings
 from reflexarc_runtime.loop.clock import ManualClock
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.node import Node, Outlets
@@ -81,8 +82,11 @@ def drive(
     loaded = policy if isinstance(policy, LoadedPolicy) else load_policy(policy, run.backend)
     inbox = Inbox()
     pacer = RatePacer(1e9 / PERIOD_NS, ScheduledClock(inbox, schedule, stalls), inbox)
-    sense = sense_for(run.input, loaded.contract.retina)
-    controller = Controller(loaded, loaded.contract, sense, loaded.policy_hash)
+    guard = None
+    if run.guard:
+        guard = Guard.for_contract(GuardSettings.from_json(run.guard), loaded.contract)
+    sense = sense_for(run.input, loaded.contract.retina, guarded=guard is not None)
+    controller = Controller(loaded, loaded.contract, sense, loaded.policy_hash, guard=guard)
     outlets = Outlets(Nowhere(), Nowhere(), Nowhere())
     config = {"rate_hz": 50.0, "input": run.input}
     with Recorder(path, run, loaded.data, config, wall_offset_ns=WALL_OFFSET_NS) as recorder:

@@ -7,12 +7,20 @@ from pathlib import Path
 
 from reflexarc_logs.container.run_info import UNKNOWN_BACKEND, RunInfo, installed_versions
 from reflexarc_logs.recording.recorder import Recorder
+from reflexarc_runtime.guard import GuardSettings
 from reflexarc_runtime.loop.clock import wall_offset_ns
 from reflexarc_runtime.policy.policy import LoadedPolicy
 
 
 def recorder_of_run(
-    path: Path, policy: LoadedPolicy, *, run_id: str, robot: str, sensor: str, lockstep: bool
+    path: Path,
+    policy: LoadedPolicy,
+    *,
+    run_id: str,
+    robot: str,
+    sensor: str,
+    lockstep: bool,
+    guard: GuardSettings | None = None,
 ) -> Recorder:
     """A recorder for `reflexarc run`: the policy attached, on the clock that the loop runs on.
 
@@ -27,6 +35,7 @@ def recorder_of_run(
         backend=policy.backend.value,
         rate_hz=contract.rate_hz,
         clock="lockstep" if lockstep else "monotonic",
+        guard="" if guard is None else guard.to_json(),
         policy_seed=contract.provenance.seed,
         commit=contract.provenance.commit,
         host=platform.node(),

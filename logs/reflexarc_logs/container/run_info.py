@@ -57,6 +57,8 @@ class RunInfo:
     rules: int = FIRST_RULES
     """Version of the controller's rules; a log that names none is of the first. The recorder fills
     it in."""
+    guard: str = ""
+    """Settings of the guard, JSON; empty: there was none, as in every log of before."""
     policy_seed: int = 0
     """Seed with which the policy was trained; where a body drove, its `body` messages say."""
     commit: str = ""

@@ -21,6 +21,7 @@ from reflexarc_runtime.decision import Verdict
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.keyframe import decode_state
 from reflexarc_runtime.loop.inbox import DEFAULT_CAPACITY
+from reflexarc_runtime.messages.topics import SCAN
 from reflexarc_runtime.messages.wire import NO_SENDER, Message, Stamp
 from reflexarc_runtime.messages_pb2 import Decision, Keyframe, Tick
 from reflexarc_runtime.policy.policy import LoadedPolicy
@@ -41,6 +42,9 @@ class Beginning:
     """Ticks before it, which are not replayed."""
     is_exact: bool = True
     """Whether the state is the whole one, so that later keyframes can be compared with it."""
+
+    looks_at_scans: bool = False
+    """Whether a guard looks at whole scans, which no tick holds."""
 
     @property
     def note(self) -> str:
@@ -64,7 +68,7 @@ def begin(
     Raises:
         LogError: a keyframe is not of this policy's contract, or no loop recorded the log.
     """
-    start = Beginning()
+    start = Beginning(looks_at_scans=bool(log.run.guard) and log.run.input == SCAN.name)
     for event in events:
         if isinstance(event, Message):
             keep(start.waiting, event, log)
@@ -121,6 +125,8 @@ def _skip(start: Beginning, tick: Tick, contract: PolicyContract) -> bool:
     for _ in range(min(tick.decision.inputs, len(start.waiting))):
         start.waiting.popleft()
     if contract.state.size or contract.hold_s or not _tells_all(tick.decision, contract):
+        return False
+    if start.looks_at_scans:
         return False
     start.state, start.is_exact = state_behind(tick.decision, contract), False
     return True

@@ -22,6 +22,7 @@ from reflexarc_logs.replaying.stepping import WARM_UP_NS
 from reflexarc_runtime.arrays import Memories, QValues, RetinaBatch
 from reflexarc_runtime.choice import Hold, choose
 from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.decision import Verdict
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages_pb2 import Decision
 from reflexarc_runtime.policy.golden_check import start_of
@@ -29,6 +30,8 @@ from reflexarc_runtime.policy.policy import LoadedPolicy
 
 BATCH_BYTES = 8 << 20
 """Retinas that go through the policy at once."""
+
+_OK = Verdict.OK.value
 
 
 class Asked(NamedTuple):
@@ -74,7 +77,7 @@ def _asked(log: Log, contract: PolicyContract, tally: Tally) -> Iterator[Asked]:
         if decision.q_values:
             _check_sizes(log, decision, contract)
             is_known = holds.are_known(decision)
-            yield Asked(decision, holds.held, is_known, begins or holds.held is None)
+            yield Asked(decision, holds.held, is_known, begins or holds.misses)
         begins = not holds.saw(decision)
 
 
@@ -145,12 +148,13 @@ class PolicyLevel:
         action = decision.action
         was = decision.winner if self.has_winner else action
         flip = None
-        if was != winner and action >= 0:
+        if was != winner and was >= 0:
             tolerance = self.tally.rules.tolerance
             flip = find_flip(decision.index, decision.q_values, was, winner, tolerance)
             name = "winner" if self.has_winner else "action"
             differences.append(Difference(name, str(was), str(winner)))
-        if self.has_winner and one.is_hold_known and action >= 0:
+        # What a guard did instead is judged at level `node`, which has what the guard saw.
+        if self.has_winner and one.is_hold_known and decision.verdict == _OK:
             differences += self._action_differences(one, values, winner)
         self.tally.add(decision.index, 2 + self.has_winner, differences, flip)
 

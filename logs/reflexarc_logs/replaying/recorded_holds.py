@@ -2,10 +2,11 @@
 
 from reflexarc_runtime.choice import Hold
 from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_runtime.decision import Verdict
+from reflexarc_runtime.decision import ASKED, Verdict
 from reflexarc_runtime.messages_pb2 import Decision
 
 _OK = Verdict.OK.value  # looked up once: an enum's value costs more than all else here
+_ASKED = frozenset(verdict.value for verdict in ASKED)
 
 
 class RecordedHolds:
@@ -21,6 +22,8 @@ class RecordedHolds:
         self._contract = contract
         self._is_known = held is not None
         self._index = index - 1
+        self.misses = False
+        """Whether ticks are missing in front of the last one that was asked about."""
         self.held = held
         """What was done at the last tick; None if its verdict was not OK."""
 
@@ -30,6 +33,7 @@ class RecordedHolds:
         In a slice of a log, and where ticks are missing, it is not, until a tick is not OK, the
         action changes, or it has been done for longer than any hold.
         """
+        self.misses = self._index + 1 < decision.index
         if decision.index != self._index + 1:
             self.held, self._is_known = None, False  # ticks are missing
         if self._is_known or not decision.index:
@@ -41,11 +45,11 @@ class RecordedHolds:
         return self._is_known
 
     def saw(self, decision: Decision) -> bool:
-        """Take the next tick; whether its verdict was OK."""
+        """Take the next tick; whether a memory of the policy's went on at it."""
         action, self._index = decision.action, decision.index
         if decision.verdict != _OK or not 0 <= action < len(self._contract.actions):
             self.held, self._is_known = None, True
-            return False
+            return decision.verdict in _ASKED
         if self.held is None or action != self.held.action:
             self._is_known = self._is_known or self.held is not None
             self.held = Hold(action, decision.slot)

@@ -18,7 +18,8 @@ from reflexarc_logs.replaying.recorded_holds import RecordedHolds
 from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.arrays import Memories
 from reflexarc_runtime.controller import Controller, Inputs, State
-from reflexarc_runtime.decision import Decision, Verdict
+from reflexarc_runtime.decision import ASKED, Decision, Verdict
+from reflexarc_runtime.guard import Guard, GuardSettings
 from reflexarc_runtime.keyframe import encode_state
 from reflexarc_runtime.messages.codec import decision_to_protobuf
 from reflexarc_runtime.messages.topics import KEYFRAME
@@ -26,6 +27,9 @@ from reflexarc_runtime.messages.wire import Message
 from reflexarc_runtime.policy.policy import LoadedPolicy
 from reflexarc_runtime.rules import ControllerRules, rules_of
 from reflexarc_runtime.sensing.senses import sense_for
+
+_DRIVING = (Verdict.OK.value, Verdict.GUARDED.value)
+_ASKED = frozenset(verdict.value for verdict in ASKED)
 
 WARM_UP_NS = 2_000_000_000
 """How long the memory of another policy than the recorded one warms up."""
@@ -35,12 +39,15 @@ def controller_of(log: Log, policy: LoadedPolicy) -> Controller:
     """The controller that decided on a log, with this policy, under the log's rules.
 
     Raises:
-        LogError: rules that this package does not know.
+        LogError: rules that this package does not know, or settings of a guard that are none.
         ContractError: the policy cannot see what the log's sensor sent.
     """
-    sense = sense_for(log.run.input, policy.contract.retina)
+    contract, guard = policy.contract, None
+    if log.run.guard:
+        guard = Guard.for_contract(GuardSettings.from_json(log.run.guard), contract)
+    sense = sense_for(log.run.input, contract.retina, guarded=guard is not None)
     rules = rules_of(log.run.rules)
-    return Controller(policy, policy.contract, sense, policy.policy_hash, rules)
+    return Controller(policy, contract, sense, policy.policy_hash, rules, guard)
 
 
 @dataclass
@@ -111,7 +118,8 @@ class Stepping:
         inputs = _inputs(self.waiting, recorded, self.controller.rules)
         self.state, decision = self.controller.step(self.state, inputs, recorded.now_ns)
         self._holds.saw(recorded)
-        if self._leans and recorded.verdict == int(decision.verdict) == Verdict.OK.value:
+        same = recorded.verdict == int(decision.verdict)
+        if self._leans and same and recorded.verdict in _ASKED:
             self._lean_on(recorded)
         return decision
 
@@ -127,7 +135,7 @@ class Stepping:
 
     def _flip(self, recorded: pb.Decision, replayed: pb.Decision) -> Flip | None:
         """Of the winner; or, with the same winner, of what a margin at its edge made of it."""
-        if {recorded.verdict, replayed.verdict} != {Verdict.OK.value}:
+        if recorded.verdict != replayed.verdict or recorded.verdict not in _DRIVING:
             return None
         index, q_values, tolerance = recorded.index, recorded.q_values, self.rules.tolerance
         if self.fields.compares("winner") and recorded.winner != replayed.winner:

@@ -62,6 +62,7 @@ class Node:
         run_id: str = "",
         sender: bytes = NO_SENDER,
         overflows: Callable[[], int] = lambda: 0,
+        guard: str = "",
     ) -> None:
         self._controller = controller
         self._pacer = pacer
@@ -71,6 +72,7 @@ class Node:
         self._run_id = run_id
         self._sender = sender
         self._overflows = overflows
+        self._guard = guard or ("off" if controller.guard is None else "on")
         self._monitor = Monitor()
         self._state = State()
         self._record_ns = 0
@@ -171,5 +173,6 @@ class Node:
             inbox_overflows=self._overflows(),
             verdicts=tuple(period.verdicts.items()),
             recording=self._sink.state,
+            guard=self._guard,
         )
         self._outlets.status.put(encode_status(status), now_ns)

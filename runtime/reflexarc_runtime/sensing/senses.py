@@ -12,6 +12,7 @@ from google.protobuf.message import DecodeError
 from reflexarc_runtime.arrays import Retina
 from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.errors import UsageError
+from reflexarc_runtime.guard import Beams
 from reflexarc_runtime.messages.topics import RETINA, SCAN, SENSORS, Topic
 from reflexarc_runtime.messages.wire import (
     Message,
@@ -20,6 +21,12 @@ from reflexarc_runtime.messages.wire import (
     UnfitError,
     check_encoding,
     unpack_stamp,
+)
+from reflexarc_runtime.sensing.distances import (
+    beams_of_scan,
+    check_tells_ranges,
+    distances_of_values,
+    fan_of_rays,
 )
 from reflexarc_runtime.sensing.retina import (
     Scan,
@@ -41,12 +48,18 @@ class Sensed:
     stamp: Stamp
     received_ns: int
     retina: Retina
+    scan: Scan | None = None
+    """The scan that the retina was made of, where a guard asks for it."""
 
 
 class Sense(Protocol):
     """Turns the messages of one topic into retinas."""
 
     topic: Topic
+
+    def beams(self, sensed: Sensed) -> Beams | None:
+        """What a message tells of distances; None if nothing is left of it."""
+        ...
 
     def decode(self, message: Message) -> Sensed:
         """Decode and check one message.
@@ -65,6 +78,11 @@ class RetinaSense:
 
     def __init__(self, spec: RetinaSpec) -> None:
         self._spec = spec
+        self._fan, self._distances_m = fan_of_rays(spec), distances_of_values(spec.range_m)
+
+    def beams(self, sensed: Sensed) -> Beams | None:
+        """See `Sense.beams`: where each ray's thing is at most."""
+        return Beams(self._fan, self._distances_m[sensed.retina[0, :, 0]])
 
     def decode(self, message: Message) -> Sensed:
         """See `Sense.decode`."""
@@ -77,15 +95,24 @@ class RetinaSense:
 class ScanSense:
     """Makes retinas from scans: `foxglove.LaserScan`.
 
+    Args:
+        spec: the eye that they are made for.
+        keeps_scans: whether what is sensed holds its scan as well, as a guard needs it.
+
     Raises:
         ContractError: the policy sees more than one eye or channel.
     """
 
     topic = SCAN
 
-    def __init__(self, spec: RetinaSpec) -> None:
+    def __init__(self, spec: RetinaSpec, *, keeps_scans: bool = False) -> None:
         check_scannable(spec)
         self._spec = spec
+        self._keeps_scans = keeps_scans
+
+    def beams(self, sensed: Sensed) -> Beams | None:
+        """See `Sense.beams`: the raw beams."""
+        return None if sensed.scan is None else beams_of_scan(sensed.scan)
 
     def decode(self, message: Message) -> Sensed:
         """See `Sense.decode`."""
@@ -94,21 +121,32 @@ class ScanSense:
             raise UnfitError("scan: expected finite angles")
         try:
             sweep = Scan(scan.start_angle, scan.end_angle, np.array(scan.ranges, np.float64))
-            return Sensed(stamp, message.received_ns, retina_from_scan(sweep, self._spec))
+            retina = retina_from_scan(sweep, self._spec)
         except UnusableScanError as error:
             raise UnfitError(f"scan: {error}") from None
+        return Sensed(stamp, message.received_ns, retina, sweep if self._keeps_scans else None)
 
 
-def sense_for(kind: str, spec: RetinaSpec) -> Sense:
+def sense_for(kind: str, spec: RetinaSpec, *, guarded: bool = False) -> Sense:
     """The sense for the value of `--input`: retina or scan.
+
+    Args:
+        kind: which.
+        spec: the eye of the policy.
+        guarded: whether a guard will ask it for distances.
 
     Raises:
         UsageError: another value.
-        ContractError: a scan cannot give the retina that the policy sees.
+        ContractError: a scan cannot give the retina that the policy sees, or a guard shall read
+            distances from retinas that tell none.
     """
     if kind not in SENSORS:
         raise UsageError(f"--input: expected {' or '.join(SENSORS)}, got {kind!r}")
-    return RetinaSense(spec) if kind == "retina" else ScanSense(spec)
+    if kind == "scan":
+        return ScanSense(spec, keeps_scans=guarded)
+    if guarded:
+        check_tells_ranges(spec)
+    return RetinaSense(spec)
 
 
 def parse(message: Message, kind: type[M]) -> tuple[Stamp, M]:

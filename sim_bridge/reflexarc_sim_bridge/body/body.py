@@ -6,17 +6,24 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reflexarc_runtime.arrays import Retina
+from reflexarc_runtime.contract.body_spec import Footprint
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.decision import Command
 from reflexarc_runtime.errors import WorldError
+from reflexarc_runtime.guard import Beams, Guard, GuardSettings, fan_of
 from reflexarc_runtime.loop.watchdog import Watchdog
 from reflexarc_runtime.messages.body_info import BodyInfo, BodyLimits
+from reflexarc_runtime.sensing.retina import ray_bearing_rad
+from reflexarc_runtime.sweep import Twist
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.files import parse_world
 from reflexarc_sim_bridge.worlds.world import World
 
 MAX_STEP_M = 100.0
 """A body that went farther in one step could meet so much that listing it takes minutes."""
+
+CHECK_MARGIN_M = 0.02
+"""Less than a runtime's guard keeps: the body steps in where that one was late, or is not there."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +46,8 @@ class Body:
         seed: of the world.
         number: which of several robots in one world; each has places of its own.
         world_text: the file of the world, which the body tells others.
+        checks: the body looks for itself, along its own rays, whether the commanded way is free,
+            and goes slower or stands where it is not.
 
     Raises:
         WorldError: the contract asks for a sense or a motion that the world does not have, or for
@@ -53,6 +62,8 @@ class Body:
         seed: int,
         number: int = 0,
         world_text: str = "",
+        *,
+        checks: bool = False,
     ) -> None:
         step_s = 1.0 / rate_hz
         _check_speed(contract, step_s)
@@ -65,6 +76,9 @@ class Body:
             lanes=np.array([number], np.uint64),
         )
         self.contacts = 0
+        self.held_back = 0
+        """Steps at which its own check made it slower, or stand."""
+        self._check = _check_of(world, contract, step_s) if checks else None
         self._watchdog = Watchdog(contract.safe_command)
 
     def hear(self, command: Command) -> None:
@@ -84,14 +98,34 @@ class Body:
         # by the safe command of its own contract.
         drives = command is not None and not command.is_safe and self._can_move_so(command)
         motion = command if command is not None and drives else self.contract.safe_command
-        if not self.simulation.drive(motion.linear_mps, motion.lateral_mps, motion.angular_radps):
+        twist = motion.linear_mps, motion.lateral_mps, motion.angular_radps
+        if self._check is not None:
+            twist = self._checked(self._check, twist)
+        if not self.simulation.drive(*twist):
             return None
         self.contacts += 1
         return replace(before, x_m=self.place.x_m)
 
+    def _checked(self, check: Guard, twist: Twist) -> Twist:
+        """The commanded motion, at the share of its speed at which its way is free."""
+        spec = self.contract.retina
+        distances_m = self.simulation.distances().astype(np.float64)
+        ranges_m = np.where(distances_m < spec.range_m, distances_m, math.inf)
+        rays = spec.rays * spec.samples
+        first_rad = ray_bearing_rad(0, rays, spec.fov_rad)
+        beams = Beams(fan_of(first_rad, -spec.fov_rad / rays, rays), ranges_m)
+        share = check.share(twist, beams, 0.0)
+        self.held_back += share < 1.0
+        return share * twist[0], share * twist[1], share * twist[2]
+
     def _can_move_so(self, command: Command) -> bool:
         """Whether no speed exceeds those of the contract's actions; else it is not obeyed."""
         return self.info.limits is None or self.info.limits.allow(command)
+
+    @property
+    def guard_state(self) -> str:
+        """What the status topic says about its own check."""
+        return "off" if self._check is None else "on"
 
     def see(self) -> Retina:
         """The retina now: uint8 (eyes, rays, channels)."""
@@ -119,6 +153,21 @@ def rebuild(info: BodyInfo, contract: PolicyContract) -> Body:
         raise WorldError("body: expected the text of a world and a step, got a body without")
     world = parse_world(info.world_text, info.world).drawn(info.seed)
     return Body(world, contract, 1.0 / info.step_s, info.seed, info.number, info.world_text)
+
+
+def _check_of(world: World, contract: PolicyContract, step_s: float) -> Guard:
+    """The check of a body: its real outline and brakes, and its looks, which are never old.
+
+    Raises:
+        WorldError: two eyes, whose rays do not begin at one place.
+    """
+    if contract.retina.eyes != 1:
+        raise WorldError(f"body: expected one eye to check with, got {contract.retina.eyes}")
+    chassis = world.chassis
+    braking = chassis.acceleration_mps2 if math.isfinite(chassis.acceleration_mps2) else None
+    outline = Footprint(radius_m=chassis.radius_m)
+    known = GuardSettings(CHECK_MARGIN_M, outline, chassis.lag_s, braking)
+    return Guard(known, contract.actions, step_s)
 
 
 def _check_speed(contract: PolicyContract, step_s: float) -> None:

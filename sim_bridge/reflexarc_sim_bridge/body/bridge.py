@@ -111,7 +111,7 @@ class StatePublisher:
         self._publishers[BODY].put(self._info, now_ns)
         near = self._body.simulation.outlines_near(0)
         self._publishers[SCENE].put(encode_scene(near, now_ns), now_ns)
-        status = Status(node=BODY_NODE, ticks=self._steps)
+        status = Status(node=BODY_NODE, ticks=self._steps, guard=self._body.guard_state)
         self._publishers[STATUS].put(encode_status(status), now_ns)
 
 

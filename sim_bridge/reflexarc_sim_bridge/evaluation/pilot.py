@@ -1,5 +1,5 @@
 """Chooses the actions of many simulated agents as a robot's controller would: with holds, margins
-and memories.
+and memories, and behind a guard where there is one.
 
 Every look of an agent is a good and fresh input, so the verdicts of a robot do not occur here.
 """
@@ -13,6 +13,7 @@ from reflexarc_runtime.arrays import Actions, Mask, QValues, RetinaBatch
 from reflexarc_runtime.choice import outweighs, slots_of
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.policy.golden_check import start_of
+from reflexarc_sim_bridge.evaluation.crowd_guard import CrowdGuard
 
 if TYPE_CHECKING:
     from reflexarc_runtime.policy.policy import Policy, RememberingPolicy
@@ -26,6 +27,7 @@ class Pilot:
         contract: its holds, margin and memory.
         agents: how many.
         period_s: time between two decisions: a hold has the same length in seconds at any rate.
+        guard: lets only pass what is free; the simulation then moves by its contract.
     """
 
     def __init__(
@@ -34,6 +36,7 @@ class Pilot:
         contract: PolicyContract,
         agents: int,
         period_s: float,
+        guard: CrowdGuard | None = None,
     ) -> None:
         self._policy = policy
         self._contract = contract
@@ -41,14 +44,28 @@ class Pilot:
         self._hold_slots = slots_of(contract.hold_s, 1.0 / period_s)
         self._slot = 0
         self._held: Actions | None = None
+        self._guard = guard
+        self._is_free: Mask = np.zeros(agents, np.bool_)
         self._since: npt.NDArray[np.int64] = np.zeros(agents, np.int64)
 
     def act(self, stacks: RetinaBatch) -> Actions:
-        """What each agent does now: (agents,), of (agents, frames, eyes, rays, channels)."""
+        """What each agent does now: (agents,), of (agents, frames, eyes, rays, channels).
+
+        With a guard these are rows of its contract's actions, not of the policy's.
+        """
         q_values, winners = self._decide(stacks)
         actions = self._choose(q_values, winners) if self._chooses else winners
+        if self._guard is not None:
+            wanted = actions
+            actions = self._guard.act(stacks, wanted, q_values)
+            self._let_go(actions != wanted)
         self._slot += 1
         return actions
+
+    def _let_go(self, ended: Mask) -> None:
+        """Let go what is held by the agents whose guard stepped in: they begin with a winner."""
+        if self._held is not None:
+            self._is_free = ended
 
     @property
     def _chooses(self) -> bool:
@@ -67,7 +84,7 @@ class Pilot:
         if self._held is None:
             self._held = winners.copy()
             return self._held
-        stays = self._stays(q_values.astype(np.float64), winners, self._held)
+        stays = self._stays(q_values.astype(np.float64), winners, self._held) & ~self._is_free
         self._held = np.where(stays, self._held, winners)
         self._since = np.where(stays, self._since, self._slot)
         return self._held

@@ -17,6 +17,8 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.guard import GuardSettings
+from reflexarc_sim_bridge.evaluation.crowd_guard import CrowdGuard, Interventions
 from reflexarc_sim_bridge.evaluation.pilot import Pilot
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.files import world_named
@@ -30,6 +32,8 @@ if TYPE_CHECKING:
 AGENTS = 4096
 STEPS = 2000
 DISCARDED_STEPS = 100
+LEAST_M = 1e-6
+"""Agents that all stand have no rate; this one keeps it a number."""
 
 _RESAMPLES = 1000
 _BOOTSTRAP_SEED = 20_250_101
@@ -46,6 +50,10 @@ class FieldScore:
     """Progress of all agents together."""
     contacts: int
     agents: int
+    guarded: float = 0.0
+    """Share of the decisions that a guard replaced, the discarded steps among them."""
+    stuck: float = 0.0
+    """Share of the decisions at which it let the agent stand."""
 
 
 def measure(
@@ -57,6 +65,7 @@ def measure(
     discard: int = DISCARDED_STEPS,
     seeds: npt.NDArray[np.uint64] | None = None,
     world: WorldSource | None = None,
+    guard: GuardSettings | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> FieldScore:
     """Measure a policy: contacts per 100 m, with its interval.
@@ -69,14 +78,17 @@ def measure(
         discard: steps of each before the counting begins.
         seeds: worlds of the agents, cycled if there are fewer than agents; test seeds if None.
         world: another kind of world than the reference's.
+        guard: settings of the guard behind which they drive; None: without one.
         progress: called after each step with the steps done and the steps in all.
 
     Raises:
         WorldError: a contract that the simulator does not support.
     """
     seeds = test_seeds(agents) if seeds is None else np.resize(seeds, agents)
-    simulation = Simulation(world or world_named(WORLD_NAME), contract, seeds)
-    pilot = Pilot(policy, contract, agents, simulation.dt_s)
+    field = world or world_named(WORLD_NAME)
+    crowd = None if guard is None else CrowdGuard(guard, contract, field.drawn(0).dt_s)
+    simulation = Simulation(field, contract if crowd is None else crowd.contract, seeds)
+    pilot = Pilot(policy, contract, agents, simulation.dt_s, crowd)
     before = (simulation.distance_m.copy(), simulation.contacts.copy())
     for step in range(discard + steps):
         if step == discard:
@@ -85,19 +97,30 @@ def measure(
         simulation.step(pilot.act(simulation.stacks))
         if progress is not None:
             progress(step + 1, discard + steps)
-    return _score(simulation.distance_m - before[0], simulation.contacts - before[1])
+    did = None if crowd is None else crowd.did
+    return _score(simulation.distance_m - before[0], simulation.contacts - before[1], did)
 
 
-def _score(distance_m: npt.NDArray[np.float64], contacts: npt.NDArray[np.int64]) -> FieldScore:
+def _score(
+    distance_m: npt.NDArray[np.float64],
+    contacts: npt.NDArray[np.int64],
+    did: Interventions | None = None,
+) -> FieldScore:
     low, high = _bootstrap_interval(distance_m, contacts)
     return FieldScore(
-        contacts_per_100m=100.0 * float(contacts.sum() / distance_m.sum()),
+        contacts_per_100m=100.0 * float(contacts.sum() / max(distance_m.sum(), LEAST_M)),
         low=low,
         high=high,
         distance_m=float(distance_m.sum()),
         contacts=int(contacts.sum()),
         agents=len(contacts),
+        guarded=_share(did.guarded, did) if did else 0.0,
+        stuck=_share(did.stuck, did) if did else 0.0,
     )
+
+
+def _share(count: int, did: Interventions) -> float:
+    return count / max(1, did.decisions)
 
 
 def _bootstrap_interval(
@@ -108,6 +131,6 @@ def _bootstrap_interval(
     n, rates = len(contacts), np.empty(_RESAMPLES)
     for i in range(_RESAMPLES):
         drawn = generator.integers(0, n, n)
-        rates[i] = 100.0 * contacts[drawn].sum() / distance_m[drawn].sum()
+        rates[i] = 100.0 * contacts[drawn].sum() / max(distance_m[drawn].sum(), LEAST_M)
     low, high = np.percentile(rates, (2.5, 97.5))
     return float(low), float(high)

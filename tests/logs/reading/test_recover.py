@@ -131,7 +131,7 @@ def test_a_damaged_chunk_is_left_out_and_the_log_says_that_something_is_missing(
 
 def test_a_partial_log_is_recovered_to_the_name_that_it_was_to_have(log_path, tmp_path):
     partial = tmp_path / "log.mcap.partial"
-    partial.write_bytes(log_path.read_bytes()[:9000])
+    partial.write_bytes(log_path.read_bytes()[:10_000])
     recover(partial, tmp_path / "log.mcap")
     assert replay(tmp_path / "log.mcap").exit_status == 0
     assert sorted(path.name for path in tmp_path.iterdir()) == ["log.mcap", "log.mcap.partial"]

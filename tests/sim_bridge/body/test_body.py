@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.contract.motion import Action
 from reflexarc_runtime.decision import SAFE_ACTION, Command, Input, Verdict, drive_command
 from reflexarc_runtime.errors import WorldError
@@ -131,3 +132,28 @@ def test_a_body_whose_stop_is_faster_than_its_actions_meets_all_that_lies_in_its
     for step in range(50):  # nobody has told them to go
         assert by_stop.move(step) == by_action.move(step)
     assert by_stop.contacts > 40
+
+
+def contacts_and_way(contract: PolicyContract, *, checks: bool, steps: int = 1500) -> tuple:
+    """What comes of driving straight on, whatever is in the way."""
+    body = Body(world_named("rover"), contract, 20.0, seed=2, checks=checks)
+    for step in range(1, steps):
+        now_ns = step * 50_000_000
+        body.hear(drive_command(step, 0, contract.actions[0], Input(step, now_ns, 0, 0), now_ns))
+        body.move(now_ns)
+    return body.contacts, float(body.simulation.distance_m[0]), body.held_back, body.guard_state
+
+
+def test_a_body_that_checks_for_itself_stands_before_it_would_touch():
+    contract = PolicyContract(retina=RetinaSpec(rays=181))
+    unchecked, far_m, _, off = contacts_and_way(contract, checks=False)
+    contacts, way_m, held_back, on = contacts_and_way(contract, checks=True)
+    assert (unchecked > 3, contacts, off, on) == (True, 0, "off", "on")
+    assert 0.1 < way_m < far_m
+    assert held_back > 100
+
+
+def test_a_body_with_two_eyes_cannot_check():
+    contract = PolicyContract(retina=RetinaSpec(eyes=2, baseline_m=0.1))
+    with pytest.raises(WorldError, match="expected one eye to check with, got 2"):
+        Body(world_named("reference-1"), contract, 50.0, seed=0, checks=True)

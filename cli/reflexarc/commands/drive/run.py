@@ -12,6 +12,7 @@ import tyro
 from reflexarc.terminal.output import aside, console, facts, microseconds, print_json
 from reflexarc.terminal.signals import StopFlag
 from reflexarc.wiring.bus_flags import Joining
+from reflexarc.wiring.guard_flags import GuardFlags
 from reflexarc_runtime.contract.bounds import Bounds
 from reflexarc_runtime.errors import UsageError
 
@@ -33,8 +34,10 @@ class RunCommand:
 
     Whatever comes in, the body gets a command at every tick: the policy's while its input is good
     and fresh, the contract's safe command otherwise. A policy that asks for more speed or patience
-    than is usual, or whose safe command moves, is refused unless flags allow it. SIGINT and SIGTERM
-    end in a safe command and a finished log.
+    than is usual, or whose safe command moves, is refused unless flags allow it. A guard, which has
+    learned nothing, lets only pass what is free by the ranges that were measured; where the input
+    tells none, it must be left out: --no-guard. SIGINT and SIGTERM end in a safe command and a
+    finished log.
 
     Examples:
       reflexarc run runs/reflex-0/policy.onnx
@@ -58,6 +61,7 @@ class RunCommand:
     fifo: int = 0
     """SCHED_FIFO priority, 1 to 99; 0: ordinary scheduling."""
     bounds: Bounds = field(default_factory=Bounds)
+    guarding: GuardFlags = field(default_factory=GuardFlags)
     joining: Joining = field(default_factory=Joining)
     json: bool = False
     """Print one JSON object at the end."""
@@ -73,8 +77,10 @@ class RunCommand:
         policy = load_policy(self.policy, self.backend, bounds=self.bounds)
         for note in policy.notes:
             aside.print(f"reflexarc run: {note}", soft_wrap=True)
-        sense = sense_for(self.input, policy.contract.retina)
-        controller = Controller(policy, policy.contract, sense, policy.policy_hash)
+        guard = self.guarding.guard_for(policy.contract)
+        sense = sense_for(self.input, policy.contract.retina, guarded=guard is not None)
+        identity = policy.policy_hash
+        controller = Controller(policy, policy.contract, sense, identity, guard=guard)
         run_id = uuid.uuid4().hex
         with (
             StopFlag() as stop,
@@ -124,6 +130,7 @@ class RunCommand:
             run_id=run_id,
             sender=bus.sender,
             overflows=lambda: inbox.overflows,
+            guard=self.guarding.state,
         )
         return node.run(stop, self.ticks)
 
@@ -172,6 +179,7 @@ class RunCommand:
             robot=self.joining.robot,
             sensor=self.input,
             lockstep=self.lockstep,
+            guard=self.guarding.settings_for(policy.contract),
         ) as recorder:
             yield recorder
 

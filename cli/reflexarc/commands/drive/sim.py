@@ -59,6 +59,9 @@ class SimCommand:
     robots: int = 1
     """So many robots in one world, robot0, robot1, …; each waits for a runtime of its own. They do
     not see each other."""
+    check: bool = False
+    """Let the body look for itself, along its own rays, whether a commanded way is free; it then
+    goes slower, or stands, whatever the runtime says."""
     bounds: Bounds = field(default_factory=Bounds)
     joining: Joining = field(default_factory=Joining)
     json: bool = False
@@ -157,7 +160,13 @@ class SimCommand:
                 f"counts at its own {contract.rate_hz:g} Hz; leave --rate out"
             )
         body = Body(
-            self._drawn_world, contract, rate_hz, self.seed, number, world_text=self._world_text
+            self._drawn_world,
+            contract,
+            rate_hz,
+            self.seed,
+            number,
+            world_text=self._world_text,
+            checks=self.check,
         )
         inbox, clock = Inbox(), MonotonicClock()
         with faulty_retinas(bus, script, clock.now_ns) if script else nullcontext() as retinas:

@@ -31,6 +31,9 @@ class EvaluateCommand:
     """Agents, each in a world of its own."""
     steps: int = 2000
     """Counted steps of each agent; 100 more come first and do not count."""
+    guard: bool = False
+    """Drive behind the guard that `reflexarc run` has, and say how often it stepped in. The agent
+    that never steers drives without one."""
     json: bool = False
     """Print one JSON object."""
 
@@ -43,10 +46,11 @@ class EvaluateCommand:
         if self.json:
             print_json({name: _plain(score, blind) for name, score in scores.items()})
             return 0
-        console.print(_table(scores, blind))
+        console.print(_table(scores, blind, guarded=self.guard))
         return 0
 
     def _measure_all(self) -> "dict[str, FieldScore]":
+        from reflexarc_runtime.guard import GuardSettings
         from reflexarc_runtime.policy.policy import load_policy
         from reflexarc_sim_bridge.evaluation.reference_field import measure
         from reflexarc_sim_bridge.evaluation.simple_policies import BlindPolicy
@@ -71,7 +75,12 @@ class EvaluateCommand:
         for name, policy in loaded.items():
             with progress_bar(name, self.steps) as progress:
                 scores[name] = measure(
-                    policy, policy.contract, agents=self.agents, steps=self.steps, progress=progress
+                    policy,
+                    policy.contract,
+                    agents=self.agents,
+                    steps=self.steps,
+                    guard=GuardSettings.of(policy.contract) if self.guard else None,
+                    progress=progress,
                 )
         return scores
 
@@ -85,17 +94,21 @@ def _plain(score: "FieldScore", blind: float) -> dict[str, float]:
         "contacts": score.contacts,
         "distance_m": score.distance_m,
         "agents": score.agents,
+        "guarded": score.guarded,
+        "stuck": score.stuck,
     }
 
 
-def _table(scores: "dict[str, FieldScore]", blind: float) -> object:
+def _table(scores: "dict[str, FieldScore]", blind: float, *, guarded: bool) -> object:
     from rich.table import Table
 
     table = Table(title="Reference field, test worlds: contacts per 100 m", title_justify="left")
-    for name in ("policy", "contacts / 100 m", "95 % interval", "of blind"):
+    more = ("guarded", "stuck") if guarded else ()
+    for name in ("policy", "contacts / 100 m", "95 % interval", "of blind", *more):
         table.add_column(name, justify="left" if name == "policy" else "right")
     for name, score in scores.items():
         interval = f"{score.low:.2f} – {score.high:.2f}"
         share = f"{score.contacts_per_100m / blind:.2f}"
-        table.add_row(name, f"{score.contacts_per_100m:.2f}", interval, share)
+        did = (f"{score.guarded:.1%}", f"{score.stuck:.1%}") if guarded else ()
+        table.add_row(name, f"{score.contacts_per_100m:.2f}", interval, share, *did)
     return table

@@ -1,0 +1,340 @@
+"""The guard: a check that has learned nothing, between what a policy wants and what is done.
+
+It asks one question of the ranges that the robot has measured: is the ground free that the body
+sweeps until it could stand again?
+
+    way = speed · (age of the ranges + validity of a command + delay) + speed² / (2 · deceleration)
+
+The outline of the body, widened by a margin, goes that way along the path of the commanded motion.
+Where nothing was measured, nothing is free: a beam that says nothing counts as something very near,
+and no motion leads out of the sector that is seen. If the wanted action is not free, the policy's
+next-best one that is takes its place; then a slower motion; then standstill. An action whose way is
+free for somewhat longer is preferred: the wanted one, if it is, else the next best.
+
+Pure, and the same for one robot and for many simulated ones. What it cannot see it cannot guard:
+things thinner than the gap between two beams, things that move, and, in a retina, things darker
+than the brightest: a ray's value tells how far away its thing is at most.
+"""
+
+import json
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, field
+from functools import cached_property, lru_cache, partial
+from typing import Self
+
+import numpy as np
+import numpy.typing as npt
+
+from reflexarc_runtime.config.checks import require
+from reflexarc_runtime.config.fill import fill
+from reflexarc_runtime.config.source import MappingSource
+from reflexarc_runtime.contract.body_spec import Footprint
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.motion import Action
+from reflexarc_runtime.errors import LogError, UsageError
+from reflexarc_runtime.sweep import Floats, Twist, swept_speed_mps, touch_times_s
+
+SHARES = (1.0, 0.75, 0.5, 0.25)
+"""Shares of a speed that the guard allows. A few steps, so that a robot, a replay on another
+machine and a simulated crowd come to the same one; less than the last is standstill."""
+
+VERY_NEAR_M = 1e-6
+"""Where a beam that says nothing, or less than its sensor can measure, sees something."""
+VERY_FAR_M = 1e6
+"""Where a beam ends that meets nothing: infinity has no place."""
+
+LEAST_MARGIN_M = 0.001
+"""A point without a margin sweeps a line, and no beam's point lies on a line."""
+
+_SLACK_RAD = 1e-9
+
+_require = partial(require, error=UsageError)
+
+
+@dataclass(frozen=True)
+class GuardSettings:
+    """What the guard takes for granted about a body."""
+
+    margin_m: float = 0.05
+    """Distance that is kept from everything, on all sides."""
+    footprint: Footprint = field(default_factory=Footprint)
+    """Outline of the body; the ranges are measured from its origin."""
+    delay_s: float = 0.0
+    """From a command's arrival to the motion that it asks for."""
+    deceleration_mps2: float | None = None
+    """How hard the body brakes; None: at once."""
+    evade_s: float = 0.3
+    """How much longer a way must be free for an action to be preferred: who evades only at the last
+    moment has nowhere left to go. 0: no action is preferred."""
+    may_slow: bool = True
+    """Whether a slower motion is tried before standstill."""
+
+    def __post_init__(self) -> None:
+        least, margin_m = LEAST_MARGIN_M, self.margin_m
+        _require(least <= margin_m < math.inf, "guard.margin_m", f"{least:g} or more", margin_m)
+        _require(0.0 <= self.delay_s < math.inf, "guard.delay_s", "0 or more", self.delay_s)
+        _require(0.0 <= self.evade_s < math.inf, "guard.evade_s", "0 or more", self.evade_s)
+        braking = self.deceleration_mps2
+        fits = braking is None or 0.0 < braking < math.inf
+        _require(fits, "guard.deceleration_mps2", "above 0", braking)
+
+    @classmethod
+    def of(cls, contract: PolicyContract) -> Self:
+        """The settings for the body that a policy learned with."""
+        body = contract.body
+        return cls(
+            footprint=body.footprint,
+            delay_s=body.actuation_delay_s,
+            deceleration_mps2=body.deceleration_mps2,
+        )
+
+    def to_json(self) -> str:
+        """One line, for a log's metadata."""
+        return json.dumps(asdict(self), sort_keys=True)
+
+    @classmethod
+    def from_json(cls, text: str) -> Self:
+        """Read them back.
+
+        Raises:
+            LogError: not what `to_json` wrote.
+        """
+        try:
+            document = json.loads(text)
+        except (ValueError, RecursionError):
+            document = None
+        if not isinstance(document, dict):
+            raise LogError(f"guard: got {text[:40]!r}; the log is damaged")
+        return fill(cls, MappingSource(document, "guard", LogError), require_all=True)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fan:
+    """The directions of a sense's beams."""
+
+    cos: Floats
+    """Of the bearings, (beams,)."""
+    sin: Floats
+    right_rad: float
+    """Lowest bearing that is seen."""
+    left_rad: float
+    """Highest bearing that is seen."""
+
+    def sees(self, bearing_rad: float) -> bool:
+        """Whether a bearing lies in the sector that is seen."""
+        offset_rad = (bearing_rad - self.right_rad + _SLACK_RAD) % (2.0 * math.pi)
+        return offset_rad <= self.left_rad - self.right_rad + 2.0 * _SLACK_RAD
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Beams:
+    """What was measured: a distance for each direction of a fan."""
+
+    fan: Fan
+    ranges_m: Floats
+    """(beams,), or (agents, beams): +inf is free; NaN, 0 and less are unknown."""
+
+
+@lru_cache(maxsize=64)
+def fan_of(first_rad: float, step_rad: float, count: int) -> Fan:
+    """The directions of `count` beams at equal angles; each sees half a step to either side."""
+    bearings_rad = first_rad + step_rad * np.arange(count)
+    low_rad, high_rad = sorted((first_rad, first_rad + step_rad * (count - 1)))
+    half_rad = 0.5 * abs(step_rad)
+    cos, sin = np.cos(bearings_rad), np.sin(bearings_rad)
+    return Fan(cos, sin, low_rad - half_rad, high_rad + half_rad)
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What the guard lets a body do."""
+
+    action: int | None
+    """Index of the action; None: stand."""
+    share: float
+    """How much of its speed."""
+
+
+STAND = Answer(None, 0.0)
+
+
+@dataclass(frozen=True)
+class Guard:
+    """The settings, and what a contract adds: its actions, and how long a command holds."""
+
+    settings: GuardSettings
+    actions: tuple[Action, ...]
+    valid_for_s: float
+
+    @classmethod
+    def for_contract(cls, settings: GuardSettings, contract: PolicyContract) -> Self:
+        """The guard of a policy's actions."""
+        return cls(settings, contract.actions, contract.max_input_age_s)
+
+    def answer(
+        self, wanted: int, q_values: Sequence[float], beams: Beams | None, age_s: float
+    ) -> Answer:
+        """What is done at this tick.
+
+        Args:
+            wanted: the action that the policy, a hold or a margin chose.
+            q_values: of all actions.
+            beams: what was measured last; None: nothing was.
+            age_s: how old that is.
+        """
+        if beams is None:
+            return STAND
+        late_s, touched_s = age_s + self.settings.evade_s, dict[int, float]()
+        for action in in_order(wanted, q_values):
+            twist = self._twists[action]
+            way = self._way(twist, late_s)
+            touched_s[action] = self._touch_s(twist, beams, way.limit_m)
+            if _share(twist, beams.fan, way, touched_s[action]) == 1.0:
+                return Answer(action, 1.0)
+        return self._least_evil(touched_s, beams.fan, age_s)
+
+    def _least_evil(self, touched_s: dict[int, float], fan: Fan, age_s: float) -> Answer:
+        """Where nothing is free in good time: what is free now, or free when it goes slower.
+
+        Args:
+            touched_s: when each action touches something, in the order in which they are tried.
+            fan: the directions that were measured.
+            age_s: how long ago.
+        """
+        best = STAND
+        for action, time_s in touched_s.items():
+            twist = self._twists[action]
+            share = _share(twist, fan, self._way(twist, age_s), time_s)
+            if share == 1.0:
+                return Answer(action, share)
+            if self.settings.may_slow and share > best.share:
+                best = Answer(action, share)
+        return best
+
+    def share(self, twist: Twist, beams: Beams, age_s: float) -> float:
+        """The largest of `SHARES` at which a motion's way is free; 0.0: none."""
+        way = self._way(twist, age_s)
+        return _share(twist, beams.fan, way, self._touch_s(twist, beams, way.limit_m))
+
+    def _touch_s(self, twist: Twist, beams: Beams, limit_m: float) -> float:
+        """When a motion touches the first thing that is nearer than a limit; +inf: never."""
+        near = (~(beams.ranges_m >= limit_m)).nonzero()[0]  # what is no number is near
+        if not len(near):
+            return math.inf
+        ranges_m, fan = beams.ranges_m[near], beams.fan
+        return float(self._touched_s(ranges_m, fan.cos[near], fan.sin[near], twist))
+
+    def shares(self, beams: Beams, age_s: float) -> Floats:
+        """`share` for many agents at once: of each action, (agents, actions)."""
+        columns = [self._column(twist, beams, age_s) for twist in self._twists]
+        return np.stack(columns, axis=-1)
+
+    def _column(self, twist: Twist, beams: Beams, age_s: float) -> Floats:
+        way, ranges_m, fan = self._way(twist, age_s), beams.ranges_m, beams.fan
+        allowed = np.zeros(ranges_m.shape[:-1])
+        if not _stays_in_sight(fan, twist, way.full_s):
+            return allowed
+        rows = np.flatnonzero(~(ranges_m.min(axis=-1) >= way.limit_m))  # NaN is the minimum, too
+        allowed[:] = 1.0
+        touched_s = self._touched_s(ranges_m[rows], fan.cos, fan.sin, twist)
+        allowed[rows] = 0.0
+        for share in reversed(SHARES):
+            allowed[rows[way.at_share_s(share) <= touched_s]] = share
+        return allowed
+
+    def _touched_s(self, ranges_m: Floats, cos: Floats, sin: Floats, twist: Twist) -> Floats:
+        """When the first of the beams' points is touched: of (…, beams), (…)."""
+        known_m = np.fmax(np.minimum(ranges_m, VERY_FAR_M), VERY_NEAR_M)  # NaN is very near
+        mine = self.settings
+        times_s = touch_times_s(known_m * cos, known_m * sin, mine.footprint, mine.margin_m, twist)
+        first_s: Floats = np.minimum.reduce(times_s, axis=-1)
+        return first_s
+
+    def _way(self, twist: Twist, age_s: float) -> "GroundNeeded":
+        mine, outline_m = self.settings, self._outline_m
+        speed_mps = swept_speed_mps(mine.footprint, twist)
+        braking = mine.deceleration_mps2
+        braking_s = 0.0 if braking is None else speed_mps / (2.0 * braking)
+        obeyed_s = age_s + self.valid_for_s + mine.delay_s
+        limit_m = outline_m + speed_mps * (obeyed_s + braking_s) if any(twist) else 0.0
+        return GroundNeeded(obeyed_s, braking_s, limit_m)
+
+    @cached_property
+    def _outline_m(self) -> float:
+        """No point of the widened outline is farther from the origin."""
+        return self.settings.footprint.reach_m + math.sqrt(2.0) * self.settings.margin_m
+
+    @cached_property
+    def _twists(self) -> tuple[Twist, ...]:
+        return tuple((a.linear_mps, a.lateral_mps, a.angular_radps) for a in self.actions)
+
+
+@dataclass(frozen=True, slots=True)
+class GroundNeeded:
+    """How much ground a motion needs, in seconds at its full speed."""
+
+    obeyed_s: float
+    """For so long it goes on at least."""
+    braking_s: float
+    """Its way of braking at full speed, which is as the square of the speed."""
+    limit_m: float
+    """What is farther from the origin is not touched."""
+
+    @property
+    def full_s(self) -> float:
+        """At full speed."""
+        return self.obeyed_s + self.braking_s
+
+    def at_share_s(self, share: float) -> float:
+        """At a share of the speed."""
+        return share * self.obeyed_s + share * share * self.braking_s
+
+
+def in_order(wanted: int, q_values: Sequence[float]) -> Iterator[int]:
+    """The actions as they are tried: the wanted one, then the others from the best on."""
+    yield wanted  # mostly it is free, and nothing needs to be sorted
+    others = (action for action in range(len(q_values)) if action != wanted)
+    yield from sorted(others, key=lambda action: -q_values[action])
+
+
+def ranks(wanted: npt.NDArray[np.int64], q_values: npt.NDArray[np.float32]) -> Floats:
+    """`in_order` for many agents: the place of each action, (agents, actions), from 0 on."""
+    preferred = q_values.astype(np.float64)
+    preferred[np.arange(len(wanted)), wanted] = math.inf
+    order = np.argsort(-preferred, axis=1, kind="stable")
+    places: Floats = np.argsort(order, axis=1, kind="stable").astype(np.float64)
+    return places
+
+
+def answers(
+    guard: Guard,
+    wanted: npt.NDArray[np.int64],
+    q_values: npt.NDArray[np.float32],
+    beams: Beams,
+    age_s: float,
+) -> tuple[npt.NDArray[np.int64], Floats]:
+    """`Guard.answer` for many agents: the action of each, and its share; 0.0 where it stands."""
+    in_time = guard.shares(beams, age_s + guard.settings.evade_s) == 1.0
+    shares = guard.shares(beams, age_s)
+    if not guard.settings.may_slow:
+        shares = np.where(shares == 1.0, shares, 0.0)
+    worth = 1000.0 * np.where(in_time, 2.0, shares)
+    best: npt.NDArray[np.int64] = np.argmax(worth - ranks(wanted, q_values), axis=1)
+    return best, shares[np.arange(len(best)), best]
+
+
+def _share(twist: Twist, fan: Fan, way: GroundNeeded, touched_s: float) -> float:
+    """The largest share of a motion that ends before it touches something."""
+    if not _stays_in_sight(fan, twist, way.full_s):
+        return 0.0
+    return next((s for s in SHARES if way.at_share_s(s) <= touched_s), 0.0)
+
+
+def _stays_in_sight(fan: Fan, twist: Twist, full_s: float) -> bool:
+    """Whether a motion begins and ends in the sector that is seen. A turn on the spot does."""
+    linear, lateral, angular = twist
+    if linear == lateral == 0.0:
+        return True
+    begins_rad = math.atan2(lateral, linear)
+    return fan.sees(begins_rad) and fan.sees(begins_rad + 0.5 * angular * full_s)

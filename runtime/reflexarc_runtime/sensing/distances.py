@@ -1,0 +1,71 @@
+"""What senses tell of distances: the beams of a scan, and the rays of a retina as far as they go.
+
+A ray of `nearness` with value v means something of unknown colour at range · (1 − v/255) or nearer:
+a dark thing looks as if it were farther away. 0 means nothing within the range.
+"""
+
+from functools import lru_cache
+
+import numpy as np
+
+from reflexarc_runtime.arrays import Retina
+from reflexarc_runtime.contract.eye import RetinaSpec, Shading
+from reflexarc_runtime.errors import ContractError
+from reflexarc_runtime.guard import Beams, Fan, fan_of
+from reflexarc_runtime.sensing.retina import FULL_SCALE, Scan, ray_bearing_rad
+from reflexarc_runtime.sweep import Floats
+
+
+def check_tells_ranges(spec: RetinaSpec) -> None:
+    """Refuse a guard on retinas that tell no distance.
+
+    Raises:
+        ContractError: why they do not, and what to do.
+    """
+    why = why_no_ranges(spec)
+    if why:
+        raise ContractError(
+            f"guard: expected retinas that tell distances, got {why}; give it scans "
+            "(--input scan), or --no-guard"
+        )
+
+
+def why_no_ranges(spec: RetinaSpec) -> str:
+    """Why retinas tell no distance; empty if they do."""
+    if spec.shading is not Shading.NEARNESS:
+        return f"{spec.shading.value} shading"
+    if spec.eyes != 1:
+        return f"{spec.eyes} eyes"
+    if spec.channels != 1:
+        return f"{spec.channels} channels"
+    return f"rays that show the mean of {spec.samples} directions" if spec.samples != 1 else ""
+
+
+def beams_of_retina(retina: Retina, spec: RetinaSpec) -> Beams:
+    """The farthest that the thing on each ray can be, of one eye: (…, rays).
+
+    Args:
+        retina: (…, 1, rays, 1).
+        spec: its eye.
+    """
+    return Beams(fan_of_rays(spec), distances_of_values(spec.range_m)[retina[..., 0, :, 0]])
+
+
+def beams_of_scan(scan: Scan) -> Beams:
+    """The beams as they were measured."""
+    return Beams(fan_of(scan.start_rad, scan.step_rad, len(scan.ranges_m)), scan.ranges_m)
+
+
+@lru_cache(maxsize=16)
+def fan_of_rays(spec: RetinaSpec) -> Fan:
+    """The directions of an eye's rays."""
+    first_rad = ray_bearing_rad(0, spec.rays, spec.fov_rad)
+    return fan_of(first_rad, -spec.fov_rad / spec.rays, spec.rays)
+
+
+@lru_cache(maxsize=16)
+def distances_of_values(range_m: float) -> Floats:
+    """Distance for each value of a ray; a value was rounded, so half a step nearer."""
+    values = np.arange(FULL_SCALE + 1, dtype=np.float64)
+    distances: Floats = range_m * (1.0 - np.minimum(values + 0.5, FULL_SCALE) / FULL_SCALE)
+    return distances
