@@ -1,5 +1,7 @@
 """A loop that hangs, is late, or raises, in real processes: the body is told to stand."""
 
+import os
+import pty
 import signal
 import subprocess
 import sys
@@ -174,6 +176,21 @@ def test_a_hang_up_and_a_quit_end_as_a_termination_does(
     assert read_log(log).complete
     assert not log.with_name(log.name + ".partial").exists()
     assert both_levels_agree(log)
+
+
+def test_a_terminal_that_is_closed_leaves_a_finished_log(policy: Path, port: int, tmp_path: Path):
+    log = tmp_path / "drive.mcap"
+    words = [sys.executable, "-m", "reflexarc", "run", policy, "--port", port, "--record", log]
+    with plain_body(CONTRACT, port) as body:
+        child, terminal = pty.fork()
+        if not child:
+            os.execv(sys.executable, [str(word) for word in words])
+        wait_until(lambda: drove(body), "a runtime that drives")
+        os.close(terminal)
+        _, status = os.waitpid(child, 0)
+    assert os.waitstatus_to_exitcode(status) == 0
+    assert body.last.verdict == pb.STOPPED
+    assert read_log(log).complete
 
 
 def test_under_nohup_a_hang_up_ends_nothing(policy: Path, port: int):
