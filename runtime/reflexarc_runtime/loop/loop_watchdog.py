@@ -20,6 +20,7 @@ from typing import Protocol, Self
 
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.kernel_timer import KernelTimer
+from reflexarc_runtime.loop.outlets import Outlet
 from reflexarc_runtime.messages.wire import Message
 
 _NEVER_NS = 1 << 62
@@ -118,19 +119,19 @@ class LoopWatchdog:
     def begin(self, now_ns: int) -> None:
         """See `Watch.begin`."""
         self._due_ns = now_ns + self._budget.tick_ns
-        self._timer.wind()
+        self._timer.wind(now_ns)
 
     def rest(self, now_ns: int) -> None:
         """See `Watch.rest`."""
         self._due_ns = now_ns + self._budget.period_ns + self._budget.tick_ns
 
-    def let_pass(self, is_safe: bool, send: Callable[[], None]) -> bool:
+    def let_pass(self, outlet: Outlet, command: bytes, time_ns: int, is_safe: bool) -> bool:
         """See `Watch.let_pass`."""
         with self._turn:  # a command of the loop's never follows the watchdog's unseen
             if self._spoke and not is_safe:
                 return False
             self._spoke = False
-            send()
+            outlet.put(command, time_ns)
             return True
 
     def look(self) -> None:

@@ -138,8 +138,9 @@ class Node:
     def _publish(self, decision: Decision) -> bytes | None:
         """Send the command; None if it was not sent, as the watchdog spoke in its place."""
         command = encode_command(decision.command)
-        send: Callable[[], None] = lambda: self._outlets.command.put(command, decision.now_ns)  # noqa: E731
-        return command if self._watch.let_pass(decision.command.is_safe, send) else None
+        outlet, is_safe = self._outlets.command, decision.command.is_safe
+        was_sent = self._watch.let_pass(outlet, command, decision.now_ns, is_safe)
+        return command if was_sent else None
 
     def _remember(self, before: State, wakeup: Wakeup) -> None:
         """Once a second, and at the first tick, record what the controller knew before this one.

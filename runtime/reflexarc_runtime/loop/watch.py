@@ -1,7 +1,8 @@
 """What a loop tells whoever watches it: when a tick begins, when it ends, what it wants to send."""
 
-from collections.abc import Callable
 from typing import Protocol
+
+from reflexarc_runtime.loop.outlets import Outlet
 
 
 class Watch(Protocol):
@@ -20,7 +21,7 @@ class Watch(Protocol):
         """The tick has ended; the loop waits for the next one."""
         ...
 
-    def let_pass(self, is_safe: bool, send: Callable[[], None]) -> bool:
+    def let_pass(self, outlet: Outlet, command: bytes, time_ns: int, is_safe: bool) -> bool:
         """Send a command, unless somebody spoke in this loop's place; whether it was sent."""
         ...
 
@@ -36,7 +37,7 @@ class NoWatch:
     def rest(self, now_ns: int) -> None:
         """See `Watch.rest`."""
 
-    def let_pass(self, is_safe: bool, send: Callable[[], None]) -> bool:
+    def let_pass(self, outlet: Outlet, command: bytes, time_ns: int, is_safe: bool) -> bool:
         """See `Watch.let_pass`."""
-        send()
+        outlet.put(command, time_ns)
         return True

@@ -1,4 +1,3 @@
-from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import pytest
@@ -11,7 +10,7 @@ from reflexarc_runtime.keyframe import Keyframe
 from reflexarc_runtime.loop.clock import ManualClock
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.node import Node
-from reflexarc_runtime.loop.outlets import Outlets
+from reflexarc_runtime.loop.outlets import Outlet, Outlets
 from reflexarc_runtime.loop.pacer import LockstepPacer, Pacer, RatePacer
 from reflexarc_runtime.messages.wire import Message
 from reflexarc_runtime.sensing.senses import RetinaSense
@@ -140,8 +139,8 @@ class Breaking:
     def rest(self, now_ns: int) -> None:
         pass
 
-    def let_pass(self, is_safe: bool, send: Callable[[], None]) -> bool:
-        send()
+    def let_pass(self, outlet: Outlet, command: bytes, time_ns: int, is_safe: bool) -> bool:
+        outlet.put(command, time_ns)
         return True
 
 
