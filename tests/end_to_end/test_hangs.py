@@ -2,6 +2,7 @@
 
 import os
 import pty
+import resource
 import signal
 import subprocess
 import sys
@@ -230,6 +231,20 @@ def test_with_30_descriptors_it_drives_says_its_status_and_ends(
             words, capture_output=True, text=True, timeout=PATIENCE_S, check=False
         )
     assert done.returncode == 0, done.stderr
+    assert len(body.watchdogs) >= 2
+    assert body.last.verdict == pb.STOPPED
+    assert both_levels_agree(log)
+
+
+def test_a_loop_that_can_open_nothing_any_more_goes_on(policy: Path, port: int, tmp_path: Path):
+    log = tmp_path / "drive.mcap"
+    words = ("run", policy, "--port", port, "--record", log, "--ticks", 150, "--json")
+    with plain_body(CONTRACT, port) as body, started(*words) as runtime:
+        wait_until(lambda: drove(body), "a runtime that drives")
+        taken = {int(entry) for entry in os.listdir(f"/proc/{runtime.pid}/fd")}
+        limit = min(set(range(len(taken) + 1)) - taken)
+        resource.prlimit(runtime.pid, resource.RLIMIT_NOFILE, (limit, limit))
+        finished(runtime)
     assert len(body.watchdogs) >= 2
     assert body.last.verdict == pb.STOPPED
     assert both_levels_agree(log)
