@@ -21,7 +21,8 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))  # the tests' recor
 
 from reflexarc_logs.reading.reader import read_log
 from reflexarc_runtime.controller import Controller
-from reflexarc_runtime.loop.node import Node, Outlets
+from reflexarc_runtime.loop.node import Node
+from reflexarc_runtime.loop.outlets import Outlets
 from reflexarc_runtime.loop.pacer import Wakeup
 from reflexarc_runtime.policy.policy import load_policy
 from reflexarc_runtime.sensing.senses import sense_for

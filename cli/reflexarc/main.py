@@ -5,6 +5,7 @@ wrong use or bad input.
 """
 
 import contextlib
+import errno
 import io
 import logging
 import os
@@ -67,8 +68,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except ModuleNotFoundError as error:
         return _refuse(_explain_missing(error, words[0]))
     except OSError as error:
-        if isinstance(error, BrokenPipeError):
-            return _end_without_reader()
+        if isinstance(error, BrokenPipeError) or error.errno == errno.EIO:
+            return _end_without_reader()  # the reader, or the terminal, is gone
         return _refuse(f"{error.filename or 'system'}: {error.strerror or error}")
     except KeyboardInterrupt:
         return 130
@@ -132,7 +133,9 @@ def _explain_missing(error: ModuleNotFoundError, command: str) -> str:
 
 def _end_without_reader() -> int:
     """End quietly when the reader of the output is gone (`| head`), also at Python's last flush."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, sys.stdout.fileno())
+    os.dup2(nowhere, sys.stderr.fileno())
     return 0
 
 

@@ -56,6 +56,29 @@ class Publisher:
         self._publisher.put(payload, attachment=attachment, encoding=zenoh.Encoding(encoding))
 
 
+class Announcement:
+    """What tells the others that a node is alive, for as long as its session is open.
+
+    Args:
+        declare: declares a liveliness token.
+    """
+
+    def __init__(self, declare: Callable[[], zenoh.LivelinessToken]) -> None:
+        self._declare = declare
+        self._token: zenoh.LivelinessToken | None = declare()
+
+    def withdraw(self) -> None:
+        """Let the others see this node as gone; a second call does nothing."""
+        token, self._token = self._token, None
+        if token is not None:
+            token.undeclare()  # type: ignore[no-untyped-call]  # the stub has no type
+
+    def renew(self) -> None:
+        """Let the others see it again."""
+        if self._token is None:
+            self._token = self._declare()
+
+
 class Bus:
     """One node's session. A context manager; leaving it closes everything that it declared.
 
@@ -123,13 +146,15 @@ class Bus:
 
         self._kept.append(self._session.declare_subscriber(key, on_sample))
 
-    def announce(self, node: str) -> None:
+    def announce(self, node: str) -> Announcement:
         """Declare that a node is alive, for as long as this session is open."""
-        self.announce_key(alive_key(self._config.robot, node))
+        return self.announce_key(alive_key(self._config.robot, node))
 
-    def announce_key(self, key: str) -> None:
+    def announce_key(self, key: str) -> Announcement:
         """Declare a liveliness token under any key, for as long as this session is open."""
-        self._kept.append(self._session.liveliness().declare_token(key))
+        announcement = Announcement(lambda: self._session.liveliness().declare_token(key))
+        self._kept.append(announcement)
+        return announcement
 
     def is_alive(self, node: str) -> bool:
         """Whether a node has announced itself."""

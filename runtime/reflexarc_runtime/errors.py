@@ -41,6 +41,14 @@ class UsageError(ReflexarcError):
     """Flags or paths that cannot work together."""
 
 
+class DecisionEndedError(BaseException):
+    """A decision took too long and was ended from another thread: it has no result.
+
+    It is no `Exception`, so that nobody takes it for a failure of the policy: the tick in which it
+    happens is not made, and what it would have used waits for the next one.
+    """
+
+
 def first_line(error: Exception) -> str:
     """What another library's error says, at most one line of 200 characters.
 

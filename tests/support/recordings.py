@@ -15,7 +15,8 @@ from reflexarc_runtime.controller import Controller
 from reflexarc_runtime.guard import Guard, GuardSettings
 from reflexarc_runtime.loop.clock import ManualClock
 from reflexarc_runtime.loop.inbox import Inbox
-from reflexarc_runtime.loop.node import Node, Outlets
+from reflexarc_runtime.loop.node import Node
+from reflexarc_runtime.loop.outlets import Outlets
 from reflexarc_runtime.loop.pacer import RatePacer
 from reflexarc_runtime.messages.codec import encode_retina
 from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp, protobuf_encoding

@@ -1,4 +1,8 @@
-"""Ends a command on SIGINT or SIGTERM: by a flag that its loop looks at, or by an exception."""
+"""Ends a command on the signals that ask for it: by a flag that it looks at, or by an exception.
+
+SIGINT (Ctrl-C), SIGTERM, SIGQUIT (Ctrl and backslash) and SIGHUP (the terminal is gone) all end
+alike. A hang-up that is ignored stays so: that is how `nohup` keeps a command alive.
+"""
 
 import signal
 from collections.abc import Iterator
@@ -7,18 +11,29 @@ from types import FrameType, TracebackType
 from typing import Any, Self
 
 
+def ending_signals() -> list[signal.Signals]:
+    """The signals that end a command, as this process was started."""
+    always = [signal.SIGINT, signal.SIGTERM, signal.SIGQUIT]
+    is_ignored = signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
+    return always if is_ignored else [*always, signal.SIGHUP]
+
+
 @contextmanager
 def terminated_as_interrupted() -> Iterator[None]:
-    """A context in which SIGTERM raises KeyboardInterrupt, as Ctrl-C does: every `finally` runs."""
-    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    """A context in which each of them raises KeyboardInterrupt, as Ctrl-C does: every `finally`
+    runs.
+    """
+    handler = signal.default_int_handler
+    before = {number: signal.signal(number, handler) for number in ending_signals()}
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, earlier in before.items():
+            signal.signal(number, earlier)
 
 
 class StopFlag:
-    """A context manager that catches both signals; calling it tells whether one came."""
+    """A context manager that catches all of them; calling it tells whether one came."""
 
     def __init__(self) -> None:
         self._set = False
@@ -29,7 +44,7 @@ class StopFlag:
         return self._set
 
     def __enter__(self) -> Self:
-        for number in (signal.SIGINT, signal.SIGTERM):
+        for number in ending_signals():
             self._before[number] = signal.signal(number, self._on_signal)
         return self
 

@@ -5,16 +5,19 @@ publish the command, the sink records.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Protocol
+from dataclasses import replace
 
 from reflexarc_runtime.controller import Controller, Inputs, State
-from reflexarc_runtime.decision import Decision, Timing
+from reflexarc_runtime.decision import Decision, Timing, Verdict, safe_command
+from reflexarc_runtime.errors import DecisionEndedError
 from reflexarc_runtime.keyframe import Keyframe
 from reflexarc_runtime.loop.monitor import Monitor, Summary
+from reflexarc_runtime.loop.outlets import Outlets
 from reflexarc_runtime.loop.pacer import Pacer, Wakeup
 from reflexarc_runtime.loop.sink import NoSink, Sink
 from reflexarc_runtime.loop.throttle import Throttle
+from reflexarc_runtime.loop.warm_up import warm_up
+from reflexarc_runtime.loop.watch import NoWatch, Watch
 from reflexarc_runtime.messages.codec import Status, encode_command, encode_status, encode_tick
 from reflexarc_runtime.messages.controls import encode_stop
 from reflexarc_runtime.messages.topics import COMMAND, DEFAULT_ROBOT, STOP, TICK, Topic
@@ -29,23 +32,6 @@ from reflexarc_runtime.messages.wire import (
 END_OF_RUN = "the runtime was asked to end"
 """Reason of the stop that the loop gives itself."""
 _OWN_TOPICS = (TICK, COMMAND, STOP)
-
-
-class Outlet(Protocol):
-    """Publishes the messages of one topic."""
-
-    def put(self, payload: bytes, time_ns: int) -> None:
-        """Send one message; never blocks, never raises."""
-        ...
-
-
-@dataclass(frozen=True)
-class Outlets:
-    """The topics on which a runtime publishes."""
-
-    command: Outlet
-    tick: Outlet
-    status: Outlet
 
 
 class Node:
@@ -63,6 +49,7 @@ class Node:
         sender: bytes = NO_SENDER,
         overflows: Callable[[], int] = lambda: 0,
         guard: str = "",
+        watch: Watch | None = None,
     ) -> None:
         self._controller = controller
         self._pacer = pacer
@@ -73,24 +60,42 @@ class Node:
         self._sender = sender
         self._overflows = overflows
         self._guard = guard or ("off" if controller.guard is None else "on")
+        self._watch: Watch = watch or NoWatch()
         self._monitor = Monitor()
         self._state = State()
         self._record_ns = 0
         self._every_second = Throttle(at_once=False)
         self._keyframes = Throttle()
         self._last_ns: int | None = None
+        self._postponed: tuple[Message, ...] = ()
 
     def run(
         self, should_stop: Callable[[], bool] = lambda: False, max_ticks: int | None = None
     ) -> Summary:
-        """Tick until asked to stop, or `max_ticks` times; the last command is the safe one."""
-        while max_ticks is None or self._state.index < max_ticks:
-            wakeup = self._pacer.wait(should_stop)
-            if wakeup is None:
-                break
-            self._tick(wakeup)
-        self._tick(self._stopped(self._pacer.farewell()))
+        """Tick until asked to stop, or `max_ticks` times.
+
+        The last command is the safe one, whatever is raised.
+        """
+        try:
+            warm_up(self._controller)
+            while max_ticks is None or self._state.index < max_ticks:
+                wakeup = self._pacer.wait(should_stop)
+                if wakeup is None:
+                    break
+                self._tick(wakeup)
+        finally:
+            self._end()
         return self._monitor.summary()
+
+    def _end(self) -> None:
+        """Make the last tick, which is a stop; where even that fails, send the safe command."""
+        try:
+            self._tick(self._stopped(self._pacer.farewell()))
+        except BaseException:
+            safe = self._controller.contract.safe_command
+            last = safe_command(self._state.index, Verdict.STOPPED, safe)
+            self._outlets.command.put(encode_command(last), self._pacer.now_ns())
+            raise
 
     def _stopped(self, wakeup: Wakeup) -> Wakeup:
         """The wake-up with a stop behind its messages: what ends the run is in the log as well."""
@@ -99,10 +104,21 @@ class Node:
         return replace(wakeup, messages=(*wakeup.messages, stop))
 
     def _tick(self, wakeup: Wakeup) -> None:
+        self._watch.begin(wakeup.now_ns)
+        if self._postponed:
+            wakeup = replace(wakeup, messages=(*self._postponed, *wakeup.messages))
+        try:
+            self._make_tick(wakeup)
+            self._postponed = ()
+        except DecisionEndedError:
+            self._postponed = wakeup.messages
+        self._watch.rest(self._pacer.now_ns())
+
+    def _make_tick(self, wakeup: Wakeup) -> None:
         before = self._state
         inputs = Inputs(wakeup.messages, wakeup.slot)
         began_ns = self._pacer.now_ns()
-        self._state, decision = self._controller.step(before, inputs, wakeup.now_ns)
+        following, decision = self._controller.step(before, inputs, wakeup.now_ns)
         decided_ns = self._pacer.now_ns()
         command = self._publish(decision)
         published_ns = self._pacer.now_ns()
@@ -116,14 +132,17 @@ class Node:
         )
         self._remember(before, wakeup)
         self._record(wakeup.messages, decision, timing, command)
+        self._state = following  # only now: a tick that failed on the way is not in the log either
         self._record_ns = self._pacer.now_ns() - published_ns
         self._monitor.saw(decision, timing)
         self._report(wakeup.now_ns, decision.policy_hash)
 
-    def _publish(self, decision: Decision) -> bytes:
+    def _publish(self, decision: Decision) -> bytes | None:
+        """Send the command; None if it was not sent, as the watchdog spoke in its place."""
         command = encode_command(decision.command)
-        self._outlets.command.put(command, decision.now_ns)
-        return command
+        outlet, is_safe = self._outlets.command, decision.command.is_safe
+        was_sent = self._watch.let_pass(outlet, command, decision.now_ns, is_safe)
+        return command if was_sent else None
 
     def _remember(self, before: State, wakeup: Wakeup) -> None:
         """Once a second, and at the first tick, record what the controller knew before this one.
@@ -141,7 +160,11 @@ class Node:
         self._last_ns = wakeup.now_ns
 
     def _record(
-        self, messages: tuple[Message, ...], decision: Decision, timing: Timing, command: bytes
+        self,
+        messages: tuple[Message, ...],
+        decision: Decision,
+        timing: Timing,
+        command: bytes | None,
     ) -> None:
         """Record the messages first, then the tick that used them: replay relies on this order."""
         tick = encode_tick(decision, timing)
@@ -149,7 +172,8 @@ class Node:
             self._sink.put(message)
         stamp = Stamp(decision.index, decision.now_ns, self._sender)
         self._sink.put(self._own(TICK, tick, stamp))
-        self._sink.put(self._own(COMMAND, command, stamp))
+        if command is not None:
+            self._sink.put(self._own(COMMAND, command, stamp))
         self._outlets.tick.put(tick, decision.now_ns)
 
     def _own(self, topic: Topic, payload: bytes, stamp: Stamp) -> Message:
@@ -174,5 +198,6 @@ class Node:
             verdicts=tuple(period.verdicts.items()),
             recording=self._sink.state,
             guard=self._guard,
+            watchdog=self._watch.state,
         )
         self._outlets.status.put(encode_status(status), now_ns)

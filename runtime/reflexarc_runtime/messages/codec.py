@@ -35,6 +35,7 @@ class Status:
     verdicts: tuple[tuple[str, int], ...] = ()
     recording: str = "off"
     guard: str = ""
+    watchdog: str = ""
 
 
 def timestamp(time_ns: int) -> Timestamp:

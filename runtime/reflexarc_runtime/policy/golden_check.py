@@ -22,6 +22,10 @@ class Graph(Protocol):
         """Q-values (n, actions), winners (n,) and the next memories (n, size), if it has one."""
         ...
 
+    def end_run(self) -> None:
+        """Make the run that is going on, if any, raise `DecisionEndedError`; from any thread."""
+        ...
+
 
 def reproduce_golden_vectors(graph: Graph, contract: PolicyContract) -> None:
     """Compute the golden vectors and sequences of a contract again.

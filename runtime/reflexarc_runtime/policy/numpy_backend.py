@@ -67,6 +67,9 @@ class NumpyGraph:
             next_memories = None if following is None else following.astype(np.float32)
             return values["q_values"].astype(np.float32), values["action"], next_memories
 
+    def end_run(self) -> None:
+        """See `Graph.end_run`: none of its operators loops, so there is nothing to end."""
+
 
 def supported_operators() -> tuple[str, ...]:
     """Names of the ONNX operators that the NumPy backend has."""

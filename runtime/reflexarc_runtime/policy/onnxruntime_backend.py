@@ -7,7 +7,7 @@ import numpy as np
 import onnxruntime
 
 from reflexarc_runtime.arrays import Actions, Memories, QValues, RetinaBatch
-from reflexarc_runtime.errors import PolicyError, first_line
+from reflexarc_runtime.errors import DecisionEndedError, PolicyError, first_line
 
 
 class OnnxruntimeGraph:
@@ -24,6 +24,7 @@ class OnnxruntimeGraph:
         options.intra_op_num_threads = 1
         options.inter_op_num_threads = 1
         options.log_severity_level = 4
+        self._run_options = onnxruntime.RunOptions()
         try:
             self._session = onnxruntime.InferenceSession(
                 model, options, providers=["CPUExecutionProvider"]
@@ -36,9 +37,9 @@ class OnnxruntimeGraph:
     ) -> tuple[QValues, Actions, Memories | None]:
         """See `Graph.run`; stacks are (n, frames, eyes, rays, channels)."""
         if memories is None:
-            q_values, actions = self._session.run(["q_values", "action"], {"retina": retinas})
+            q_values, actions = self._compute(["q_values", "action"], {"retina": retinas})
             return np.asarray(q_values, np.float32), np.asarray(actions, np.int64), None
-        q_values, actions, following = self._session.run(
+        q_values, actions, following = self._compute(
             ["q_values", "action", "state_next"], {"retina": retinas, "state": memories}
         )
         return (
@@ -46,3 +47,19 @@ class OnnxruntimeGraph:
             np.asarray(actions, np.int64),
             np.asarray(following, np.float32),
         )
+
+    def end_run(self) -> None:
+        """See `Graph.end_run`: onnxruntime looks at this flag between two operators."""
+        self._run_options.terminate = True
+
+    def _compute(
+        self, names: list[str], feeds: dict[str, RetinaBatch | Memories]
+    ) -> "list[np.ndarray]":
+        if self._run_options.terminate:  # it was meant for a run that has ended since
+            self._run_options.terminate = False
+        try:
+            return self._session.run(names, feeds, self._run_options)  # type: ignore[no-any-return]
+        except Exception as error:
+            if self._run_options.terminate:
+                raise DecisionEndedError("the run was ended from another thread") from error
+            raise

@@ -114,6 +114,10 @@ class LoadedPolicy:
         q_values, actions, following = self.graph.run(retinas, memories)
         return q_values, actions, memories if following is None else following
 
+    def end_decision(self) -> None:
+        """Make the decision that is going on raise `DecisionEndedError`, if its backend can."""
+        self.graph.end_run()
+
 
 def load_policy(
     source: Path | str | bytes,

@@ -15,7 +15,8 @@ from reflexarc_runtime.decision import Verdict
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.loop.clock import ManualClock
 from reflexarc_runtime.loop.inbox import Inbox
-from reflexarc_runtime.loop.node import Node, Outlets
+from reflexarc_runtime.loop.node import Node
+from reflexarc_runtime.loop.outlets import Outlets
 from reflexarc_runtime.loop.pacer import RatePacer
 from reflexarc_runtime.messages.wire import Message, Stamp
 from reflexarc_runtime.messages_pb2 import Tick

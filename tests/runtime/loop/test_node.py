@@ -1,11 +1,16 @@
 from dataclasses import dataclass, field
 
+import pytest
+
 from reflexarc_runtime import messages_pb2 as pb
+from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
 from reflexarc_runtime.controller import Controller
+from reflexarc_runtime.errors import DecisionEndedError
 from reflexarc_runtime.keyframe import Keyframe
 from reflexarc_runtime.loop.clock import ManualClock
 from reflexarc_runtime.loop.inbox import Inbox
-from reflexarc_runtime.loop.node import Node, Outlets
+from reflexarc_runtime.loop.node import Node
+from reflexarc_runtime.loop.outlets import Outlet, Outlets
 from reflexarc_runtime.loop.pacer import LockstepPacer, Pacer, RatePacer
 from reflexarc_runtime.messages.wire import Message
 from reflexarc_runtime.sensing.senses import RetinaSense
@@ -116,3 +121,65 @@ def test_lateness_is_measured_against_the_deadline():
     node, _ = node_of(RatePacer(50.0, clock, inbox))
     summary = node.run(max_ticks=5)
     assert (summary.lateness_p50_ns, summary.lateness_max_ns) == (3 * MS, 3 * MS)
+
+
+class Breaking:
+    """A watch that raises at the beginning of one tick, or in every tick from then on."""
+
+    state = "off"
+
+    def __init__(self, at: int, until: int) -> None:
+        self.ticks, self.at, self.until = 0, at, until
+
+    def begin(self, now_ns: int) -> None:
+        self.ticks += 1
+        if self.at <= self.ticks < self.until:
+            raise KeyboardInterrupt
+
+    def rest(self, now_ns: int) -> None:
+        pass
+
+    def let_pass(self, outlet: Outlet, command: bytes, time_ns: int, is_safe: bool) -> bool:
+        outlet.put(command, time_ns)
+        return True
+
+
+@pytest.mark.parametrize("until", [6, 1000])
+def test_whatever_is_raised_the_last_command_is_safe(until: int):
+    inbox = Inbox()
+    controller = Controller(ScriptedPolicy(), SMALL, RetinaSense(SMALL.retina), "hash")
+    outlets = Outlets(Heard(), Heard(), Heard())
+    pacer = RatePacer(50.0, FeedingClock(inbox), inbox)
+    node = Node(controller, pacer, outlets, watch=Breaking(5, until))
+    with pytest.raises(KeyboardInterrupt):
+        node.run(max_ticks=10)
+    commands = [pb.Command.FromString(p) for p in outlets.command.payloads]  # type: ignore[attr-defined]
+    assert [c.sequence for c in commands] == list(range(5))
+    assert commands[-2].verdict == pb.OK
+    assert (commands[-1].verdict, commands[-1].linear_mps) == (pb.STOPPED, 0.0)
+
+
+class EndedPolicy(ScriptedPolicy):
+    """Is ended by a watchdog whenever it is asked for the fifth time."""
+
+    def decide(self, retinas: RetinaBatch) -> tuple[QValues, Actions]:
+        answer = super().decide(retinas)
+        if len(self.given) == 5:
+            raise DecisionEndedError
+        return answer
+
+
+def test_a_tick_whose_decision_was_ended_is_none_and_its_messages_wait():
+    inbox, kept = Inbox(), Kept()
+    controller = Controller(EndedPolicy(), SMALL, RetinaSense(SMALL.retina), "hash")
+    outlets = Outlets(Heard(), Heard(), Heard())
+    pacer = RatePacer(50.0, FeedingClock(inbox), inbox)
+    node = Node(controller, pacer, outlets, sink=kept)
+    summary = node.run(max_ticks=10)
+    ticks = [pb.Tick.FromString(p).decision for p in outlets.tick.payloads]  # type: ignore[attr-defined]
+    assert [tick.index for tick in ticks] == list(range(11))
+    assert summary.skipped_slots == 1
+    assert sum(tick.inputs for tick in ticks) == sum(
+        message.key.endswith(("retina", "stop")) for message in kept.messages
+    )
+    assert [tick.inputs for tick in ticks if tick.inputs == 2] == [2]

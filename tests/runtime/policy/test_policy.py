@@ -1,5 +1,6 @@
 import dataclasses
 import json
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -9,11 +10,17 @@ from onnx import helper, numpy_helper
 from onnx.reference import ReferenceEvaluator
 
 from reflexarc_runtime.contract.contract import METADATA_KEY, PolicyContract
-from reflexarc_runtime.errors import ContractError, PolicyError, ReflexarcError
+from reflexarc_runtime.errors import (
+    ContractError,
+    DecisionEndedError,
+    PolicyError,
+    ReflexarcError,
+)
 from reflexarc_runtime.policy.agreement import flips, within_tolerance
 from reflexarc_runtime.policy.model_file import policy_hash, with_contract
 from reflexarc_runtime.policy.numpy_backend import supported_operators
 from reflexarc_runtime.policy.policy import load_policy
+from support.looping_policies import FOR_EVER, looping
 from support.policies import SMALL, exported, network
 
 RETINAS = np.random.default_rng(3).integers(
@@ -259,3 +266,20 @@ def test_every_byte_of_a_policy_may_be_broken_without_a_traceback():
             load_policy(bytes(broken))
         except ReflexarcError as error:
             assert "\n" not in str(error)  # noqa: PT017
+
+
+def test_a_run_of_onnxruntime_is_ended_from_another_thread_and_the_next_one_goes_on():
+    policy = load_policy(looping(SMALL, FOR_EVER, at_intensity=200), "onnxruntime")
+    ended = threading.Event()
+
+    def end() -> None:
+        while not ended.wait(0.01):
+            policy.end_decision()
+
+    ending = threading.Thread(target=end)
+    ending.start()
+    with pytest.raises(DecisionEndedError):
+        policy.decide(np.full((1, *SMALL.retina.stack_shape), 200, np.uint8))
+    ended.set()
+    ending.join()
+    assert policy.decide(np.zeros((1, *SMALL.retina.stack_shape), np.uint8))[1].tolist() == [1]

@@ -13,6 +13,7 @@ from reflexarc.terminal.output import aside, console, facts, microseconds, print
 from reflexarc.terminal.signals import StopFlag
 from reflexarc.wiring.bus_flags import Joining
 from reflexarc.wiring.guard_flags import GuardFlags
+from reflexarc.wiring.watching import Watching
 from reflexarc_runtime.contract.bounds import Bounds
 from reflexarc_runtime.errors import UsageError
 
@@ -34,10 +35,11 @@ class RunCommand:
 
     Whatever comes in, the body gets a command at every tick: the policy's while its input is good
     and fresh, the contract's safe command otherwise. A policy that asks for more speed or patience
-    than is usual, or whose safe command moves, is refused unless flags allow it. A guard, which has
-    learned nothing, lets only pass what is free by the ranges that were measured; where the input
-    tells none, it must be left out: --no-guard. SIGINT and SIGTERM end in a safe command and a
-    finished log.
+    than is usual, or whose safe command moves, is refused unless flags allow it; so is one that
+    takes longer than a period to decide. A guard, which has learned nothing, lets only pass what is
+    free by the ranges that were measured; where the input tells none, it must be left out:
+    --no-guard. SIGINT, SIGTERM, SIGQUIT and SIGHUP end in a safe command and a finished log. A loop
+    that hangs is stopped by its watchdog.
 
     Examples:
       reflexarc run runs/reflex-0/policy.onnx
@@ -62,6 +64,7 @@ class RunCommand:
     """SCHED_FIFO priority, 1 to 99; 0: ordinary scheduling."""
     bounds: Bounds = field(default_factory=Bounds)
     guarding: GuardFlags = field(default_factory=GuardFlags)
+    watching: Watching = field(default_factory=Watching)
     joining: Joining = field(default_factory=Joining)
     json: bool = False
     """Print one JSON object at the end."""
@@ -70,11 +73,10 @@ class RunCommand:
         """Tick until the end, then say how it went."""
         from reflexarc_runtime.controller import Controller
         from reflexarc_runtime.messages.topics import RUNTIME_NODE
-        from reflexarc_runtime.policy.policy import load_policy
         from reflexarc_runtime.sensing.senses import sense_for
 
         self._check_flags()
-        policy = load_policy(self.policy, self.backend, bounds=self.bounds)
+        policy = self._tried_policy()
         for note in policy.notes:
             aside.print(f"reflexarc run: {note}", soft_wrap=True)
         guard = self.guarding.guard_for(policy.contract)
@@ -91,7 +93,20 @@ class RunCommand:
         self._tell(summary, sink.state)
         return 0
 
+    def _tried_policy(self) -> "LoadedPolicy":
+        """Load the policy, after a process of its own has."""
+        from reflexarc_runtime.loop.trial import Trial, check_fits
+
+        with Trial(self.policy, self.backend) as trial:
+            from reflexarc_runtime.policy.policy import load_policy
+
+            finding = trial.finding()
+        policy = load_policy(self.policy, self.backend, bounds=self.bounds)
+        check_fits(finding, policy, in_real_time=not self.lockstep)
+        return policy
+
     def _check_flags(self) -> None:
+        self.watching.check()
         if self.ticks is not None and self.ticks < 1:
             raise UsageError(f"--ticks: expected 1 or more, got {self.ticks}")
         if not 0 <= self.fifo <= 99:
@@ -108,8 +123,9 @@ class RunCommand:
     ) -> "Summary":
         from reflexarc_runtime.loop import realtime
         from reflexarc_runtime.loop.inbox import Inbox
-        from reflexarc_runtime.loop.node import Node, Outlets
-        from reflexarc_runtime.messages.topics import COMMAND, RUNTIME_NODE, STATUS, TICK
+        from reflexarc_runtime.loop.node import Node
+        from reflexarc_runtime.loop.outlets import Outlets
+        from reflexarc_runtime.messages.topics import COMMAND, STATUS, TICK
 
         inbox, command = Inbox(), bus.publisher(COMMAND)
         outlets = Outlets(command, bus.publisher(TICK), bus.publisher(STATUS))
@@ -118,21 +134,28 @@ class RunCommand:
         if self.lockstep:
             self._wait_for_body(command, stop)
         bus.subscribe([controller.sense.topic], inbox.put)
-        bus.announce(RUNTIME_NODE)
-        said = "; ".join(realtime.prepare(self.fifo))
-        aside.print(f"reflexarc run: {self.policy} on {self.backend}; {said}")
-        node = Node(
-            controller,
-            self._pacer(policy.contract.rate_hz, inbox),
-            outlets,
-            sink=sink,
-            robot=self.joining.robot,
-            run_id=run_id,
-            sender=bus.sender,
-            overflows=lambda: inbox.overflows,
-            guard=self.guarding.state,
+        robot, lockstep = self.joining.robot, self.lockstep
+        watching = self.watching.watch(
+            bus, inbox, policy, robot=robot, run_id=run_id, lockstep=lockstep
         )
-        return node.run(stop, self.ticks)
+        said = "; ".join(realtime.prepare(self.fifo))  # the watchdog's thread inherits it
+        with watching as watch:
+            aside.print(
+                f"reflexarc run: {self.policy} on {self.backend}; {said}; watchdog {watch.state}"
+            )
+            node = Node(
+                controller,
+                self._pacer(policy.contract.rate_hz, inbox),
+                outlets,
+                sink=sink,
+                robot=robot,
+                run_id=run_id,
+                sender=bus.sender,
+                overflows=lambda: inbox.overflows,
+                watch=watch,
+                guard=self.guarding.state,
+            )
+            return node.run(stop, self.ticks)
 
     def _pacer(self, rate_hz: float, inbox: "Inbox") -> "Pacer":
         from reflexarc_runtime.loop.clock import MonotonicClock

@@ -1,0 +1,86 @@
+"""The flags of a loop's watchdog, and the watchdog that they ask for."""
+
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from reflexarc_runtime.errors import UsageError
+
+if TYPE_CHECKING:
+    from reflexarc_runtime.bus import Bus
+    from reflexarc_runtime.contract.contract import PolicyContract
+    from reflexarc_runtime.loop.inbox import Inbox
+    from reflexarc_runtime.loop.loop_watchdog import Budget
+    from reflexarc_runtime.loop.watch import Watch
+    from reflexarc_runtime.policy.policy import LoadedPolicy
+
+LEAST_PROCESS_S = 0.5
+"""The kernel ends no process sooner: machines oversleep by tens of milliseconds."""
+
+
+@dataclass(frozen=True)
+class Watching:
+    """How late the loop may be, and whether anyone looks. In lockstep nobody does."""
+
+    watchdog_ms: float | None = None
+    """How late a tick may be before the watchdog stops the body in its place; by default half of
+    the age at which an input is stale."""
+    no_watchdog: bool = False
+    """Start no watchdog: a loop that hangs is noticed by the body alone."""
+
+    def check(self) -> None:
+        """Check the flags.
+
+        Raises:
+            UsageError: no such budget.
+        """
+        if self.watchdog_ms is not None and not 1.0 <= self.watchdog_ms <= 10_000.0:
+            raise UsageError(f"--watchdog-ms: expected 1 to 10000, got {self.watchdog_ms:g}")
+
+    def watch(
+        self,
+        bus: "Bus",
+        inbox: "Inbox",
+        policy: "LoadedPolicy",
+        *,
+        robot: str,
+        run_id: str,
+        lockstep: bool,
+    ) -> "AbstractContextManager[Watch]":
+        """Announce the runtime, and watch its loop inside this context."""
+        from reflexarc_runtime.loop.clock import MonotonicClock
+        from reflexarc_runtime.loop.loop_watchdog import LoopWatchdog
+        from reflexarc_runtime.loop.stand_in import OwnOutlets, StandIn
+        from reflexarc_runtime.loop.watch import NoWatch
+        from reflexarc_runtime.messages.topics import COMMAND, OVERRUN, RUNTIME_NODE, STATUS
+
+        announcement = bus.announce(RUNTIME_NODE)
+        if self.no_watchdog or lockstep:
+            return nullcontext(NoWatch())
+        stand_in = StandIn(
+            OwnOutlets(bus.publisher(COMMAND), bus.publisher(OVERRUN), bus.publisher(STATUS)),
+            policy.contract.safe_command,
+            robot=robot,
+            sender=bus.sender,
+            run_id=run_id,
+            policy_hash=policy.policy_hash,
+        )
+        return LoopWatchdog(
+            self.budget(policy.contract),
+            MonotonicClock().now_ns,
+            inbox,
+            stand_in,
+            announcement,
+            policy.end_decision,
+        )
+
+    def budget(self, contract: "PolicyContract") -> "Budget":
+        """How late a loop of this contract may be."""
+        from reflexarc_runtime.loop.loop_watchdog import Budget
+
+        tick_s = contract.max_input_age_s / 2
+        if self.watchdog_ms is not None:
+            tick_s = self.watchdog_ms / 1e3
+        period_s = 1.0 / contract.rate_hz
+        process_s = period_s + max(LEAST_PROCESS_S, 2 * contract.max_input_age_s, 4 * tick_s)
+        return Budget(round(tick_s * 1e9), round(period_s * 1e9), process_s)

@@ -1,0 +1,152 @@
+"""Tries a policy file in a process of its own before the loop loads it.
+
+A policy may hang while it is loaded, or while its golden vectors are computed, in code that listens
+to nobody; or take more memory than there is. A process can be ended: `trial_process` is that one.
+It also measures how long a decision takes: one retina at a time, the golden ones in turn, the
+median.
+"""
+
+import json
+import subprocess
+import sys
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Self
+
+from reflexarc_runtime.errors import PolicyError
+
+if TYPE_CHECKING:  # this module is to be loaded quickly: the policy's libraries load beside it
+    from reflexarc_runtime.policy.policy import LoadedPolicy
+
+LOADING_S = 5.0
+"""How long a policy may take to be loaded, checked and measured."""
+STARTING_S = 60.0
+"""How long a new process may take until it has loaded its modules, on a slow or busy machine."""
+MEMORY_BYTES = 4 << 30
+"""Address space that the policy may take beyond that of the process without one."""
+
+DECISIONS = 24
+"""How many decisions are measured, at most."""
+READY = "ready"
+"""What the process says when it has loaded its own modules."""
+
+_PROCESS = "reflexarc_runtime.loop.trial_process"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What a trial found out."""
+
+    policy_hash: str
+    decision_ns: int
+    """Median time of a decision."""
+
+
+class Trial:
+    """A trial that goes on in the background; a context manager, which ends its process.
+
+    Args:
+        path: the policy file.
+        backend: what shall compute it.
+        loading_s: how long that may take.
+    """
+
+    def __init__(self, path: Path, backend: str, loading_s: float = LOADING_S) -> None:
+        self._path = path
+        self._loading_s = loading_s
+        words = [sys.executable, "-P", "-m", _PROCESS, str(path), backend]
+        self._process = subprocess.Popen(
+            words,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+        )
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._process.kill()
+        self._process.wait()
+        if self._process.stdout is not None:
+            self._process.stdout.close()
+
+    def finding(self) -> Finding:
+        """Wait for the end.
+
+        Raises:
+            PolicyError: the policy is refused, hangs, or breaks the process.
+        """
+        assert self._process.stdout is not None
+        with _ended_after(STARTING_S, self._process.kill):
+            self._process.stdout.readline()  # it is ready
+        with _ended_after(self._loading_s, self._process.kill) as is_late:
+            said, _ = self._process.communicate()
+        if is_late():
+            raise PolicyError(
+                f"{self._path}: expected a policy that loads and decides within "
+                f"{self._loading_s:g} s, got none: it hangs, or is too large for this machine"
+            )
+        return self._read(said)
+
+    def _read(self, said: str) -> Finding:
+        try:
+            answer = json.loads(said)
+        except ValueError:
+            raise PolicyError(
+                f"{self._path}: the process that tried it broke (status "
+                f"{self._process.returncode}): it is damaged, or wants more than "
+                f"{MEMORY_BYTES >> 30} GiB"
+            ) from None
+        if "error" in answer:
+            raise PolicyError(answer["error"])
+        return Finding(**answer)
+
+
+def check_fits(finding: Finding, policy: "LoadedPolicy", *, in_real_time: bool = True) -> None:
+    """Check that it is the policy that was tried, and that it decides within its period.
+
+    In lockstep a period may take as long as it likes.
+
+    Raises:
+        PolicyError: it is not, or does not.
+    """
+    if finding.policy_hash != policy.policy_hash:
+        raise PolicyError("the policy file changed while it was loaded; start again")
+    rate_hz = policy.contract.rate_hz
+    if in_real_time and finding.decision_ns > 1e9 / rate_hz:
+        raise PolicyError(
+            f"expected a decision within {1e3 / rate_hz:g} ms, the period at {rate_hz:g} Hz; got "
+            f"{finding.decision_ns / 1e6:.1f} ms (median of {DECISIONS} on this machine); use a "
+            "smaller network, another --backend, or a lower rate"
+        )
+
+
+class _ended_after:  # noqa: N801  # read as a phrase
+    """A context that calls `end` if it lasts longer than a time; its value tells whether it did."""
+
+    def __init__(self, seconds: float, end: Callable[[], None]) -> None:
+        self._late = False
+        self._end = end
+        self._timer = threading.Timer(seconds, self._expire)
+        self._timer.daemon = True
+
+    def __enter__(self) -> Callable[[], bool]:
+        self._timer.start()
+        return lambda: self._late
+
+    def __exit__(self, *_: object) -> None:
+        self._timer.cancel()
+
+    def _expire(self) -> None:
+        self._late = True
+        self._end()

@@ -1,0 +1,79 @@
+"""The process that tries a policy file: see `trial`.
+
+    python -m reflexarc_runtime.loop.trial_process POLICY BACKEND
+
+It prints `ready` when it has loaded its own modules, then one JSON object.
+"""
+
+import json
+import resource
+import signal
+import sys
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import asdict
+from pathlib import Path
+from statistics import median
+
+import numpy as np
+
+from reflexarc_runtime.errors import ReflexarcError
+from reflexarc_runtime.loop.clock import MonotonicClock
+from reflexarc_runtime.loop.trial import DECISIONS, MEMORY_BYTES, READY, Finding
+from reflexarc_runtime.policy.golden_check import start_of
+from reflexarc_runtime.policy.policy import LoadedPolicy, load_policy
+
+UNTIMED = 4
+"""Decisions before the first one that is measured."""
+LONGEST_NS = 1_000_000_000
+"""After this time no further decision is measured."""
+ALONE_S = 60
+"""The kernel ends this process after so long, whatever became of the one that started it."""
+
+
+def main(path: Path, backend: str) -> None:
+    """Try a policy and print what was found."""
+    signal.alarm(ALONE_S)
+    _limit_memory()
+    print(READY, flush=True)
+    print(json.dumps(_try(path, backend)))
+
+
+def measure(policy: LoadedPolicy, now_ns: Callable[[], int]) -> int:
+    """Median time of a decision, nanoseconds: a batch of one, after a warm-up."""
+    golden = policy.contract.golden.retinas
+    stacks = [
+        np.array(retina, np.uint8).reshape(1, *policy.contract.retina.stack_shape)
+        for retina in golden
+    ]
+    memory = start_of(policy.contract, 1)
+    times_ns: list[int] = []
+    while len(times_ns) < UNTIMED + DECISIONS and (
+        len(times_ns) <= UNTIMED or sum(times_ns) < LONGEST_NS
+    ):
+        began_ns = now_ns()
+        policy.graph.run(stacks[len(times_ns) % len(stacks)], memory)
+        times_ns.append(now_ns() - began_ns)
+    return round(median(times_ns[UNTIMED:]))
+
+
+def _limit_memory() -> None:
+    """Limit the address space to what the process has and `MEMORY_BYTES` more, where it can be."""
+    with suppress(OSError, ValueError):
+        pages = int(Path("/proc/self/statm").read_text().split()[0])
+        limit = pages * resource.getpagesize() + MEMORY_BYTES
+        resource.setrlimit(resource.RLIMIT_AS, (limit, resource.getrlimit(resource.RLIMIT_AS)[1]))
+
+
+def _try(path: Path, backend: str) -> dict[str, str | int]:
+    try:
+        policy = load_policy(path, backend, bounds=None)
+        return asdict(Finding(policy.policy_hash, measure(policy, MonotonicClock().now_ns)))
+    except ReflexarcError as error:
+        return {"error": str(error)}
+    except MemoryError:
+        return {"error": f"{path}: wants more than {MEMORY_BYTES >> 30} GiB of memory"}
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), sys.argv[2])

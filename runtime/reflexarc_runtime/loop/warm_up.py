@@ -1,0 +1,54 @@
+"""Does once, before the first tick, whatever a tick may do for the first time.
+
+Libraries import modules and open files when they are first used. In the loop that takes time, and
+where no file can be opened it fails; so it happens here. Nothing of it is sent or recorded.
+"""
+
+import contextlib
+
+import numpy as np
+
+from reflexarc_runtime.controller import Controller, Inputs, State
+from reflexarc_runtime.decision import Timing
+from reflexarc_runtime.loop.monitor import Monitor
+from reflexarc_runtime.messages.codec import Status, encode_command, encode_status, encode_tick
+from reflexarc_runtime.messages.controls import encode_overrun, encode_stop
+from reflexarc_runtime.messages.topics import OVERRUN, RESET, STOP
+from reflexarc_runtime.messages.wire import Message, protobuf_encoding
+
+_NO_TIME = Timing(0, 0, 0, 0, 0, 0)
+
+
+def warm_up(controller: Controller) -> None:
+    """Decide, judge good and bad messages, encode one of each message, compute percentiles."""
+    with contextlib.suppress(Exception):  # what fails here has its verdict in the loop
+        _decide_on_darkness(controller)
+    topics = (controller.sense.topic, OVERRUN, RESET, STOP)
+    bad = tuple(Message(topic.name, b"\xff", "", b"", 0) for topic in topics)
+    controls = (
+        _message(OVERRUN.name, encode_overrun(0, 0), OVERRUN.schema),
+        _message(RESET.name, b"", RESET.schema),
+        _message(STOP.name, encode_stop("warm-up"), STOP.schema),
+    )
+    monitor = Monitor()
+    for messages in ((), bad, controls):
+        _, decision = controller.step(State(), Inputs(messages, 0), 0)
+        encode_tick(decision, _NO_TIME)
+        encode_command(decision.command)
+        monitor.saw(decision, _NO_TIME)
+    verdicts = tuple(monitor.period().verdicts.items())
+    encode_status(Status("", verdicts=verdicts))
+
+
+def _decide_on_darkness(controller: Controller) -> None:
+    contract = controller.contract
+    stack = np.zeros((1, *contract.retina.stack_shape), np.uint8)
+    if contract.state.size:
+        memory = np.array([contract.state.start_value], np.float32)
+        controller.policy.decide(stack, memory)  # type: ignore[call-arg]  # it has a memory
+    else:
+        controller.policy.decide(stack)  # type: ignore[call-arg]  # it has none
+
+
+def _message(name: str, payload: bytes, schema: str) -> Message:
+    return Message(name, payload, protobuf_encoding(schema), b"", 0)

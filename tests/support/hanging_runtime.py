@@ -1,0 +1,72 @@
+"""`reflexarc run` with a fault in its loop: `python -m support.hanging_runtime FAULT run …`.
+
+A policy file cannot hold Python, so the fault is put where the loop asks its policy. It happens
+once, at the decision of a number that is long after the start.
+"""
+
+import sys
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from reflexarc.main import main
+from reflexarc_runtime.policy.policy import LoadedPolicy
+
+AT_DECISION = 60
+"""Number of the decision in which the fault happens."""
+SLOW_S = 0.08
+"""Beyond the watchdog's 50 ms, and less than the age at which an input is stale."""
+
+
+def slow() -> None:
+    """A tick that is late, and then goes on."""
+    time.sleep(SLOW_S)
+
+
+def python() -> None:
+    """Never returns, in Python: other threads run."""
+    while True:
+        pass
+
+
+def numpy() -> None:
+    """Holds the interpreter's lock for a second and more: no other thread runs."""
+    for _ in range(10):
+        np.tile(np.zeros(1 << 14), (1 << 14, 1))
+
+
+class EscapingError(BaseException):
+    """No `Exception`: nothing in the loop catches it."""
+
+
+def escape() -> None:
+    """Ends the loop from within."""
+    raise EscapingError("raised in the loop")
+
+
+FAULTS: dict[str, Callable[[], None]] = {
+    "slow": slow,
+    "python": python,
+    "numpy": numpy,
+    "escape": escape,
+}
+
+
+def harm(fault: Callable[[], None]) -> None:
+    """Make the policy of this process do it once."""
+    decide, asked = LoadedPolicy.decide, [0]
+
+    def harmed(self: LoadedPolicy, *retinas: Any) -> Any:
+        asked[0] += 1
+        if asked[0] == AT_DECISION:
+            fault()
+        return decide(self, *retinas)
+
+    LoadedPolicy.decide = harmed  # type: ignore[method-assign]
+
+
+if __name__ == "__main__":
+    harm(FAULTS[sys.argv[1]])
+    sys.exit(main(sys.argv[2:]))
