@@ -6,11 +6,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reflexarc_runtime.arrays import Retina
+from reflexarc_runtime.contract.body_limits import BodyLimits
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.decision import Command
 from reflexarc_runtime.errors import WorldError
 from reflexarc_runtime.loop.watchdog import Watchdog
-from reflexarc_runtime.messages.body_info import BodyInfo, BodyLimits
+from reflexarc_runtime.messages.body_info import BodyInfo
+from reflexarc_sim_bridge.body.gate.limits import slowed
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.files import parse_world
 from reflexarc_sim_bridge.worlds.world import World
@@ -91,7 +93,7 @@ class Body:
 
     def _can_move_so(self, command: Command) -> bool:
         """Whether no speed exceeds those of the contract's actions; else it is not obeyed."""
-        return self.info.limits is None or self.info.limits.allow(command)
+        return self.info.limits is None or not slowed(command, self.info.limits)[1]
 
     def see(self) -> Retina:
         """The retina now: uint8 (eyes, rays, channels)."""

@@ -6,7 +6,8 @@ from rich.console import Console
 
 from reflexarc.terminal.log_description import describe_log
 from reflexarc_logs.reading.summary import summarise
-from reflexarc_runtime.messages.body_info import BodyInfo, BodyLimits
+from reflexarc_runtime.contract.body_limits import BodyLimits
+from reflexarc_runtime.messages.body_info import BodyInfo
 
 GOLDEN = Path(__file__).parents[2] / "golden"
 DRIVEN = BodyInfo("crossing", 'name = "crossing"', 7, 1, 0.02, BodyLimits(1.0, 0.5, 0.0))

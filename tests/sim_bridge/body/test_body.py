@@ -3,11 +3,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from reflexarc_runtime.contract.body_limits import BodyLimits
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.motion import Action
 from reflexarc_runtime.decision import SAFE_ACTION, Command, Input, Verdict, drive_command
 from reflexarc_runtime.errors import WorldError
-from reflexarc_runtime.messages.body_info import BodyInfo, BodyLimits, decode_body, encode_body
+from reflexarc_runtime.messages.body_info import BodyInfo, decode_body, encode_body
 from reflexarc_sim_bridge.body.body import Body, rebuild
 from reflexarc_sim_bridge.body.foxglove_messages import encode_scene
 from reflexarc_sim_bridge.worlds.files import parse_world, world_named, world_text
