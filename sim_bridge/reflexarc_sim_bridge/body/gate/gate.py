@@ -226,7 +226,8 @@ class Gate:
             armed = self.settings.auto_arm
             return replace(self, armed=armed, stopped="", wanted=None, motion=STANDSTILL)
         if topic is RELEASE:
-            return replace(self, holding=self.holding.released(now_ns), wanted=None)
+            holding = self.holding.released(now_ns, self.settings.silence_ns)
+            return replace(self, holding=holding, wanted=None)
         if self.stopped:
             return self._refuse(Refusal.STOPPED)
         return self if self.armed else replace(self, armed=True, wanted=None)
