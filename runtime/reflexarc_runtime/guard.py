@@ -33,7 +33,7 @@ from reflexarc_runtime.contract.body_spec import Footprint
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.motion import Action
 from reflexarc_runtime.errors import LogError, UsageError
-from reflexarc_runtime.sweep import Floats, Twist, swept_speed_mps, touch_times_s
+from reflexarc_runtime.sweep import Floats, Speeds, swept_speed_mps, touch_times_s
 
 SHARES = (1.0, 0.75, 0.5, 0.25)
 """Shares of a speed that the guard allows. A few steps, so that a robot, a replay on another
@@ -212,12 +212,12 @@ class Guard:
                 best = Answer(action, share)
         return best
 
-    def share(self, twist: Twist, beams: Beams, age_s: float) -> float:
+    def share(self, twist: Speeds, beams: Beams, age_s: float) -> float:
         """The largest of `SHARES` at which a motion's way is free; 0.0: none."""
         way = self._way(twist, age_s)
         return _share(twist, beams.fan, way, self._touch_s(twist, beams, way.limit_m))
 
-    def _touch_s(self, twist: Twist, beams: Beams, limit_m: float) -> float:
+    def _touch_s(self, twist: Speeds, beams: Beams, limit_m: float) -> float:
         """When a motion touches the first thing that is nearer than a limit; +inf: never."""
         near = (~(beams.ranges_m >= limit_m)).nonzero()[0]  # what is no number is near
         if not len(near):
@@ -230,7 +230,7 @@ class Guard:
         columns = [self._column(twist, beams, age_s) for twist in self._twists]
         return np.stack(columns, axis=-1)
 
-    def _column(self, twist: Twist, beams: Beams, age_s: float) -> Floats:
+    def _column(self, twist: Speeds, beams: Beams, age_s: float) -> Floats:
         way, ranges_m, fan = self._way(twist, age_s), beams.ranges_m, beams.fan
         allowed = np.zeros(ranges_m.shape[:-1])
         if not _stays_in_sight(fan, twist, way.full_s):
@@ -243,7 +243,7 @@ class Guard:
             allowed[rows[way.at_share_s(share) <= touched_s]] = share
         return allowed
 
-    def _touched_s(self, ranges_m: Floats, cos: Floats, sin: Floats, twist: Twist) -> Floats:
+    def _touched_s(self, ranges_m: Floats, cos: Floats, sin: Floats, twist: Speeds) -> Floats:
         """When the first of the beams' points is touched: of (…, beams), (…)."""
         known_m = np.fmax(np.minimum(ranges_m, VERY_FAR_M), VERY_NEAR_M)  # NaN is very near
         mine = self.settings
@@ -251,7 +251,7 @@ class Guard:
         first_s: Floats = np.minimum.reduce(times_s, axis=-1)
         return first_s
 
-    def _way(self, twist: Twist, age_s: float) -> "GroundNeeded":
+    def _way(self, twist: Speeds, age_s: float) -> "GroundNeeded":
         mine, outline_m = self.settings, self._outline_m
         speed_mps = swept_speed_mps(mine.footprint, twist)
         braking = mine.deceleration_mps2
@@ -266,7 +266,7 @@ class Guard:
         return self.settings.footprint.reach_m + math.sqrt(2.0) * self.settings.margin_m
 
     @cached_property
-    def _twists(self) -> tuple[Twist, ...]:
+    def _twists(self) -> tuple[Speeds, ...]:
         return tuple((a.linear_mps, a.lateral_mps, a.angular_radps) for a in self.actions)
 
 
@@ -324,14 +324,14 @@ def answers(
     return best, shares[np.arange(len(best)), best]
 
 
-def _share(twist: Twist, fan: Fan, way: GroundNeeded, touched_s: float) -> float:
+def _share(twist: Speeds, fan: Fan, way: GroundNeeded, touched_s: float) -> float:
     """The largest share of a motion that ends before it touches something."""
     if not _stays_in_sight(fan, twist, way.full_s):
         return 0.0
     return next((s for s in SHARES if way.at_share_s(s) <= touched_s), 0.0)
 
 
-def _stays_in_sight(fan: Fan, twist: Twist, full_s: float) -> bool:
+def _stays_in_sight(fan: Fan, twist: Speeds, full_s: float) -> bool:
     """Whether a motion begins and ends in the sector that is seen. A turn on the spot does."""
     linear, lateral, angular = twist
     if linear == lateral == 0.0:

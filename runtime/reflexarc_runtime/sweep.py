@@ -25,7 +25,7 @@ from reflexarc_runtime.contract.body_spec import Footprint
 Floats: TypeAlias = npt.NDArray[np.float64]
 """Numbers of any shape, one a point."""
 
-Twist: TypeAlias = tuple[float, float, float]
+Speeds: TypeAlias = tuple[float, float, float]
 """Linear, lateral and angular speed: m/s, m/s, rad/s."""
 
 STRAIGHT_RADIUS_M = 1e5
@@ -35,7 +35,7 @@ _FULL_TURN = 2.0 * math.pi
 
 
 def touch_times_s(
-    x_m: Floats, y_m: Floats, footprint: Footprint, margin_m: float, twist: Twist
+    x_m: Floats, y_m: Floats, footprint: Footprint, margin_m: float, twist: Speeds
 ) -> Floats:
     """When each point is touched: 0 or less means now, +inf never.
 
@@ -59,7 +59,7 @@ def touch_times_s(
     return (_straight_disc if straight else _turning_disc)(x_m, y_m, reach_m, twist)
 
 
-def swept_speed_mps(footprint: Footprint, twist: Twist) -> float:
+def swept_speed_mps(footprint: Footprint, twist: Speeds) -> float:
     """Speed of the fastest point of the outline: what has to be braked."""
     linear, lateral, angular = twist
     turning = abs(angular) * footprint.reach_m if _is_rectangle(footprint) else 0.0
@@ -70,7 +70,7 @@ def _is_rectangle(footprint: Footprint) -> bool:
     return bool(footprint.ahead_m or footprint.behind_m or footprint.half_width_m)
 
 
-def _straight_disc(x_m: Floats, y_m: Floats, reach_m: float, twist: Twist) -> Floats:
+def _straight_disc(x_m: Floats, y_m: Floats, reach_m: float, twist: Speeds) -> Floats:
     linear, lateral, _ = twist
     speed = math.hypot(linear, lateral)
     ahead_x, ahead_y = linear / speed, lateral / speed
@@ -81,7 +81,7 @@ def _straight_disc(x_m: Floats, y_m: Floats, reach_m: float, twist: Twist) -> Fl
     return np.where((within > 0.0) & (along > 0.0), entry, math.inf)
 
 
-def _turning_disc(x_m: Floats, y_m: Floats, reach_m: float, twist: Twist) -> Floats:
+def _turning_disc(x_m: Floats, y_m: Floats, reach_m: float, twist: Speeds) -> Floats:
     """The centre goes along a circle about c; a point is touched along a part of that circle."""
     linear, lateral, angular = twist
     radius = math.hypot(linear, lateral) / abs(angular)
@@ -107,7 +107,7 @@ def _sides_m(footprint: Footprint, margin_m: float) -> Sides:
     return front, rear, footprint.half_width_m + margin_m
 
 
-def _straight_box(x_m: Floats, y_m: Floats, sides: Sides, twist: Twist) -> Floats:
+def _straight_box(x_m: Floats, y_m: Floats, sides: Sides, twist: Speeds) -> Floats:
     """The span of time within each pair of sides; what is within both is touched."""
     front, rear, side = sides
     enters, leaves = _between(x_m, -rear, front, twist[0])
@@ -125,7 +125,7 @@ def _between(place: Floats, low: float, high: float, speed: float) -> tuple[Floa
     return np.minimum(first, second), np.maximum(first, second)
 
 
-def _turning_box(x_m: Floats, y_m: Floats, sides: Sides, twist: Twist) -> Floats:
+def _turning_box(x_m: Floats, y_m: Floats, sides: Sides, twist: Speeds) -> Floats:
     """In the body's frame a point goes along a circle about c; where that crosses a side."""
     linear, lateral, angular = twist
     centre_x, centre_y = -lateral / angular, linear / angular
@@ -151,7 +151,7 @@ def _turning_box(x_m: Floats, y_m: Floats, sides: Sides, twist: Twist) -> Floats
 
 
 def _leaving_box(
-    x_m: Floats, y_m: Floats, footprint: Footprint, sides: Sides, twist: Twist, reached: Floats
+    x_m: Floats, y_m: Floats, footprint: Footprint, sides: Sides, twist: Speeds, reached: Floats
 ) -> Floats:
     """What lies within the widened outline stops a motion only if the outline comes nearer."""
     front, rear, side = sides

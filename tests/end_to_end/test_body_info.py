@@ -9,7 +9,8 @@ from foxglove_schemas_protobuf.RawImage_pb2 import RawImage
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 
 from reflexarc_logs.reading.reader import Log, read_log
-from reflexarc_runtime.messages.body_info import BodyInfo, BodyLimits, decode_body
+from reflexarc_runtime.contract.body_limits import BodyLimits
+from reflexarc_runtime.messages.body_info import BodyInfo, decode_body
 from reflexarc_runtime.policy.policy import load_policy
 from reflexarc_sim_bridge.body.body import rebuild
 from reflexarc_sim_bridge.body.foxglove_messages import encode_scene

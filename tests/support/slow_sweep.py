@@ -4,12 +4,12 @@ import math
 from collections.abc import Iterable
 
 from reflexarc_runtime.contract.body_spec import Footprint
-from reflexarc_runtime.sweep import Twist
+from reflexarc_runtime.sweep import Speeds
 
 Point = tuple[float, float]
 
 
-def place_at(twist: Twist, time_s: float) -> tuple[float, float, float]:
+def place_at(twist: Speeds, time_s: float) -> tuple[float, float, float]:
     """Where a body is after a time, and which way it looks: x, y, heading."""
     linear, lateral, angular = twist
     turned = angular * time_s
@@ -55,7 +55,7 @@ def first_touch_s(
     points: Iterable[Point],
     footprint: Footprint,
     margin_m: float,
-    twist: Twist,
+    twist: Speeds,
     until_s: float,
     step_s: float,
 ) -> float:

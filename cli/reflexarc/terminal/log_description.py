@@ -9,7 +9,8 @@ from rich.table import Table
 from reflexarc.terminal.output import facts, kibibytes, plain
 from reflexarc_logs.container.run_info import RunInfo
 from reflexarc_logs.reading.summary import LogSummary, TopicSummary
-from reflexarc_runtime.messages.body_info import BodyInfo, BodyLimits
+from reflexarc_runtime.contract.body_limits import BodyLimits
+from reflexarc_runtime.messages.body_info import BodyInfo
 
 NOT_RECORDED = "not recorded"
 

@@ -2,7 +2,7 @@
 
 - `RatePacer`: absolute deadlines on a clock. A slot that was missed is counted and skipped; there
   is never a burst of ticks to catch up.
-- `LockstepPacer`: one tick for each input, at the source time of that input. It reads no clock and
+- `LockstepPacer`: one tick for each sensor message, at its source time. It reads no clock and
   does not sleep: the same inputs give the same ticks on any machine under any load.
 """
 
@@ -98,24 +98,31 @@ class RatePacer:
 
 
 class LockstepPacer:
-    """One tick for each input, at the source time of that input."""
+    """One tick for each sensor message, at its source time.
+
+    A stop or a reset makes no tick of its own, and no time: it comes with the next sensor message,
+    so that the command of message n stays command n.
+    """
 
     def __init__(self, inbox: Inbox) -> None:
         self._inbox = inbox
+        self._controls: list[Message] = []
         self._slot = 0
         self._time_ns = 0
-        self._controls: list[Message] = []
 
     def wait(self, should_stop: Callable[[], bool]) -> Wakeup | None:
         """See `Pacer.wait`."""
         while not should_stop():
             message = self._inbox.take(LOCKSTEP_PATIENCE_S)
-            if message is not None and topic_of(message.key) in CONTROLS:
-                self._controls.append(message)
-            elif message is not None:
-                arrived = at_source_time(message, self._time_ns)
-                self._time_ns = arrived.received_ns
-                return self._wake((arrived,))
+            if message is None:
+                continue
+            if topic_of(message.key) in CONTROLS:
+                self._controls.append(replace(message, received_ns=self._time_ns))
+                continue
+            arrived = at_source_time(message, self._time_ns)
+            self._time_ns = arrived.received_ns
+            controls, self._controls = self._controls, []
+            return self._wake((*controls, arrived))
         return None
 
     def farewell(self) -> Wakeup:
@@ -129,7 +136,4 @@ class LockstepPacer:
     def _wake(self, messages: tuple[Message, ...]) -> Wakeup:
         self._slot += 1
         time_ns = self._time_ns
-        # A stop is no slot, and whoever says it has no part in the time: it joins this tick.
-        controls = tuple(replace(message, received_ns=time_ns) for message in self._controls)
-        self._controls.clear()
-        return Wakeup(self._slot, time_ns, time_ns, time_ns, (*controls, *messages), 0)
+        return Wakeup(self._slot, time_ns, time_ns, time_ns, messages, 0)

@@ -5,29 +5,13 @@ one world and one place in it, to the bit.
 """
 
 import math
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 
 from google.protobuf.message import DecodeError
 
 from reflexarc_runtime import messages_pb2 as pb
-from reflexarc_runtime.decision import Command
-
-
-@dataclass(frozen=True, slots=True)
-class BodyLimits:
-    """What a body does at most, whatever it is told; 0: it does not move so at all."""
-
-    linear_mps: float
-    lateral_mps: float
-    angular_radps: float
-
-    def allow(self, command: Command) -> bool:
-        """Whether no speed of a command is beyond them."""
-        return (
-            abs(command.linear_mps) <= self.linear_mps
-            and abs(command.lateral_mps) <= self.lateral_mps
-            and abs(command.angular_radps) <= self.angular_radps
-        )
+from reflexarc_runtime.contract.body_limits import BodyLimits
+from reflexarc_runtime.errors import ContractError
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,9 +51,11 @@ def decode_body(payload: bytes) -> BodyInfo | None:
         message = pb.Body.FromString(payload)
     except DecodeError:
         return None
-    limits = _limits_of(message.limits) if message.HasField("limits") else None
-    numbers = (message.step_s, *(astuple(limits) if limits else ()))
-    if not all(0.0 <= number < math.inf for number in numbers):
+    if not 0.0 <= message.step_s < math.inf:
+        return None
+    try:
+        limits = _limits_of(message.limits) if message.HasField("limits") else None
+    except ContractError:
         return None
     return BodyInfo(
         message.world, message.world_text, message.seed, message.number, message.step_s, limits
@@ -77,12 +63,22 @@ def decode_body(payload: bytes) -> BodyInfo | None:
 
 
 def _limits_to_protobuf(limits: BodyLimits) -> pb.BodyLimits:
+    accelerates, expires = limits.acceleration_mps2 < math.inf, limits.valid_for_s < math.inf
     return pb.BodyLimits(
         linear_mps=limits.linear_mps,
         lateral_mps=limits.lateral_mps,
         angular_radps=limits.angular_radps,
+        acceleration_mps2=limits.acceleration_mps2 if accelerates else None,
+        valid_for_ns=limits.valid_for_ns if expires else None,
     )
 
 
 def _limits_of(message: pb.BodyLimits) -> BodyLimits:
-    return BodyLimits(message.linear_mps, message.lateral_mps, message.angular_radps)
+    accelerates, expires = message.HasField("acceleration_mps2"), message.HasField("valid_for_ns")
+    return BodyLimits(
+        message.linear_mps,
+        message.lateral_mps,
+        message.angular_radps,
+        message.acceleration_mps2 if accelerates else math.inf,
+        message.valid_for_ns / 1e9 if expires else math.inf,
+    )

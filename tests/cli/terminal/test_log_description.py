@@ -6,7 +6,8 @@ from rich.console import Console
 
 from reflexarc.terminal.log_description import describe_log
 from reflexarc_logs.reading.summary import summarise
-from reflexarc_runtime.messages.body_info import BodyInfo, BodyLimits
+from reflexarc_runtime.contract.body_limits import BodyLimits
+from reflexarc_runtime.messages.body_info import BodyInfo
 
 GOLDEN = Path(__file__).parents[2] / "golden"
 DRIVEN = BodyInfo("crossing", 'name = "crossing"', 7, 1, 0.02, BodyLimits(1.0, 0.5, 0.0))
@@ -46,7 +47,7 @@ def test_a_person_reads_where_it_was_driven_and_how_fast_it_could(
 def test_a_log_that_does_not_say_where_says_that():
     said = described(GOLDEN / "nominal.mcap", None)
     assert "world not recorded" in said
-    assert "rules version 2 of the controller's" in said
+    assert "rules version 3 of the controller's" in said
 
 
 def test_the_names_of_messages_are_whole_in_80_columns():

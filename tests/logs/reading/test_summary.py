@@ -3,7 +3,8 @@ from pathlib import Path
 
 from reflexarc_logs.reading.summary import LogSummary, summarise
 from reflexarc_logs.recording.recorder import Recorder
-from reflexarc_runtime.messages.body_info import BodyInfo, BodyLimits, encode_body
+from reflexarc_runtime.contract.body_limits import BodyLimits
+from reflexarc_runtime.messages.body_info import BodyInfo, encode_body
 from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp, protobuf_encoding
 from support.recordings import RUN
 

@@ -125,7 +125,7 @@ class RunCommand:
         from reflexarc_runtime.loop.inbox import Inbox
         from reflexarc_runtime.loop.node import Node
         from reflexarc_runtime.loop.outlets import Outlets
-        from reflexarc_runtime.messages.topics import COMMAND, STATUS, TICK
+        from reflexarc_runtime.messages.topics import COMMAND, RESET, STATUS, STOP, TICK
 
         inbox, command = Inbox(), bus.publisher(COMMAND)
         outlets = Outlets(command, bus.publisher(TICK), bus.publisher(STATUS))
@@ -133,7 +133,7 @@ class RunCommand:
         bus.offer_policy(policy.data)
         if self.lockstep:
             self._wait_for_body(command, stop)
-        bus.subscribe([controller.sense.topic], inbox.put)
+        bus.subscribe([controller.sense.topic, STOP, RESET], inbox.put)
         robot, lockstep = self.joining.robot, self.lockstep
         watching = self.watching.watch(
             bus, inbox, policy, robot=robot, run_id=run_id, lockstep=lockstep

@@ -27,9 +27,9 @@ from reflexarc_runtime.messages.body_info import BodyInfo, encode_body
 from reflexarc_runtime.messages.codec import Status, decode_command, encode_status
 from reflexarc_runtime.messages.topics import BODY, BODY_NODE, COMMAND, SCAN, STATUS, Quality
 from reflexarc_runtime.messages.wire import Message
+from reflexarc_sim_bridge.body.gate.limits import Twist
 from reflexarc_sim_bridge.body.ros2.key_expressions import LASER_SCAN, TWIST, TWIST_STAMPED, RosType
 from reflexarc_sim_bridge.body.ros2.messages import (
-    Motion,
     UnusableMessageError,
     decode_scan,
     encode_scan,
@@ -160,13 +160,13 @@ class CommandRelay:
         """Send a standstill."""
         self._send(STANDSTILL, now_ns)
 
-    def _send(self, motion: Motion, now_ns: int) -> None:
+    def _send(self, motion: Twist, now_ns: int) -> None:
         wall_ns = now_ns + self._wall_offset()
         self._publisher.put(self._encode(motion, wall_ns), wall_ns)
         self.twists += 1
         self.standstills += motion is STANDSTILL
 
-    def _encode(self, motion: Motion, wall_ns: int) -> bytes:
+    def _encode(self, motion: Twist, wall_ns: int) -> bytes:
         if self._stamped:
             return encode_twist_stamped(motion, wall_ns, COMMAND_FRAME)
         return encode_twist(motion)
