@@ -1,10 +1,17 @@
-"""Ends a command on SIGINT or SIGTERM: by a flag that its loop looks at, or by an exception."""
+"""Ends a command on a signal: by a flag that its loop looks at, or by an exception.
+
+SIGHUP comes when a terminal is closed or a connection drops; under `nohup` it is ignored, and stays
+so.
+"""
 
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType, TracebackType
 from typing import Any, Self
+
+ENDINGS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
+"""What a person, a supervisor or a terminal that closes sends to end a command."""
 
 
 @contextmanager
@@ -18,7 +25,7 @@ def terminated_as_interrupted() -> Iterator[None]:
 
 
 class StopFlag:
-    """A context manager that catches both signals; calling it tells whether one came."""
+    """A context manager that catches these signals; calling it tells whether one came."""
 
     def __init__(self) -> None:
         self._set = False
@@ -29,8 +36,9 @@ class StopFlag:
         return self._set
 
     def __enter__(self) -> Self:
-        for number in (signal.SIGINT, signal.SIGTERM):
-            self._before[number] = signal.signal(number, self._on_signal)
+        for number in ENDINGS:
+            if signal.getsignal(number) is not signal.SIG_IGN:
+                self._before[number] = signal.signal(number, self._on_signal)
         return self
 
     def __exit__(

@@ -9,7 +9,7 @@ NaN, is unknown (NaN); above `range_max`, or +inf, means that nothing was met (+
 import math
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from foxglove_schemas_protobuf.LaserScan_pb2 import LaserScan
@@ -20,6 +20,7 @@ from reflexarc_runtime.arrays import Ranges
 from reflexarc_runtime.messages.codec import timestamp
 from reflexarc_runtime.messages.wire import MAX_PAYLOAD_BYTES
 from reflexarc_runtime.sensing.retina import Scan
+from reflexarc_sim_bridge.body.gate.limits import Twist
 from reflexarc_sim_bridge.body.ros2.key_expressions import LASER_SCAN, TWIST, TWIST_STAMPED
 
 LITTLE_ENDIAN_CDR = b"\x00\x01"
@@ -33,25 +34,6 @@ _SECOND_NS = 1_000_000_000
 
 class UnusableMessageError(ValueError):
     """A message that is not a usable scan. Its text is one of a few, to be counted by reason."""
-
-
-class Motion(Protocol):
-    """Speeds in the robot's frame: x ahead, y to the left, counter-clockwise."""
-
-    @property
-    def linear_mps(self) -> float:
-        """Ahead."""
-        ...
-
-    @property
-    def lateral_mps(self) -> float:
-        """To the left."""
-        ...
-
-    @property
-    def angular_radps(self) -> float:
-        """Counter-clockwise."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -96,12 +78,12 @@ def encode_scan(scan: RosScan) -> bytes:
     return message.SerializeToString()
 
 
-def encode_twist(motion: Motion) -> bytes:
+def encode_twist(motion: Twist) -> bytes:
     """A motion as `geometry_msgs/Twist`."""
     return bytes(_types().serialize_cdr(_twist(motion), TWIST.name, little_endian=True))
 
 
-def encode_twist_stamped(motion: Motion, stamp_ns: int, frame_id: str) -> bytes:
+def encode_twist_stamped(motion: Twist, stamp_ns: int, frame_id: str) -> bytes:
     """A motion as `geometry_msgs/TwistStamped`."""
     types = _types().types
     seconds, nanoseconds = divmod(stamp_ns, _SECOND_NS)
@@ -151,7 +133,7 @@ def _meaning(ranges_m: Ranges, range_min_m: float, range_max_m: float) -> Ranges
     return np.where(ranges_m < range_min_m, np.nan, seen)
 
 
-def _twist(motion: Motion) -> Any:
+def _twist(motion: Twist) -> Any:
     types = _types().types
     vector = types["geometry_msgs/msg/Vector3"]
     return types[TWIST.name](
