@@ -9,6 +9,12 @@ from rich.table import Table
 
 from reflexarc.commands.demo import DemoCommand
 from reflexarc.commands.drive.camera import CameraCommand
+from reflexarc.commands.drive.operate import (
+    ArmCommand,
+    ReleaseCommand,
+    ResetCommand,
+    StopCommand,
+)
 from reflexarc.commands.drive.ros2 import Ros2Command
 from reflexarc.commands.drive.run import RunCommand
 from reflexarc.commands.drive.sim import SimCommand
@@ -39,7 +45,16 @@ GROUPS: dict[str, tuple[type[CliCommand], ...]] = {
     "Everything in one go": (DemoCommand,),
     "Learn and measure": (TrainCommand, ExportCommand, EvaluateCommand, StudyCommand),
     "Worlds": (WorldsCommand,),
-    "Drive": (SimCommand, Ros2Command, CameraCommand, RunCommand),
+    "Drive": (
+        SimCommand,
+        Ros2Command,
+        CameraCommand,
+        RunCommand,
+        ArmCommand,
+        StopCommand,
+        ResetCommand,
+        ReleaseCommand,
+    ),
     "Logs": (
         RecordCommand,
         PlayCommand,

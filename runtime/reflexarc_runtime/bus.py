@@ -27,7 +27,7 @@ class Publisher:
 
     def __init__(self, publisher: zenoh.Publisher, sender: bytes) -> None:
         self._publisher = publisher
-        self._sender = sender
+        self.sender = sender
         self._sequence = 0
         self.failures = 0
 
@@ -44,7 +44,7 @@ class Publisher:
 
     def put(self, payload: bytes, time_ns: int) -> None:
         """Send a message. A failure of the bus is counted, not raised: it must not end a loop."""
-        stamp = pack_stamp(Stamp(self._sequence, time_ns, self._sender))
+        stamp = pack_stamp(Stamp(self._sequence, time_ns, self.sender))
         self._sequence += 1
         try:
             self._publisher.put(payload, attachment=stamp)

@@ -7,10 +7,10 @@ numbers its sensor messages; so the command of message n is command n. The runti
 
 from collections.abc import Callable
 
-from reflexarc_runtime.decision import Command
 from reflexarc_runtime.errors import BusError
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.messages.codec import decode_command
+from reflexarc_runtime.messages.wire import Message
 
 PATIENCE_S = 10.0
 """How long a body waits for the command of a sensor message before it gives up."""
@@ -35,7 +35,7 @@ def wait_for_runtime(
 def await_command(
     inbox: Inbox,
     sequence: int,
-    hear: Callable[[Command], None],
+    hear: Callable[[Message], None],
     should_stop: Callable[[], bool],
 ) -> None:
     """Wait for the command of a sensor message.
@@ -43,7 +43,7 @@ def await_command(
     Args:
         inbox: where the bus delivers the commands.
         sequence: number of the sensor message.
-        hear: called with every command that comes, up to the one that is waited for.
+        hear: called with every message that comes, up to the command that is waited for.
         should_stop: whether to wait no longer.
 
     Raises:
@@ -52,12 +52,13 @@ def await_command(
     waited_s = 0.0
     while not should_stop():
         message = inbox.take(_POLL_S)
-        command = None if message is None else decode_command(message.payload)
-        if command is not None:
-            hear(command)
-            if command.sequence == sequence:
+        if message is None:
+            waited_s += _POLL_S
+        else:
+            hear(message)
+            command = decode_command(message.payload)
+            if command is not None and command.sequence == sequence:
                 return
-        waited_s += _POLL_S if message is None else 0.0
         if waited_s > PATIENCE_S:
             raise BusError(
                 f"lockstep: no command for sensor message {sequence} within {PATIENCE_S:g} s; "

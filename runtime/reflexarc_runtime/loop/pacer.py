@@ -2,16 +2,17 @@
 
 - `RatePacer`: absolute deadlines on a clock. A slot that was missed is counted and skipped; there
   is never a burst of ticks to catch up.
-- `LockstepPacer`: one tick for each input, at the source time of that input. It reads no clock and
+- `LockstepPacer`: one tick for each sensor message, at its source time. It reads no clock and
   does not sleep: the same inputs give the same ticks on any machine under any load.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 from reflexarc_runtime.loop.clock import Clock
 from reflexarc_runtime.loop.inbox import Inbox
+from reflexarc_runtime.messages.topics import CONTROLS, topic_of
 from reflexarc_runtime.messages.wire import Message, at_source_time
 
 PATIENCE_NS = 200_000_000
@@ -97,10 +98,15 @@ class RatePacer:
 
 
 class LockstepPacer:
-    """One tick for each input, at the source time of that input."""
+    """One tick for each sensor message, at its source time.
+
+    A stop or a reset makes no tick of its own, and no time: it comes with the next sensor message,
+    so that the command of message n stays command n.
+    """
 
     def __init__(self, inbox: Inbox) -> None:
         self._inbox = inbox
+        self._controls: list[Message] = []
         self._slot = 0
         self._time_ns = 0
 
@@ -108,10 +114,15 @@ class LockstepPacer:
         """See `Pacer.wait`."""
         while not should_stop():
             message = self._inbox.take(LOCKSTEP_PATIENCE_S)
-            if message is not None:
-                arrived = at_source_time(message, self._time_ns)
-                self._time_ns = arrived.received_ns
-                return self._wake((arrived,))
+            if message is None:
+                continue
+            if topic_of(message.key) in CONTROLS:
+                self._controls.append(replace(message, received_ns=self._time_ns))
+                continue
+            arrived = at_source_time(message, self._time_ns)
+            self._time_ns = arrived.received_ns
+            controls, self._controls = self._controls, []
+            return self._wake((*controls, arrived))
         return None
 
     def farewell(self) -> Wakeup:

@@ -1,4 +1,7 @@
-"""A simulated robot in a world, with a watchdog of its own. It uses neither bus nor clock."""
+"""A simulated robot in a world: it sees, and moves as it is told. It uses neither bus nor clock.
+
+What it is told went through a gate before (`gate/`): whom to obey is not asked here.
+"""
 
 import math
 from dataclasses import dataclass, replace
@@ -8,11 +11,9 @@ import numpy as np
 from reflexarc_runtime.arrays import Retina
 from reflexarc_runtime.contract.body_limits import BodyLimits
 from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_runtime.decision import Command
 from reflexarc_runtime.errors import WorldError
-from reflexarc_runtime.loop.watchdog import Watchdog
 from reflexarc_runtime.messages.body_info import BodyInfo
-from reflexarc_sim_bridge.body.gate.limits import slowed
+from reflexarc_sim_bridge.body.gate.limits import Motion, Twist
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.files import parse_world
 from reflexarc_sim_bridge.worlds.world import World
@@ -32,7 +33,7 @@ class BodyPose:
 
 
 class Body:
-    """A robot with the eye of a contract, which moves by the commands that it gets.
+    """A robot with the eye of a contract.
 
     Args:
         world: the world that it drives in.
@@ -59,7 +60,14 @@ class Body:
         step_s = 1.0 / rate_hz
         _check_speed(contract, step_s)
         self.contract = contract
-        self.info = BodyInfo(world.name, world_text, seed, number, step_s, _limits_of(contract))
+        self.info = BodyInfo(
+            world.name,
+            world_text,
+            seed,
+            number,
+            step_s,
+            _limits_of(contract).narrowed(world.limits),
+        )
         self.simulation = Simulation(
             replace(world, dt_s=step_s),
             contract,
@@ -67,33 +75,31 @@ class Body:
             lanes=np.array([number], np.uint64),
         )
         self.contacts = 0
-        self._watchdog = Watchdog(contract.safe_command)
 
-    def hear(self, command: Command) -> None:
-        """Take a command; the newest counts."""
-        self._watchdog = self._watchdog.heard(command)
+    @property
+    def limits(self) -> BodyLimits:
+        """What it does at most: the world's limits, and the fastest of its contract's actions."""
+        assert self.info.limits is not None
+        return self.info.limits
 
-    def move(self, now_ns: int) -> BodyPose | None:
-        """Move for one period by the command that still holds, else by the safe command.
+    @property
+    def safe(self) -> Motion:
+        """What it does with nothing to obey: the safe command of its contract."""
+        action = self.contract.safe_command
+        return Motion(action.linear_mps, action.lateral_mps, action.angular_radps)
+
+    def move(self, motion: Twist) -> BodyPose | None:
+        """Move for one period.
 
         Returns:
             Where a collision began, to within the sideways motion of one step; None without a
             collision. After one the robot stands elsewhere.
         """
         before = self.place
-        command = self._watchdog.obeyed(now_ns)
-        # A safe command that was received never expires, so its speeds are not used: the body moves
-        # by the safe command of its own contract.
-        drives = command is not None and not command.is_safe and self._can_move_so(command)
-        motion = command if command is not None and drives else self.contract.safe_command
         if not self.simulation.drive(motion.linear_mps, motion.lateral_mps, motion.angular_radps):
             return None
         self.contacts += 1
         return replace(before, x_m=self.place.x_m)
-
-    def _can_move_so(self, command: Command) -> bool:
-        """Whether no speed exceeds those of the contract's actions; else it is not obeyed."""
-        return self.info.limits is None or not slowed(command, self.info.limits)[1]
 
     def see(self) -> Retina:
         """The retina now: uint8 (eyes, rays, channels)."""

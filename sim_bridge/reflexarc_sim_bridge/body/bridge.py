@@ -1,12 +1,13 @@
 """The bridge between a body and the bus, in real time or in lockstep.
 
-In real time the body moves at its own rate, obeys a command while it is valid, and publishes what
-it sees, without waiting. In lockstep it waits for the command of each retina, and time is counted
-in steps: the same drive on any machine, under any load.
+In real time the body moves at its own rate, does what its gate lets through, and publishes what it
+sees, without waiting. In lockstep it waits for the command of each retina, and time is counted in
+steps: the same drive on any machine, under any load.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
 from reflexarc_runtime.loop.inbox import Inbox
@@ -16,7 +17,6 @@ from reflexarc_runtime.loop.throttle import Throttle
 from reflexarc_runtime.messages.body_info import encode_body
 from reflexarc_runtime.messages.codec import (
     Status,
-    decode_command,
     encode_contact,
     encode_retina,
     encode_status,
@@ -26,6 +26,7 @@ from reflexarc_runtime.messages.topics import (
     BODY_NODE,
     COMMAND,
     CONTACT,
+    LEASE,
     POSE,
     RETINA,
     RUNTIME_NODE,
@@ -34,16 +35,19 @@ from reflexarc_runtime.messages.topics import (
     TRANSFORM,
     Topic,
 )
+from reflexarc_runtime.messages.wire import Message
 from reflexarc_sim_bridge.body.body import Body, BodyPose
 from reflexarc_sim_bridge.body.faults.delayed_sender import DelayedSender
 from reflexarc_sim_bridge.body.faults.faulty_stream import Sending
 from reflexarc_sim_bridge.body.faults.script import FaultScript
 from reflexarc_sim_bridge.body.foxglove_messages import encode_pose, encode_scene, encode_transform
+from reflexarc_sim_bridge.body.gate.gate import HEARD, Account, Gate, GateSettings, encode_lease
+from reflexarc_sim_bridge.body.latch import StopLatch
 
 if TYPE_CHECKING:
     from reflexarc_runtime.bus import Bus
 
-_PUBLISHED = (RETINA, POSE, TRANSFORM, SCENE, CONTACT, BODY, STATUS)
+_PUBLISHED = (RETINA, POSE, TRANSFORM, SCENE, CONTACT, BODY, STATUS, LEASE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,8 +59,30 @@ class Journey:
     distance_m: float
 
 
+def gate_settings(body: Body, *, auto_arm: bool, lockstep: bool = False) -> GateSettings:
+    """What a simulated body decides for itself: by its world, and by the eye that it was built for.
+
+    Args:
+        body: the robot.
+        auto_arm: whether it is armed without being asked.
+        lockstep: whether time is counted in steps.
+    """
+    return GateSettings(
+        max_input_age_s=body.contract.max_input_age_s,
+        limits=body.limits,
+        auto_arm=auto_arm,
+        lockstep=lockstep,
+        safe=body.safe,
+    )
+
+
 class RetinaOutlet(Protocol):
     """Publishes retinas."""
+
+    @property
+    def sender(self) -> bytes:
+        """The identifier that they carry: commands must repeat it."""
+        ...
 
     def put(self, payload: bytes, time_ns: int) -> None:
         """Publish a retina that was seen at `time_ns`; never blocks."""
@@ -80,19 +106,26 @@ class StatePublisher:
         self, bus: "Bus", body: Body, robot: str, retinas: RetinaOutlet | None = None
     ) -> None:
         self._publishers = {topic: bus.publisher(topic) for topic in _PUBLISHED}
-        self._retinas = retinas or self._publishers[RETINA]
+        self._retinas = self._publishers[RETINA] if retinas is None else retinas
         self._body = body
         self._robot = robot
         self._info = encode_body(body.info)
         self._steps = 0
         self._every_second = Throttle()
+        self._said_lease: tuple[bytes, int, bool, str] | None = None
 
     def has_listener(self, topic: Topic) -> bool:
         """Whether anyone listens to a topic."""
         return self._publishers[topic].has_listener
 
-    def publish(self, contact: BodyPose | None, now_ns: int) -> None:
-        """Publish the state of the body: the retina first, because the runtime waits for it."""
+    def publish(self, contact: BodyPose | None, account: Account, now_ns: int) -> None:
+        """Publish the state of the body: the retina first, because the runtime waits for it.
+
+        Args:
+            contact: where a collision began; None without one.
+            account: whom the body obeys, and what it refused.
+            now_ns: time of the state.
+        """
         retina = encode_retina(self._body.see(), self._body.contract.retina, now_ns, self._robot)
         self._retinas.put(retina, now_ns)
         place = self._body.place
@@ -102,54 +135,72 @@ class StatePublisher:
             payload = encode_contact(self._body.contacts, contact.x_m, contact.y_m, now_ns)
             self._publishers[CONTACT].put(payload, now_ns)
         self._steps += 1
-        self._publish_every_second(now_ns)
+        is_due = self._every_second.is_due(now_ns)
+        if is_due or account.news != self._said_lease:
+            self._said_lease = account.news
+            self._publishers[LEASE].put(encode_lease(account), now_ns)
+        if is_due:
+            self._publish_every_second(account, now_ns)
 
-    def _publish_every_second(self, now_ns: int) -> None:
-        if not self._every_second.is_due(now_ns):
-            return
+    def _publish_every_second(self, account: Account, now_ns: int) -> None:
         # Again and again: a recorder that joins later shall know where it is, too.
         self._publishers[BODY].put(self._info, now_ns)
         near = self._body.simulation.outlines_near(0)
         self._publishers[SCENE].put(encode_scene(near, now_ns), now_ns)
-        status = Status(node=BODY_NODE, ticks=self._steps)
+        status = Status(node=BODY_NODE, ticks=self._steps, verdicts=account.refused)
         self._publishers[STATUS].put(encode_status(status), now_ns)
 
 
 class Bridge:
-    """Connects a body to the bus.
+    """Connects a body to the bus, with a gate between the two.
 
     Args:
-        bus: an open session.
+        bus: an open session; its sender is the body's identifier, which drive commands repeat.
         body: the robot.
         robot: first part of every key.
         inbox: where the bus delivers the commands.
+        settings: what the body decides for itself.
         retinas: where the retinas go; straight to the bus by default.
+        latch: keeps a stop that outlives the body; without one, a stop ends with it.
     """
 
     def __init__(
-        self, bus: "Bus", body: Body, robot: str, inbox: Inbox, retinas: RetinaOutlet | None = None
+        self,
+        bus: "Bus",
+        body: Body,
+        robot: str,
+        inbox: Inbox,
+        settings: GateSettings,
+        retinas: RetinaOutlet | None = None,
+        latch: StopLatch | None = None,
     ) -> None:
         self._bus = bus
         self._body = body
         self._inbox = inbox
+        # A flood of commands must not push a stop out of a full inbox.
+        self._controls = Inbox()
+        self._latch = latch
+        self._retinas = retinas
+        self._gate = Gate.closed(bus.sender, settings, latch.stopped if latch else "")
         self._publisher = StatePublisher(bus, body, robot, retinas)
         bus.subscribe([COMMAND], inbox.put)
+        bus.subscribe([topic for topic in HEARD if topic is not COMMAND], self._controls.put)
         bus.announce(BODY_NODE)
 
     def drive(
         self, pacer: RatePacer, should_stop: Callable[[], bool], steps: int | None = None
     ) -> Journey:
         """Drive in real time, until asked to stop or for a number of steps."""
-        done = 0
+        done, before_ns = 0, pacer.now_ns()
         while steps is None or done < steps:
             wakeup = pacer.wait(should_stop)
             if wakeup is None:
                 break
             for message in wakeup.messages:
-                command = decode_command(message.payload)
-                if command is not None:
-                    self._body.hear(command)
-            self._publisher.publish(self._body.move(wakeup.now_ns), wakeup.now_ns)
+                self._gate = self._gate.hear(message, message.received_ns)
+            contact = self._move(wakeup.now_ns, (wakeup.now_ns - before_ns) / 1e9)
+            self._publisher.publish(contact, self._gate.lease, wakeup.now_ns)
+            before_ns = wakeup.now_ns
             done += 1
         return self._journey(done)
 
@@ -165,11 +216,25 @@ class Bridge:
         done, contact = 0, None
         while not should_stop() and (steps is None or done < steps):
             now_ns = done * period_ns
-            self._publisher.publish(contact, now_ns)
-            await_command(self._inbox, done, self._body.hear, should_stop)
-            contact = self._body.move(now_ns)
+            self._publisher.publish(contact, self._gate.lease, now_ns)
+            await_command(self._inbox, done, partial(self._hear, now_ns), should_stop)
+            contact = self._move(now_ns, period_ns / 1e9)
             done += 1
         return self._journey(done)
+
+    def _hear(self, now_ns: int, message: Message) -> None:
+        self._gate = self._gate.hear(message, now_ns)
+
+    def _move(self, now_ns: int, dt_s: float) -> BodyPose | None:
+        """Take what operators said, then do what the gate lets through."""
+        if self._retinas is not None:
+            self._gate = self._gate.renamed(self._retinas.sender)
+        for message in self._controls.drain(lambda: now_ns)[0]:
+            self._hear(now_ns, message)
+        if self._latch is not None:
+            self._latch.keep(self._gate.stopped)
+        motion, self._gate = self._gate.obey(now_ns, dt_s)
+        return self._body.move(motion)
 
     def _runtime_is_ready(self) -> bool:
         return self._publisher.has_listener(RETINA) and self._bus.is_alive(RUNTIME_NODE)

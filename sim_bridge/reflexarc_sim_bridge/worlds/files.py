@@ -22,6 +22,9 @@ noise = 0.02
 
 [chassis]
 radius_m = 0.2
+
+[limits]                           # of `reflexarc sim`, whatever it is told
+linear_mps = 1.5
 """
 
 from collections.abc import Iterator, Mapping
@@ -45,8 +48,8 @@ MAX_SEED = (1 << 64) - 1
 _FOLDER = Path(__file__).parent / "shipped"
 _TRIED_SEEDS = 8
 _LONGEST_NAME = 60
-_SHARED = ("scanner", "senses.dead_sectors", "senses.latency_steps")
-"""The eye is the same in all worlds of a family."""
+_SHARED = ("scanner", "senses.dead_sectors", "senses.latency_steps", "limits")
+"""The eye and the limits of the body are the same in all worlds of a family."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Protocol
 
+from reflexarc_runtime.contract.body_limits import BodyLimits
 from reflexarc_sim_bridge.worlds.checks import Span, require, require_within
 from reflexarc_sim_bridge.worlds.grid import CHUNK_M, chunks_across
 from reflexarc_sim_bridge.worlds.layers import Corridor, Gates, Layer, Scatter
@@ -137,6 +138,8 @@ class World:
     """What fills it."""
     senses: Senses = field(default_factory=Senses)
     chassis: Chassis = field(default_factory=Chassis)
+    limits: BodyLimits = field(default_factory=BodyLimits)
+    """What a body on the bus does at most, whatever it is told; training does not ask for them."""
     dt_s: float = 0.1
     """Duration of a step."""
     scanner: Scanner | None = None

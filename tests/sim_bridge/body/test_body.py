@@ -6,56 +6,30 @@ import pytest
 from reflexarc_runtime.contract.body_limits import BodyLimits
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.motion import Action
-from reflexarc_runtime.decision import SAFE_ACTION, Command, Input, Verdict, drive_command
 from reflexarc_runtime.errors import WorldError
 from reflexarc_runtime.messages.body_info import BodyInfo, decode_body, encode_body
 from reflexarc_sim_bridge.body.body import Body, rebuild
 from reflexarc_sim_bridge.body.foxglove_messages import encode_scene
+from reflexarc_sim_bridge.body.gate.limits import STANDSTILL, Motion
 from reflexarc_sim_bridge.worlds.files import parse_world, world_named, world_text
 
 CONTRACT = PolicyContract()
-PERIOD_NS = 20_000_000
 
 
-def moved_m(command: Command, steps: int = 3) -> float:
-    """How far a body goes that hears one command and then lives for some steps."""
-    body = Body(world_named("reference-1"), CONTRACT, 50.0, seed=0)
+def test_a_motion_moves_the_body_and_a_standstill_does_not():
+    body = Body(world_named("reference-1").drawn(0), CONTRACT, 50.0, seed=0)
     begin_m = body.place.x_m
-    body.hear(command)
-    for step in range(1, steps + 1):
-        body.move(step * PERIOD_NS)
-    return body.place.x_m - begin_m
-
-
-def test_a_drive_command_moves_the_body_ahead():
-    command = drive_command(0, 0, CONTRACT.actions[0], Input(0, 0, 0, 0), 10 * PERIOD_NS)
-    assert moved_m(command) > 0.05
-
-
-def test_a_drive_command_moves_it_no_longer_than_it_is_valid():
-    command = drive_command(0, 0, CONTRACT.actions[0], Input(0, 0, 0, 0), 3 * PERIOD_NS)
-    assert moved_m(command, steps=20) == moved_m(command, steps=2) > 0.0
-
-
-def test_a_command_without_an_echo_moves_nothing_whatever_speeds_it_names():
-    for verdict in Verdict:
-        assert moved_m(Command(0, SAFE_ACTION, verdict, 1.0, 0.0, 0.0)) == 0.0
+    body.move(STANDSTILL)
+    assert body.place.x_m == begin_m
+    body.move(Motion(1.0))
+    assert body.place.x_m - begin_m == pytest.approx(0.02)
 
 
 def test_a_contact_is_said_to_be_where_it_began_and_not_where_the_body_goes_on():
     body = Body(world_named("reference-1"), CONTRACT, 50.0, seed=0)
-    for step in range(1, 2000):
-        body.hear(
-            drive_command(
-                0,
-                step * PERIOD_NS,
-                CONTRACT.actions[0],
-                Input(step, step * PERIOD_NS, 0, 0),
-                10 * PERIOD_NS,
-            )
-        )
+    for _ in range(2000):
         before = body.place
-        met = body.move(step * PERIOD_NS)
+        met = body.move(CONTRACT.actions[0])
         if met is not None:
             assert (met.y_m, met.heading_rad) == (before.y_m, before.heading_rad)
             assert before.x_m <= met.x_m == body.place.x_m
@@ -85,9 +59,7 @@ def test_what_a_body_says_of_itself_builds_it_again(
         assert np.array_equal(again.see(), first.see())
         assert again.place == first.place
         for body in (first, again):
-            used = Input(step, step * PERIOD_NS, 0, 0)
-            body.hear(drive_command(step, 0, CONTRACT.actions[step % 3], used, 10 * PERIOD_NS))
-            body.move(step * PERIOD_NS)
+            body.move(CONTRACT.actions[step % 3])
 
 
 def scene_of(body: Body) -> bytes:
@@ -104,6 +76,13 @@ def test_its_limits_are_the_fastest_of_the_actions_in_each_direction():
     actions = (Action("back", -2.0, 0.0), Action("left", 1.0, 0.5), Action("turn", 0.0, 0.0, -3.0))
     body = Body(world_named("reference-1").drawn(0), replace(CONTRACT, actions=actions), 50.0, 0)
     assert body.info.limits == BodyLimits(2.0, 0.5, 3.0)
+
+
+def test_the_limits_of_its_world_narrow_them():
+    text = world_text("reference-1") + "\n[limits]\nlinear_mps = 0.4\nvalid_for_s = 0.05\n"
+    world = parse_world(text).drawn(0)
+    limits = Body(world, CONTRACT, 50.0, 0, world_text=text).limits
+    assert limits == BodyLimits(0.4, 1.0, 0.0, valid_for_s=0.05)
 
 
 @pytest.mark.parametrize("info", [BodyInfo(), BodyInfo(step_s=0.1), BodyInfo("x", "name = 1")])
@@ -129,6 +108,6 @@ def test_a_body_whose_stop_is_faster_than_its_actions_meets_all_that_lies_in_its
             replace(CONTRACT, safe_command=rush, actions=(*CONTRACT.actions, rush)),
         )
     )
-    for step in range(50):  # nobody has told them to go
-        assert by_stop.move(step) == by_action.move(step)
+    for _ in range(50):  # nobody has told them to go
+        assert by_stop.move(by_stop.safe) == by_action.move(by_action.safe)
     assert by_stop.contacts > 40

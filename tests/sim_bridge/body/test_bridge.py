@@ -1,16 +1,23 @@
+from dataclasses import replace
 from typing import Any
 
+from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.messages.body_info import decode_body
 from reflexarc_sim_bridge.body.body import Body
 from reflexarc_sim_bridge.body.bridge import StatePublisher
+from reflexarc_sim_bridge.body.gate.gate import Account
+from reflexarc_sim_bridge.body.gate.lease import Lease
 from reflexarc_sim_bridge.worlds.files import world_named
 
 STEP_NS = 250_000_000
+ACCOUNT = Account(Lease(), armed=True, stopped="", state="waiting for a command")
 
 
 class Spoken:
     """A publisher that remembers."""
+
+    sender = bytes(16)
 
     def __init__(self) -> None:
         self.said: list[tuple[bytes, int]] = []
@@ -34,9 +41,29 @@ def test_a_body_says_where_it_is_when_it_begins_and_then_once_a_second():
     body = Body(world_named("reference-1").drawn(7), PolicyContract(), 4.0, 7, 2, "its text")
     state = StatePublisher(bus, body, "robot0")
     for step in range(9):
-        state.publish(None, step * STEP_NS)
+        state.publish(None, ACCOUNT, step * STEP_NS)
     said = bus.publishers["body"].said
     assert [time_ns for _, time_ns in said] == [0, 4 * STEP_NS, 8 * STEP_NS]
     assert {decode_body(payload) for payload, _ in said} == {body.info}
     assert (body.info.world, body.info.world_text) == ("reference-1", "its text")
     assert (body.info.seed, body.info.number, body.info.step_s) == (7, 2, 0.25)
+
+
+def test_the_lease_is_said_once_a_second_and_at_once_when_it_changes():
+    bus: Any = FakeBus()
+    body = Body(world_named("reference-1").drawn(7), PolicyContract(), 4.0, 7)
+    state = StatePublisher(bus, body, "robot0")
+    armed = [True, True, False, False, False, False, False, True]
+    for step, is_armed in enumerate(armed):
+        state.publish(None, replace(ACCOUNT, armed=is_armed), step * STEP_NS)
+    said = bus.publishers["lease"].said
+    assert [time_ns // STEP_NS for _, time_ns in said] == [0, 2, 4, 7]
+    assert [pb.Lease.FromString(payload).armed for payload, _ in said] == [True, False, False, True]
+
+
+def test_the_status_of_a_body_says_what_it_refused():
+    bus: Any = FakeBus()
+    body = Body(world_named("reference-1").drawn(7), PolicyContract(), 4.0, 7)
+    StatePublisher(bus, body, "robot0").publish(None, replace(ACCOUNT, refused=(("old", 3),)), 0)
+    status = pb.Status.FromString(bus.publishers["status"].said[0][0])
+    assert dict(status.verdicts) == {"old": 3}

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from reflexarc_runtime.config.toml_lines import key_lines, line_of
 from reflexarc_runtime.config.toml_source import MAX_BYTES
+from reflexarc_runtime.contract.body_limits import BodyLimits
 from reflexarc_runtime.errors import WorldError
 from reflexarc_sim_bridge.worlds import files as world_files
 from reflexarc_sim_bridge.worlds import ranges as world_ranges
@@ -497,7 +498,7 @@ def toml_of(value: Any) -> str:
     if dataclasses.is_dataclass(value):
         fields = {f.name: getattr(value, f.name) for f in dataclasses.fields(value)}
         parts = [f"{k} = {toml_of(v)}" for k, v in fields.items() if v is not None]
-        if not isinstance(value, Senses | Chassis | Scanner):
+        if not isinstance(value, Senses | Chassis | BodyLimits | Scanner):
             parts.append(f'kind = "{type(value).__name__.lower()}"')
         return f"{{ {', '.join(parts)} }}"
     if isinstance(value, tuple):

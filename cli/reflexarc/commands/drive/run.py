@@ -103,7 +103,14 @@ class RunCommand:
         from reflexarc_runtime.loop import realtime
         from reflexarc_runtime.loop.inbox import Inbox
         from reflexarc_runtime.loop.node import Node, Outlets
-        from reflexarc_runtime.messages.topics import COMMAND, RUNTIME_NODE, STATUS, TICK
+        from reflexarc_runtime.messages.topics import (
+            COMMAND,
+            RESET,
+            RUNTIME_NODE,
+            STATUS,
+            STOP,
+            TICK,
+        )
 
         inbox, command = Inbox(), bus.publisher(COMMAND)
         outlets = Outlets(command, bus.publisher(TICK), bus.publisher(STATUS))
@@ -111,7 +118,7 @@ class RunCommand:
         bus.offer_policy(policy.data)
         if self.lockstep:
             self._wait_for_body(command, stop)
-        bus.subscribe([controller.sense.topic], inbox.put)
+        bus.subscribe([controller.sense.topic, STOP, RESET], inbox.put)
         bus.announce(RUNTIME_NODE)
         said = "; ".join(realtime.prepare(self.fifo))
         aside.print(f"reflexarc run: {self.policy} on {self.backend}; {said}")

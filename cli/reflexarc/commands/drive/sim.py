@@ -7,7 +7,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from reflexarc.terminal.output import aside, console, facts, print_json
+from reflexarc.terminal.output import aside, console, facts, plain, print_json
 from reflexarc.terminal.signals import StopFlag
 from reflexarc.wiring.bus_flags import Joining, contract_of
 from reflexarc.wiring.fleet import drive_together
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from reflexarc_runtime.contract.contract import PolicyContract
     from reflexarc_sim_bridge.body.bridge import Journey
     from reflexarc_sim_bridge.body.faults.script import FaultScript
+    from reflexarc_sim_bridge.body.latch import StopLatch
     from reflexarc_sim_bridge.worlds.world import World
 
 MIN_RATE_HZ, MAX_RATE_HZ = 0.1, 1000.0
@@ -31,7 +32,9 @@ class SimCommand:
 
     It builds its eye from a policy's contract: from --policy, or from the runtime that it meets on
     the bus. A contract that asks for more speed or patience than is usual is refused, unless flags
-    allow it. Without a fresh and valid command it stops by itself.
+    allow it. Without a fresh and valid command it stops by itself. It obeys one runtime at a time,
+    keeps the limits of its world, and stands after `reflexarc stop` until `reflexarc reset`, even
+    if it is started again.
 
     Examples:
       reflexarc sim
@@ -40,6 +43,7 @@ class SimCommand:
       reflexarc sim --faults seed:17
       reflexarc sim --world crossing --robots 4
       reflexarc sim --policy racer.onnx --max-speed-mps 30
+      reflexarc sim --no-auto-arm
     """
 
     world: str = "reference-1"
@@ -59,6 +63,10 @@ class SimCommand:
     robots: int = 1
     """So many robots in one world, robot0, robot1, …; each waits for a runtime of its own. They do
     not see each other."""
+    auto_arm: bool = True
+    """Obey from the start, and again after a reset; else only after `reflexarc arm`."""
+    state: Path = Path("runs")
+    """Folder in which a stop is kept until its reset; not used in lockstep."""
     bounds: Bounds = field(default_factory=Bounds)
     joining: Joining = field(default_factory=Joining)
     json: bool = False
@@ -148,7 +156,7 @@ class SimCommand:
         from reflexarc_runtime.loop.inbox import Inbox
         from reflexarc_runtime.loop.pacer import RatePacer
         from reflexarc_sim_bridge.body.body import Body
-        from reflexarc_sim_bridge.body.bridge import Bridge, faulty_retinas
+        from reflexarc_sim_bridge.body.bridge import Bridge, faulty_retinas, gate_settings
 
         rate_hz = self.rate or contract.rate_hz
         body = Body(
@@ -156,11 +164,27 @@ class SimCommand:
         )
         inbox, clock = Inbox(), MonotonicClock()
         with faulty_retinas(bus, script, clock.now_ns) if script else nullcontext() as retinas:
-            bridge = Bridge(bus, body, robot, inbox, retinas)
+            settings = gate_settings(body, auto_arm=self.auto_arm, lockstep=self.lockstep)
+            latch = self._latch(robot)
+            bridge = Bridge(bus, body, robot, inbox, settings, retinas, latch)
             aside.print(f"{self._who(robot)}: {self.world}, seed {self.seed}, {rate_hz:g} Hz")
             if self.lockstep:
                 return bridge.drive_in_lockstep(round(1e9 / rate_hz), stop, self.steps)
             return bridge.drive(RatePacer(rate_hz, clock, inbox), stop, self.steps)
+
+    def _latch(self, robot: str) -> "StopLatch | None":
+        """The stop that outlives the body; in lockstep the same run shall give the same drive."""
+        from reflexarc_sim_bridge.body.latch import StopLatch
+
+        if self.lockstep:
+            return None
+        latch = StopLatch(self.state, robot)
+        if latch.stopped:
+            aside.print(
+                f"{self._who(robot)}: stopped ({plain(latch.stopped)}) until `reflexarc reset`",
+                soft_wrap=True,
+            )
+        return latch
 
     def _tell(self, journeys: "dict[str, Journey]") -> None:
         """Print the journey of one robot, or those of several by name."""

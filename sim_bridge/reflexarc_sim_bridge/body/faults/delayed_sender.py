@@ -50,6 +50,11 @@ class DelayedSender:
             self._change.notify()
         self._thread.join()
 
+    @property
+    def sender(self) -> bytes:
+        """The identifier that the body's own retinas carry now."""
+        return self._stream.sender
+
     def put(self, payload: bytes, time_ns: int) -> None:
         """Take a retina that was seen at `time_ns`; never blocks."""
         with self._change:

@@ -83,6 +83,11 @@ class FaultyStream:
         self._start_ns: int | None = None
         self._was_silent = False
 
+    @property
+    def sender(self) -> bytes:
+        """The identifier that the body's own messages carry now; another one after a silence."""
+        return self._own.identity
+
     def say(self, payload: bytes, time_ns: int) -> list[Sending]:
         """The messages that one retina becomes.
 

@@ -139,6 +139,10 @@ class Gate:
         """
         return cls(own, settings, settings.auto_arm, stopped)
 
+    def renamed(self, own: bytes) -> "Gate":
+        """The gate of a body whose messages carry another identifier from now on."""
+        return self if own == self.own else replace(self, own=own, wanted=None)
+
     def hear(self, message: Message, now_ns: int) -> "Gate":
         """The gate after a message; never raises.
 

@@ -189,6 +189,14 @@ def test_too_fast_a_command_is_slowed_in_its_direction_and_counted():
     assert gate.lease.refused == ((Refusal.TOO_FAST, 1),)
 
 
+def test_a_body_of_another_name_obeys_no_echo_of_the_former_one():
+    gate = after(OPEN, drive(0)).renamed(OTHER)
+    assert does(gate) == STANDSTILL
+    assert does(after(gate, drive(0))) == STANDSTILL
+    assert does(after(gate, drive(0, body=OTHER))) == AHEAD
+    assert gate.renamed(OTHER) is gate
+
+
 def test_the_lease_says_whom_it_obeys_and_what_it_refused():
     gate = after(OPEN, drive(0), safe(OTHER)).obey(0, 0.02)[1]
     said = pb.Lease.FromString(encode_lease(gate.lease))

@@ -1,0 +1,201 @@
+"""`reflexarc arm`, `stop`, `reset` and `release`: what an operator says to a body."""
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from reflexarc.terminal.output import aside, console, plain, print_json
+from reflexarc.wiring.bus_flags import Joining
+from reflexarc_runtime.errors import UsageError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from reflexarc.wiring.operator import Answer, Operator
+    from reflexarc_runtime.messages_pb2 import Lease
+
+MAX_PATIENCE_S = 3600.0
+
+
+@dataclass(frozen=True)
+class Speaking:
+    """How an operator's command reaches a body, and how long it waits for its answer."""
+
+    joining: Joining = field(default_factory=Joining)
+    patience: float = 3.0
+    """Seconds to wait for the body's answer."""
+    json: bool = False
+    """Print what the body said as one JSON object."""
+
+    def operator(self) -> "AbstractContextManager[Operator]":
+        """An operator on the bus."""
+        if not 0.0 < self.patience <= MAX_PATIENCE_S:
+            raise UsageError(f"--patience: expected above 0 to 3600 s, got {self.patience}")
+        return _operator(self)
+
+    def tell(self, command: str, answer: "Answer") -> int:
+        """Print what the body said; the exit status."""
+        if self.json:
+            print_json({"done": answer.done, **_plain(answer.lease)})
+        elif answer.done and answer.lease is not None:
+            console.print(f"{self.joining.robot}: {_words(answer.lease)}", soft_wrap=True)
+        if not answer.done:
+            aside.print(f"reflexarc {command}: {self._complaint(answer)}", soft_wrap=True)
+        return 0 if answer.done else 1
+
+    def _complaint(self, answer: "Answer") -> str:
+        robot = self.joining.robot
+        if answer.lease is None:
+            return f"no body of {robot} answered within {self.patience:g} s"
+        return f"{robot} has not done it within {self.patience:g} s: {_words(answer.lease)}"
+
+
+@dataclass(frozen=True)
+class ArmCommand:
+    """Let a body take commands: after its start and after a reset it stands until then.
+
+    Ends with 1 if no body says that it is armed.
+
+    Examples:
+      reflexarc arm
+      reflexarc arm --robot rover1
+    """
+
+    speaking: Speaking = field(default_factory=Speaking)
+
+    def run(self) -> int:
+        """Repeat it until the body says that it is armed."""
+        from reflexarc_runtime import messages_pb2 as pb
+        from reflexarc_runtime.messages.topics import ARM
+
+        payload = pb.Arm(reason="reflexarc arm").SerializeToString()
+        return _insist(self.speaking, "arm", lambda operator: operator.insist(ARM, payload, _runs))
+
+
+@dataclass(frozen=True)
+class StopCommand:
+    """Make a body and its runtime stand until `reflexarc reset`, even if they are started again.
+
+    It is no emergency stop: it goes over a network, by programs. It is repeated until the body says
+    that it is stopped, and ends with 1 if none does.
+
+    Examples:
+      reflexarc stop
+      reflexarc stop --reason "someone in the hall"
+    """
+
+    reason: str = "reflexarc stop"
+    """Why; the body, the runtime and the log repeat it."""
+    speaking: Speaking = field(default_factory=Speaking)
+
+    def run(self) -> int:
+        """Repeat it until the body says that it is stopped."""
+        from reflexarc_runtime.messages.controls import encode_stop
+        from reflexarc_runtime.messages.topics import STOP
+
+        payload = encode_stop(self.reason)
+        return _insist(
+            self.speaking,
+            "stop",
+            lambda operator: operator.insist(STOP, payload, lambda lease: bool(lease.stopped)),
+        )
+
+
+@dataclass(frozen=True)
+class ResetCommand:
+    """End a stop. The body is disarmed then, unless it arms itself.
+
+    Ends with 1 if the body does not say that it is no longer stopped.
+
+    Examples:
+      reflexarc reset
+      reflexarc reset --robot rover1
+    """
+
+    speaking: Speaking = field(default_factory=Speaking)
+
+    def run(self) -> int:
+        """Repeat it until the body says that no stop holds."""
+        from reflexarc_runtime import messages_pb2 as pb
+        from reflexarc_runtime.messages.topics import RESET
+
+        payload = pb.Reset(reason="reflexarc reset").SerializeToString()
+        return _insist(
+            self.speaking,
+            "reset",
+            lambda operator: operator.insist(RESET, payload, lambda lease: not lease.stopped),
+        )
+
+
+@dataclass(frozen=True)
+class ReleaseCommand:
+    """Take the lease from the runtime that drives, so that another one of the robot can drive.
+
+    The former holder gets it again only if nobody else wants it. Ends with 1 if the body does not
+    say that the lease has changed hands.
+
+    Examples:
+      reflexarc release
+      reflexarc release --robot rover1
+    """
+
+    speaking: Speaking = field(default_factory=Speaking)
+
+    def run(self) -> int:
+        """Say it once, to the holder that there is, and wait for the change."""
+        return _insist(self.speaking, "release", _release)
+
+
+def _release(operator: "Operator") -> "Answer":
+    """A repetition would take the lease from the next one as well, so it is said once."""
+    from reflexarc.wiring.operator import Answer
+    from reflexarc_runtime import messages_pb2 as pb
+    from reflexarc_runtime.messages.topics import RELEASE
+
+    before = operator.hear()
+    if before is None or not before.holder:
+        return Answer(before is not None, before)
+    payload = pb.Release(reason="reflexarc release").SerializeToString()
+    return operator.say_once(RELEASE, payload, lambda now: now.holder != before.holder)
+
+
+def _runs(lease: "Lease") -> bool:
+    return lease.armed and not lease.stopped
+
+
+def _insist(speaking: Speaking, command: str, say: "Callable[[Operator], Answer]") -> int:
+    with speaking.operator() as operator:
+        answer = say(operator)
+    return speaking.tell(command, answer)
+
+
+@contextmanager
+def _operator(speaking: Speaking) -> "Iterator[Operator]":
+    from reflexarc.wiring.operator import Operator
+    from reflexarc_runtime.messages.topics import OPERATOR
+
+    with speaking.joining.bus(OPERATOR) as bus:
+        yield Operator(bus, speaking.patience)
+
+
+def _words(lease: "Lease") -> str:
+    """What a body says of itself, on one line."""
+    if lease.stopped:
+        return f"stopped ({plain(lease.stopped)})"
+    holder = f"obeys {lease.holder.hex()[:8]}" if lease.holder else "obeys nobody yet"
+    return f"{'armed' if lease.armed else 'not armed'}, {holder}, {plain(lease.state)}"
+
+
+def _plain(lease: "Lease | None") -> dict[str, object]:
+    if lease is None:
+        return {"heard": False}
+    return {
+        "heard": True,
+        "holder": lease.holder.hex(),
+        "epoch": lease.epoch,
+        "armed": lease.armed,
+        "stopped": lease.stopped,
+        "state": lease.state,
+        "refused": dict(lease.refused),
+    }

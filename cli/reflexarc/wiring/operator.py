@@ -1,0 +1,99 @@
+"""What an operator says to a body, and how the body's lease shows that it has heard it."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from google.protobuf.message import DecodeError
+
+from reflexarc_runtime import messages_pb2 as pb
+from reflexarc_runtime.loop.inbox import Inbox
+from reflexarc_runtime.messages.topics import LEASE, Topic
+
+if TYPE_CHECKING:
+    from reflexarc_runtime.bus import Bus
+
+AGAIN_S = 0.1
+"""Time between two repetitions of what has not been acknowledged yet."""
+
+Check = Callable[[pb.Lease], bool]
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What a body said."""
+
+    done: bool
+    """Whether it did what it was told."""
+    lease: pb.Lease | None
+    """The last thing that it said; None: it was not heard at all."""
+
+
+class Operator:
+    """Talks to the body of one robot.
+
+    Args:
+        bus: an open session.
+        patience_s: how long it waits for an answer.
+    """
+
+    def __init__(self, bus: "Bus", patience_s: float) -> None:
+        self._bus = bus
+        self._patience_s = patience_s
+        self._inbox = Inbox()
+        bus.subscribe([LEASE], self._inbox.put)
+
+    def insist(self, topic: Topic, payload: bytes, is_done: Check) -> Answer:
+        """Say something again and again, until a lease shows that the body did it.
+
+        Args:
+            topic: stop, reset or arm.
+            payload: what to say.
+            is_done: whether a lease shows it.
+        """
+        publisher = self._bus.publisher(topic)
+
+        def say() -> None:
+            publisher.put(payload, time.monotonic_ns())
+
+        return self._listen(is_done, say)
+
+    def say_once(self, topic: Topic, payload: bytes, is_done: Check) -> Answer:
+        """Say something one time to a body that listens, and wait until a lease shows it."""
+        publisher, said = self._bus.publisher(topic), False
+
+        def say() -> None:
+            nonlocal said
+            if publisher.has_listener and not said:
+                publisher.put(payload, time.monotonic_ns())
+                said = True
+
+        return self._listen(is_done, say)
+
+    def hear(self) -> pb.Lease | None:
+        """Wait for what the body says of itself."""
+        return self._listen(lambda lease: True, lambda: None).lease
+
+    def _listen(self, is_done: Check, say: Callable[[], None]) -> Answer:
+        heard: pb.Lease | None = None
+        end_s = time.monotonic() + self._patience_s
+        again_s = 0.0
+        while (now_s := time.monotonic()) < end_s:
+            if now_s >= again_s:
+                say()
+                again_s = now_s + AGAIN_S
+            lease = self._take()
+            heard = lease or heard
+            if lease is not None and is_done(lease):
+                return Answer(True, lease)
+        return Answer(False, heard)
+
+    def _take(self) -> pb.Lease | None:
+        message = self._inbox.take(AGAIN_S)
+        if message is None:
+            return None
+        try:
+            return pb.Lease.FromString(message.payload)
+        except DecodeError:
+            return None
