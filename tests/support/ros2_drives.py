@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from support.processes import Process, started, wait_until
 from support.ros2_robot import Robot, Told, robot
@@ -46,7 +47,10 @@ def driving(policy: Path, port: int, *flags: object) -> Iterator[Drive]:
 def bridged(body: Robot, port: int, *flags: object) -> Iterator[Drive]:
     """The same for a robot and a runtime that are there already."""
     words = ("ros2", "--json", "--port", port, *flags)
-    with started(*words, own_group=True) as bridge:
+    with (
+        TemporaryDirectory() as folder,
+        started(*words, cwd=Path(folder), own_group=True) as bridge,
+    ):
         begun = len(body.told)
         wait_until(lambda: moves(body.told[begun:]), "the robot drives")
         try:

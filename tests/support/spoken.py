@@ -1,4 +1,4 @@
-"""A publisher that keeps what it is given, and a bus that keeps what is declared on it."""
+"""A publisher that keeps what it is given, and a bus that keeps who listens to it."""
 
 from typing import Any
 
@@ -30,7 +30,7 @@ class FakeBus:
 
     def __init__(self) -> None:
         self.publishers: dict[str, Spoken] = {}
-        self.heard: list[str] = []
+        self.heard: dict[str, Any] = {}
         self.tokens: list[str] = []
 
     def publisher(self, topic: Any) -> Spoken:
@@ -40,10 +40,10 @@ class FakeBus:
         return self.publishers.setdefault(key, Spoken())
 
     def subscribe(self, topics: Any, deliver: Any) -> None:
-        self.heard += [topic.name for topic in topics]
+        self.heard.update((topic.name, deliver) for topic in topics)
 
     def subscribe_to_key(self, key: str, deliver: Any) -> None:
-        self.heard.append(key)
+        self.heard[key] = deliver
 
     def announce(self, node: str) -> None:
         self.tokens.append(node)

@@ -2,9 +2,10 @@
 
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from reflexarc.terminal.output import aside, console, facts, print_json
+from reflexarc.terminal.output import aside, console, facts, plain, print_json
 from reflexarc.terminal.signals import StopFlag
 from reflexarc.wiring.bus_flags import Joining
 from reflexarc.wiring.limit_flags import LimitFlags
@@ -13,6 +14,7 @@ from reflexarc_runtime.errors import UsageError
 if TYPE_CHECKING:
     from reflexarc_runtime.bus import Bus
     from reflexarc_sim_bridge.body.gate.gate import GateSettings
+    from reflexarc_sim_bridge.body.latch import StopLatch
     from reflexarc_sim_bridge.body.ros2.bridge import RosBridgeReport, Route
     from reflexarc_sim_bridge.body.ros2.companion_link import CompanionLink
 
@@ -55,6 +57,8 @@ class Ros2Command:
     """Drive as soon as a runtime says so, without `reflexarc arm`."""
     no_companion: bool = False
     """Go without the process that stops the robot if this one is killed or hangs."""
+    state: Path = Path("runs")
+    """Folder in which a stop is kept until its reset."""
     joining: Joining = field(default_factory=Joining)
     json: bool = False
     """Print one JSON object at the end."""
@@ -107,11 +111,21 @@ class Ros2Command:
         inbox = Inbox()
         turns = Turns(self.rate, MonotonicClock(), inbox)
         with self._companion(bus, route, turns.period_ns) as watcher:
-            bridge = RosBridge(bus, route, inbox, settings, watcher)
+            bridge = RosBridge(bus, route, inbox, settings, watcher, self._latch())
             aside.print(
                 f"reflexarc ros2: {route.scan} → {route.command} on {self.wire}, {self.rate:g} Hz"
             )
             return bridge.serve(turns, stop)
+
+    def _latch(self) -> "StopLatch":
+        """The stop that outlives the bridge."""
+        from reflexarc_sim_bridge.body.latch import StopLatch
+
+        latch = StopLatch(self.state, self.joining.robot)
+        if latch.stopped:
+            reason = plain(latch.stopped)
+            aside.print(f"reflexarc ros2: stopped ({reason}) until `reflexarc reset`")
+        return latch
 
     def _companion(
         self, bus: "Bus", route: "Route", period_ns: int

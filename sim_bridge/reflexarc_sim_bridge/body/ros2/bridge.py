@@ -19,8 +19,18 @@ from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.throttle import Throttle
 from reflexarc_runtime.messages.body_info import BodyInfo, encode_body
 from reflexarc_runtime.messages.codec import Status, encode_status
-from reflexarc_runtime.messages.topics import BODY, BODY_NODE, LEASE, SCAN, STATUS, Quality
+from reflexarc_runtime.messages.topics import (
+    BODY,
+    BODY_NODE,
+    COMMAND,
+    LEASE,
+    SCAN,
+    STATUS,
+    Quality,
+)
+from reflexarc_runtime.messages.wire import Message
 from reflexarc_sim_bridge.body.gate.gate import HEARD, Gate, GateSettings, encode_lease
+from reflexarc_sim_bridge.body.latch import StopLatch
 from reflexarc_sim_bridge.body.ros2.command_relay import CommandRelay
 from reflexarc_sim_bridge.body.ros2.key_expressions import LASER_SCAN, TWIST, TWIST_STAMPED, RosType
 from reflexarc_sim_bridge.body.ros2.scan_relay import ScanRelay
@@ -80,9 +90,9 @@ class RosBridgeReport:
     refused_scans: dict[str, int]
     """How many, by reason."""
     commands: int
-    """How many messages asked for a motion, a stop, an arm, …"""
+    """How many came, from whomever."""
     refused_commands: dict[str, int]
-    """How many of them were refused or slowed down, by reason."""
+    """How many messages were refused or slowed down, by reason."""
     twists: int
     standstills: int
     """How many of the twists told the robot to stand."""
@@ -105,6 +115,7 @@ class RosBridge:
         inbox: where the bus delivers what is said to the body.
         settings: of the gate: the robot's limits, whether it is armed.
         watcher: the bridge's companion, if it has one.
+        latch: keeps a stop that outlives the bridge.
     """
 
     def __init__(
@@ -114,15 +125,21 @@ class RosBridge:
         inbox: Inbox,
         settings: GateSettings,
         watcher: Watcher | None = None,
+        latch: StopLatch | None = None,
     ) -> None:
+        self._inbox = inbox
+        # A flood of commands must not push a stop out of a full inbox.
+        self._controls = Inbox()
         self._scans = ScanRelay(bus.publisher(SCAN))
         wheel = bus.publisher_of_key(route.command_key, CDR, Quality.CONTROL)
         twists = TwistPublisher(wheel, route.stamped, wall_offset_ns)
-        self._commands = CommandRelay(twists, Gate.closed(bus.sender, settings))
+        gate = Gate.closed(bus.sender, settings, latch.stopped if latch else "")
+        self._commands = CommandRelay(twists, gate, latch)
         self._speaker = _Speaker(bus, settings, watcher)
         for token in route.tokens(bus.session_id):
             bus.announce_key(token)
-        bus.subscribe(HEARD, inbox.put)
+        bus.subscribe([COMMAND], inbox.put)
+        bus.subscribe([topic for topic in HEARD if topic is not COMMAND], self._hear_control)
         bus.subscribe_to_key(route.scan_key, self._scans.hear)
         bus.announce(BODY_NODE)
 
@@ -130,7 +147,8 @@ class RosBridge:
         """Serve until asked to stop; the robot's last commands are to stand."""
         try:
             while (turn := turns.wait(should_stop)) is not None:
-                has_news = self._commands.hear(turn.messages)
+                controls, _ = self._controls.drain(turns.now_ns)
+                has_news = self._commands.hear((*controls, *turn.messages))
                 if has_news or turn.is_due:
                     self._commands.speak(turn.now_ns)
                     turns.spoke(turn.now_ns)
@@ -151,11 +169,20 @@ class RosBridge:
             standstills=self._commands.standstills,
         )
 
+    def _hear_control(self, message: Message) -> None:
+        self._controls.put(message)
+        self._inbox.put(_wake(message.received_ns))
+
     def _take_leave(self, turns: Turns) -> None:
         now_ns = turns.now_ns()
         for _ in range(FAREWELLS):
             self._commands.stop(now_ns)
             now_ns = turns.rest(FAREWELL_STEP_NS)
+
+
+def _wake(now_ns: int) -> Message:
+    """A message of no topic: it ends the waiting, and changes nothing."""
+    return Message("", b"", "", b"", now_ns)
 
 
 class _Speaker:

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from reflexarc_sim_bridge.body.gate.limits import Twist
+from reflexarc_sim_bridge.body.gate.limits import STANDSTILL, Twist
 from reflexarc_sim_bridge.body.ros2.messages import encode_twist, encode_twist_stamped
 
 if TYPE_CHECKING:
@@ -41,6 +41,8 @@ class TwistPublisher:
         self._stamped = stamped
         self._wall_offset = wall_offset
         self.count = 0
+        # The first conversion reads the definitions of all messages, for 0.1 s: not when it counts.
+        self._encode(STANDSTILL, 0)
 
     def send(self, motion: Twist, now_ns: int) -> None:
         """Send a motion; never blocks."""

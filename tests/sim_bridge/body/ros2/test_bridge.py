@@ -5,8 +5,9 @@ import pytest
 
 from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.contract.body_limits import BodyLimits
+from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.messages.body_info import BodyInfo, decode_body
-from reflexarc_runtime.messages.topics import ARM
+from reflexarc_runtime.messages.topics import ARM, STOP, topic_of
 from reflexarc_runtime.messages.wire import Message
 from reflexarc_sim_bridge.body.gate.gate import GateSettings
 from reflexarc_sim_bridge.body.ros2.bridge import FAREWELLS, RosBridge, RosBridgeReport, Route
@@ -25,8 +26,11 @@ class GivenTurns:
     def __init__(self, *turns: Turn | Exception) -> None:
         self._turns: Iterator[Turn | Exception] = iter(turns)
         self.spoken_ms: list[float] = []
+        self.between: Callable[[], object] = lambda: None
 
     def wait(self, should_stop: Callable[[], bool]) -> Turn | None:
+        if self.spoken_ms:
+            self.between()
         turn = next(self._turns, None)
         if isinstance(turn, Exception):
             raise turn
@@ -57,7 +61,7 @@ def served(
     turns: GivenTurns, auto_arm: bool = True, watcher: Any = None
 ) -> tuple[FakeBus, Callable[[], RosBridgeReport]]:
     bus: Any = FakeBus()
-    inbox: Any = type("NoInbox", (), {"put": None})
+    inbox = Inbox()
     settings = GateSettings(0.2, LIMITS, auto_arm)
     route = Route(Ros2DdsWire(), "/scan", "/cmd_vel")
     bridge = RosBridge(bus, route, inbox, settings, watcher)
@@ -76,6 +80,26 @@ def test_a_command_goes_out_when_it_comes_and_what_is_refused_makes_no_twist():
     assert report.refused_commands == {"no attachment that names a sender": 1}
 
 
+def test_a_stop_wakes_the_bridge_and_has_an_inbox_of_its_own():
+    inbox = Inbox(capacity=4)
+    bus: Any = FakeBus()
+    RosBridge(bus, Route(Ros2DdsWire(), "/scan", "/cmd_vel"), inbox, GateSettings(0.2, LIMITS))
+    bus.heard["stop"](message(STOP))
+    woken = inbox.take(0.0)
+    assert woken is not None
+    assert topic_of(woken.key) is None
+
+
+def test_a_flood_of_commands_does_not_push_a_stop_out():
+    turns = GivenTurns(turn(0, due=True), turn(31, drive(30 * MS, received_ns=31 * MS)))
+    bus, serve = served(turns)
+    bus.heard["stop"](message(STOP))
+    for _ in range(3000):
+        bus.heard["command"](drive(30 * MS))
+    serve()
+    assert all(speeds == (0.0, 0.0, 0.0) for speeds in bus.publishers["cmd_vel"].speeds)
+
+
 def test_a_loop_that_fails_still_tells_the_robot_to_stand_again_and_again():
     bus, serve = served(GivenTurns(RuntimeError("on purpose")))
     with pytest.raises(RuntimeError, match="on purpose"):
@@ -91,8 +115,9 @@ def test_a_robot_says_once_a_second_what_it_does_at_most():
 
 
 def test_whom_it_obeys_is_said_at_once_and_what_it_refused_once_a_second():
-    turns = GivenTurns(turn(0, due=True), turn(10, message(ARM)), turn(20, due=True))
+    turns = GivenTurns(turn(0, due=True), turn(10), turn(20, due=True))
     bus, serve = served(turns, auto_arm=False)
+    turns.between = lambda: bus.heard["arm"](message(ARM))
     serve()
     leases = [pb.Lease.FromString(payload) for payload, _ in bus.publishers["lease"].said]
     assert [lease.armed for lease in leases] == [False, True]
@@ -111,11 +136,11 @@ def test_the_status_counts_what_was_refused_and_says_that_nobody_watches():
 
 def test_what_is_declared_on_rmw():
     bus: Any = FakeBus()
-    inbox: Any = type("NoInbox", (), {"put": None})
+    inbox = Inbox()
     settings = GateSettings(0.2, LIMITS)
     RosBridge(bus, Route(RmwWire(3), "/scan", "/cmd_vel", stamped=True), inbox, settings)
     assert [key for key in bus.heard if key.startswith("3/scan/sensor_msgs::msg::dds_::LaserScan_")]
-    assert {"command", "stop", "reset", "arm", "release"} < set(bus.heard)
+    assert {"command", "stop", "reset", "arm", "release"} < bus.heard.keys()
     assert [key for key in bus.publishers if "::TwistStamped_/RIHS01_5f0fcd4f" in key]
     assert sum(token.startswith("@ros2_lv/3/ab/") for token in bus.tokens) == 3
     assert bus.tokens[-1] == "body"

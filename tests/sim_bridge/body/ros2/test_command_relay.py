@@ -1,11 +1,14 @@
 import math
+from pathlib import Path
 from typing import Any
 
 import pytest
 
+from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.contract.body_limits import BodyLimits
 from reflexarc_runtime.messages.topics import ARM, RELEASE, RESET, STOP
 from reflexarc_sim_bridge.body.gate.gate import Gate, GateSettings
+from reflexarc_sim_bridge.body.latch import StopLatch
 from reflexarc_sim_bridge.body.ros2.command_relay import CommandRelay
 from reflexarc_sim_bridge.body.ros2.twists import TwistPublisher
 from support.gates import BODY, ONE, OTHER, drive, message, safe
@@ -15,10 +18,12 @@ from support.spoken import Spoken
 LIMITS = BodyLimits(linear_mps=1.0, lateral_mps=0.5, angular_radps=2.0)
 
 
-def relay(auto_arm: bool = True, limits: BodyLimits = LIMITS) -> tuple[CommandRelay, Spoken]:
+def relay(
+    auto_arm: bool = True, limits: BodyLimits = LIMITS, latch: StopLatch | None = None
+) -> tuple[CommandRelay, Spoken]:
     spoken: Any = Spoken()
     gate = Gate.closed(BODY, GateSettings(0.2, limits, auto_arm))
-    return CommandRelay(TwistPublisher(spoken, False, wall_offset=lambda: 0), gate), spoken
+    return CommandRelay(TwistPublisher(spoken, False, wall_offset=lambda: 0), gate, latch), spoken
 
 
 def at(time_ms: int) -> dict[str, int]:
@@ -118,3 +123,13 @@ def test_a_speed_grows_by_the_acceleration_and_the_time_since_the_last_twist():
         command.speak(now_ms * MS)
     command.stop(70 * MS)
     assert [ahead for ahead, _, _ in spoken.speeds] == pytest.approx([0.0, 0.04, 0.08, 0.0])
+
+
+def test_a_stop_outlives_the_bridge(tmp_path: Path):
+    command, _ = relay(latch=StopLatch(tmp_path, "robot0"))
+    command.hear([message(STOP, pb.Stop(reason="a dog").SerializeToString())])
+    command.speak(20 * MS)
+    assert StopLatch(tmp_path, "robot0").stopped == command.account.stopped == "a dog"
+    command.hear([message(RESET)])
+    command.speak(40 * MS)
+    assert StopLatch(tmp_path, "robot0").stopped == ""
