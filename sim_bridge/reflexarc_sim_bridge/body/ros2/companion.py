@@ -14,6 +14,7 @@ import logging
 import os
 import select
 import sys
+import threading
 import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
@@ -147,11 +148,16 @@ class Companion:
         if self._now_ns() - planned_ns > self._period_ns and not is_gone:
             return  # it overslept itself: what the bridge said meanwhile may still be on its way
         must_speak = self._silence.must_speak(self._now_ns(), is_gone)
-        if must_speak and not self._speaks:
-            _LOG.warning("the bridge is silent: its companion tells the robot to stand")
         if must_speak:
             self._twists.send(STANDSTILL, self._now_ns())
+        if must_speak and not self._speaks:
+            # A terminal that nobody reads blocks whoever writes: not the one that says standstill.
+            threading.Thread(target=_say_silent, daemon=True).start()
         self._speaks = must_speak
+
+
+def _say_silent() -> None:
+    _LOG.warning("the bridge is silent: its companion tells the robot to stand")
 
 
 def main() -> None:
