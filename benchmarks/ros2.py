@@ -98,6 +98,7 @@ def main() -> None:
     parser.add_argument("--json", action="store_true")
     parser.add_argument("flags", nargs="*", default=[*map(str, FAST_ENOUGH), "--auto-arm"])
     arguments = parser.parse_args()
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)  # under nohup every child would ignore it, rightly
     endings = {name: ending for name, ending in ENDINGS.items() if arguments.only in name}
     chance = random.Random(arguments.seed)
     outcomes = _campaign(endings, arguments.runs, chance, arguments.flags)

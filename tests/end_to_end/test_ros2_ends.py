@@ -16,7 +16,7 @@ from reflexarc_runtime.decision import Input, drive_command
 from reflexarc_runtime.messages import codec
 from reflexarc_runtime.messages.topics import COMMAND, STATUS
 from reflexarc_runtime.messages_pb2 import Status
-from support.processes import PATIENCE_S, finished, started, wait_until
+from support.processes import PATIENCE_S, finished, reflexarc, said_line, started, wait_until
 from support.ros2_base import HOLDS_FOR_EVER, WITH_TIMEOUT, rolled
 from support.ros2_drives import (
     FAST_ENOUGH,
@@ -129,3 +129,26 @@ def test_a_stranger_moves_nothing_and_nobody_does_before_the_arm(port: int):
         report = finished(bridge, signal.SIGINT)
     assert all(word.is_standstill for word in body.told)
     assert sum(report["refused_commands"].values()) == 3
+
+
+def test_an_arm_lets_it_drive_and_a_stop_holds_over_a_new_start(
+    policy: Path, port: int, tmp_path: Path
+):
+    words = ("ros2", "--json", "--port", port, *FAST_ENOUGH)
+    with (
+        robot(port, "scan", "cmd_vel", stamped=False) as body,
+        started("run", policy, "--input", "scan", "--port", port),
+    ):
+        with started(*words, cwd=tmp_path) as bridge:
+            wait_until(lambda: stands(body.told), "it waits for an arm")
+            assert reflexarc("arm", "--port", port).returncode == 0
+            wait_until(lambda: moves(body.told), "it drives")
+            assert reflexarc("stop", "--port", port).returncode == 0
+            wait_until(lambda: stands(body.told), "it stands")
+            finished(bridge, signal.SIGINT)
+        begun = len(body.told)
+        with started(*words, "--auto-arm", cwd=tmp_path) as bridge:
+            said_line(bridge, "stopped")
+            wait_until(lambda: len(body.told) > begun + 50, "it speaks")
+            assert all(word.is_standstill for word in body.told[begun:])
+            finished(bridge, signal.SIGINT)
