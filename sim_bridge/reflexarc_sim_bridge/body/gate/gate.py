@@ -213,7 +213,16 @@ class Gate:
             after = replace(self, holding=holding)
             reason = Refusal.STOPPED if self.stopped else Refusal.DISARMED
             return after if command.is_safe else after._refuse(reason)
-        after = replace(self, holding=holding, wanted=command)
+        after = Gate(  # every field in order: `replace` takes three times as long
+            self.own,
+            self.settings,
+            self.armed,
+            self.stopped,
+            holding,
+            command,
+            self.motion,
+            self.refusals,
+        )
         if command.is_safe or not slowed(command, self.settings.limits)[1]:
             return after
         return after._refuse(Refusal.TOO_FAST)
@@ -226,7 +235,8 @@ class Gate:
             armed = self.settings.auto_arm
             return replace(self, armed=armed, stopped="", wanted=None, motion=STANDSTILL)
         if topic is RELEASE:
-            return replace(self, holding=self.holding.released(now_ns), wanted=None)
+            holding = self.holding.released(now_ns, self.settings.silence_ns)
+            return replace(self, holding=holding, wanted=None)
         if self.stopped:
             return self._refuse(Refusal.STOPPED)
         return self if self.armed else replace(self, armed=True, wanted=None)

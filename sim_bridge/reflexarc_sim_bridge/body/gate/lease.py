@@ -45,6 +45,7 @@ class Lease:
             return Lease(sender, lease.epoch + 1, now_ns)
         return None
 
-    def released(self, now_ns: int) -> "Lease":
+    def released(self, now_ns: int, silence_ns: int | None) -> "Lease":
         """The lease after its release, whoever asked for it."""
-        return self if self.is_free else Lease(NOBODY, self.epoch, now_ns, self.holder)
+        lease = self.at(now_ns, silence_ns)
+        return lease if lease.is_free else Lease(NOBODY, lease.epoch, now_ns, lease.holder)

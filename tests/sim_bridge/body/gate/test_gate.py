@@ -127,6 +127,11 @@ def test_who_gave_the_lease_back_gets_it_again_if_nobody_else_came():
     assert after(gate, drive(101 * MS), now_ns=101 * MS).lease.lease.epoch == 2
 
 
+def test_the_release_of_a_lease_that_silence_had_ended_keeps_nobody_waiting():
+    gate = after(after(OPEN, drive(0)), message(RELEASE), drive(101 * MS), now_ns=101 * MS)
+    assert (gate.lease.lease.holder, gate.lease.lease.epoch) == (ONE, 2)
+
+
 @pytest.mark.parametrize("garbled", [False, True])
 @pytest.mark.parametrize("sender", [ONE, OTHER, NO_SENDER, None])
 def test_a_stop_of_anybody_stops_until_a_reset(sender: bytes | None, garbled: bool):

@@ -1,0 +1,342 @@
+"""Who moves a robot: strangers, second runtimes and operators against real processes."""
+
+import json
+import signal
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+from foxglove_schemas_protobuf.PoseInFrame_pb2 import PoseInFrame
+from google.protobuf.message import Message as ProtobufMessage
+
+from reflexarc_logs.reading.reader import read_log
+from reflexarc_logs.replaying.replay import replay
+from reflexarc_runtime import messages_pb2 as pb
+from reflexarc_runtime.bus import Bus
+from reflexarc_runtime.bus_config import BusConfig
+from reflexarc_runtime.messages.topics import COMMAND, LEASE, POSE, RETINA, STOP, Quality, Topic
+from reflexarc_runtime.messages.wire import Message, protobuf_encoding, unpack_stamp
+from support.processes import Process, finished, reflexarc, said_line, started, wait_until
+
+FOR_EVER = {"source_time_ns": 0, "valid_for_ns": 2**63 - 1}
+
+
+class Witness:
+    """Somebody on the bus who hears what the first body says and can say what it likes."""
+
+    def __init__(self, bus: Bus) -> None:
+        self.bus = bus
+        self.leases: list[pb.Lease] = []
+        self.x_m: list[float] = []
+        self.retina: Message | None = None
+        self.body = b""
+        bus.subscribe([LEASE], self._keep(pb.Lease, self.leases.append))
+        bus.subscribe([POSE], self._keep(PoseInFrame, lambda p: self.x_m.append(p.pose.position.x)))
+        bus.subscribe([RETINA], self._see)
+
+    def _keep(self, kind: type[ProtobufMessage], keep: Callable[[Any], None]) -> Any:
+        def hear(message: Message) -> None:
+            sender = unpack_stamp(message.attachment).sender
+            self.body = self.body or sender
+            if sender == self.body:
+                keep(kind.FromString(message.payload))
+
+        return hear
+
+    def _see(self, message: Message) -> None:
+        self.retina = message
+
+    @property
+    def lease(self) -> pb.Lease:
+        wait_until(lambda: self.leases, "a lease")
+        return self.leases[-1]
+
+    def rolled_m(self, seconds: float = 0.5) -> float:
+        """How far the body goes in that time."""
+        wait_until(lambda: self.x_m, "a pose")
+        begin_m = self.x_m[-1]
+        time.sleep(seconds)
+        return self.x_m[-1] - begin_m
+
+    def publisher(self, topic: Topic, encoding: str = "") -> Any:
+        encoding = encoding or protobuf_encoding(topic.schema)
+        publisher = self.bus.publisher_of_key(topic.key("robot0"), encoding, Quality.CONTROL)
+        wait_until(lambda: publisher.has_listener, f"a listener of {topic.name}")
+        return publisher
+
+    def wait_for(self, holds: Callable[[pb.Lease], bool], what: str) -> None:
+        wait_until(lambda: self.leases and holds(self.leases[-1]), what, 30.0)
+
+
+@contextmanager
+def witness(port: int) -> Iterator[Witness]:
+    with Bus(BusConfig("robot0", port), time.monotonic_ns) as bus:
+        yield Witness(bus)
+
+
+@contextmanager
+def body(policy: Path, port: int, cwd: Path, *words: object) -> Iterator[Process]:
+    common = ("--policy", policy, "--port", port, "--rate", 50, "--json")
+    with started("sim", *common, *words, cwd=cwd) as process:
+        said_line(process, "reference-1")
+        yield process
+
+
+@contextmanager
+def runtime(policy: Path, port: int, cwd: Path, *words: object) -> Iterator[Process]:
+    with started("run", policy, "--port", port, "--json", *words, cwd=cwd) as process:
+        said_line(process, "reflexarc run:")
+        yield process
+
+
+def tell(port: int, *words: object) -> tuple[int, dict[str, Any]]:
+    done = reflexarc(*words, "--port", port, "--json")
+    said: dict[str, Any] = json.loads(done.stdout) if done.stdout else {}
+    return done.returncode, {**said, "complaint": done.stderr}
+
+
+def ahead(**fields: Any) -> bytes:
+    command = pb.Command(verdict=pb.OK, linear_mps=1.0, source_sequence=0, **fields)
+    return command.SerializeToString()
+
+
+def test_an_anonymous_command_for_ever_moves_nothing_once_or_500_times_a_second(
+    policy: Path, port: int, tmp_path: Path
+):
+    with body(policy, port, tmp_path) as process, witness(port) as stranger:
+        publisher = stranger.publisher(COMMAND)
+        encoding = protobuf_encoding(COMMAND.schema)
+        publisher.put_raw(ahead(**FOR_EVER), b"", encoding)  # no attachment
+        publisher.put(ahead(**FOR_EVER), 0)  # a sender, and no body
+        assert stranger.rolled_m() == 0.0
+        for _ in range(500):
+            publisher.put(ahead(**FOR_EVER), 0)
+            time.sleep(0.002)
+        assert stranger.rolled_m() == 0.0
+        stranger.wait_for(lambda lease: sum(lease.refused.values()) == 502, "502 refusals")
+        assert not stranger.lease.holder
+        assert finished(process, signal.SIGINT)["distance_m"] == 0.0
+
+
+def test_a_stranger_500_times_a_second_changes_nothing_of_a_drive(
+    policy: Path, port: int, tmp_path: Path
+):
+    with (
+        body(policy, port, tmp_path),
+        witness(port) as stranger,
+        runtime(policy, port, tmp_path, "--record", tmp_path / "drive.mcap") as loop,
+    ):
+        stranger.wait_for(lambda lease: lease.state == "driving", "a drive")
+        holder, epoch = stranger.lease.holder, stranger.lease.epoch
+        publisher, begin_m = stranger.publisher(COMMAND), stranger.x_m[-1]
+        for _ in range(500):  # all that a stranger can know: who the body is, and what it said last
+            assert stranger.retina is not None
+            stamp = unpack_stamp(stranger.retina.attachment)
+            fields = {"source_time_ns": stamp.time_ns, "valid_for_ns": 10**9, "body": stamp.sender}
+            back = pb.Command(verdict=pb.OK, linear_mps=-1.0, source_sequence=0, **fields)
+            publisher.put(back.SerializeToString(), 0)
+            time.sleep(0.002)
+        assert stranger.x_m[-1] - begin_m > 0.7
+        assert min(b - a for a, b in zip(stranger.x_m, stranger.x_m[1:], strict=False)) >= 0.0
+        assert (stranger.lease.holder, stranger.lease.epoch) == (holder, epoch)
+        stranger.wait_for(
+            lambda lease: lease.refused["another one holds the lease"] == 500, "500 refusals"
+        )
+        finished(loop, signal.SIGINT)
+    assert replay(tmp_path / "drive.mcap").exit_status == 0
+
+
+def test_a_command_in_plain_text_is_refused(policy: Path, port: int, tmp_path: Path):
+    with body(policy, port, tmp_path), witness(port) as stranger:
+        wait_until(lambda: stranger.retina is not None, "a retina")
+        assert stranger.retina is not None
+        stamp = unpack_stamp(stranger.retina.attachment)
+        plain, proper = stranger.publisher(COMMAND, "text/plain"), stranger.publisher(COMMAND)
+        now_ns = time.monotonic_ns()
+        good = ahead(source_time_ns=now_ns, valid_for_ns=10**9, body=stamp.sender)
+        plain.put(good, now_ns)
+        assert stranger.rolled_m(0.2) == 0.0
+        proper.put(good, now_ns)
+        stranger.wait_for(lambda lease: lease.epoch == 1, "a lease for the same in order")
+
+
+def test_of_two_runtimes_one_drives_and_after_its_death_the_other(
+    policy: Path, port: int, tmp_path: Path
+):
+    with (
+        body(policy, port, tmp_path),
+        witness(port) as seen,
+        runtime(policy, port, tmp_path) as first,
+    ):
+        seen.wait_for(lambda lease: lease.state == "driving", "a drive")
+        holder = seen.lease.holder
+        with runtime(policy, port, tmp_path):
+            seen.wait_for(lambda lease: lease.refused["another one holds the lease"] > 50, "two")
+            assert (seen.lease.holder, seen.lease.epoch) == (holder, 1)
+            first.kill()
+            killed_s = time.monotonic()
+            seen.wait_for(lambda lease: lease.epoch == 2 and bool(lease.holder), "another holder")
+            # 100 ms of silence, a step of each loop, and a poll of this test.
+            assert time.monotonic() - killed_s < 1.0
+            assert seen.lease.holder != holder
+            assert seen.rolled_m() > 0.3
+
+
+def test_a_release_hands_over(policy: Path, port: int, tmp_path: Path):
+    with (
+        body(policy, port, tmp_path),
+        witness(port) as seen,
+        runtime(policy, port, tmp_path),
+        runtime(policy, port, tmp_path),
+    ):
+        seen.wait_for(
+            lambda lease: lease.refused["another one holds the lease"] > 20, "two runtimes"
+        )
+        holder = seen.lease.holder
+        assert tell(port, "release")[0] == 0
+        seen.wait_for(lambda lease: lease.holder not in (b"", holder), "the other one")
+        assert seen.rolled_m() > 0.3
+
+
+def test_a_disarmed_body_stands_until_it_is_armed_and_after_a_reset_again(
+    policy: Path, port: int, tmp_path: Path
+):
+    with (
+        body(policy, port, tmp_path, "--no-auto-arm"),
+        witness(port) as seen,
+        runtime(policy, port, tmp_path, "--record", tmp_path / "drive.mcap") as loop,
+    ):
+        seen.wait_for(lambda lease: bool(lease.holder and lease.refused), "a runtime that waits")
+        assert seen.rolled_m() == 0.0
+        status, said = tell(port, "arm")
+        assert (status, said["armed"]) == (0, True)
+        assert seen.rolled_m() > 0.3
+        status, said = tell(port, "stop", "--reason", "someone in the hall")
+        assert (status, said["stopped"]) == (0, "someone in the hall")
+        assert seen.rolled_m() == 0.0
+        status, said = tell(port, "arm", "--patience", 1)
+        assert status == 1
+        assert "stopped (someone in the hall)" in said["complaint"]
+        assert (tell(port, "reset")[0], seen.rolled_m()) == (0, 0.0)
+        assert tell(port, "arm")[0] == 0
+        assert seen.rolled_m() > 0.3
+        finished(loop, signal.SIGINT)
+    log = read_log(tmp_path / "drive.mcap")
+    reasons = {tick.decision.reason for tick in log.ticks()}
+    assert "someone in the hall" in reasons  # the runtime heard it, too
+    assert replay(tmp_path / "drive.mcap").exit_status == 0
+
+
+def test_a_stop_outlives_the_body(policy: Path, port: int, tmp_path: Path):
+    with body(policy, port, tmp_path) as process, witness(port):
+        assert tell(port, "stop")[0] == 0
+        process.kill()
+    words = ("sim", "--policy", policy, "--port", port, "--json")
+    with started(*words, cwd=tmp_path) as process:
+        said_line(process, "stopped (reflexarc stop) until `reflexarc reset`")
+        with witness(port) as seen, runtime(policy, port, tmp_path):
+            seen.wait_for(
+                lambda lease: bool(lease.holder and lease.refused), "a runtime that waits"
+            )
+            assert seen.rolled_m() == 0.0
+            assert tell(port, "reset")[0] == 0
+            wait_until(lambda: seen.rolled_m(0.2) > 0.05, "a drive", 20.0)
+    assert not [*(tmp_path / "runs").iterdir()]
+
+
+def test_garbage_on_the_key_of_the_stop_stops(policy: Path, port: int, tmp_path: Path):
+    with (
+        body(policy, port, tmp_path),
+        witness(port) as seen,
+        runtime(policy, port, tmp_path),
+    ):
+        seen.wait_for(lambda lease: lease.state == "driving", "a drive")
+        seen.publisher(STOP).put_raw(b"\xff\xff", b"", "text/plain")
+        seen.wait_for(lambda lease: bool(lease.stopped), "a stop")
+        assert seen.rolled_m() == 0.0
+
+
+def joined(port: int, folder: Path) -> Path:
+    """A Zenoh configuration that joins the bus of a body that listens already."""
+    path = folder / "join.json5"
+    path.write_text(
+        f"""{{mode: "peer", listen: {{endpoints: ["tcp/127.0.0.1:0"]}},
+        connect: {{endpoints: ["tcp/127.0.0.1:{port}"]}},
+        scouting: {{multicast: {{enabled: false}}, gossip: {{enabled: true}}}}}}"""
+    )
+    return path
+
+
+def test_beside_a_second_body_of_its_name_a_robot_stands(policy: Path, port: int, tmp_path: Path):
+    with (
+        body(policy, port, tmp_path),
+        witness(port) as seen,
+        runtime(policy, port, tmp_path),
+    ):
+        seen.wait_for(lambda lease: lease.state == "driving", "a drive")
+        with body(policy, port, tmp_path, "--zenoh", joined(port, tmp_path)) as second:
+            wait_until(lambda: seen.rolled_m(0.3) == 0.0, "standstill", 20.0)
+            second.kill()
+        wait_until(lambda: seen.rolled_m(0.2) > 0.1, "a drive", 20.0)
+
+
+def test_a_log_that_is_played_onto_a_live_robot_moves_nothing(
+    policy: Path, port: int, tmp_path: Path
+):
+    log = tmp_path / "drive.mcap"
+    with body(policy, port, tmp_path), witness(port) as seen:
+        with runtime(policy, port, tmp_path, "--record", log) as loop:
+            seen.wait_for(lambda lease: lease.state == "driving", "a drive")
+            time.sleep(3.0)
+            finished(loop, signal.SIGINT)
+        taken = reflexarc("play", log, "--port", port)
+        assert taken.returncode == 2
+        assert "cannot be listened on" in taken.stderr
+        with runtime(policy, port, tmp_path):
+            seen.wait_for(lambda lease: lease.state == "driving", "a drive")
+            with started("play", log, "--zenoh", joined(port, tmp_path), "--json"):
+                wait_until(lambda: seen.rolled_m(0.3) == 0.0, "standstill", 20.0)
+
+
+def test_a_body_keeps_the_limits_of_its_world(policy: Path, port: int, tmp_path: Path):
+    world = tmp_path / "reference-1-slow.toml"
+    world.write_text('name = "reference-1 slow"\n[limits]\nlinear_mps = 0.25\n')
+    with (
+        body(policy, port, tmp_path, "--world", world),
+        witness(port) as seen,
+        runtime(policy, port, tmp_path),
+    ):
+        seen.wait_for(lambda lease: lease.refused["too fast: slowed down"] > 10, "slowed commands")
+        begin_m, begin_s = seen.x_m[-1], time.monotonic()
+        time.sleep(1.0)
+        mean_mps = (seen.x_m[-1] - begin_m) / (time.monotonic() - begin_s)
+        assert 0.1 < mean_mps < 0.27
+
+
+def test_a_stop_in_lockstep_holds_and_the_drive_goes_on(policy: Path, port: int, tmp_path: Path):
+    log = tmp_path / "drive.mcap"
+    common = ("--port", port, "--lockstep", "--json")
+    with (
+        started("run", policy, "--record", log, *common, cwd=tmp_path) as loop,
+        started("sim", "--policy", policy, *common, cwd=tmp_path) as process,
+        witness(port) as seen,
+    ):
+        seen.wait_for(lambda lease: lease.state == "driving", "a drive")
+        assert tell(port, "stop")[0] == 0
+        assert seen.rolled_m() == 0.0
+        assert tell(port, "reset")[0] == 0
+        wait_until(lambda: seen.rolled_m(0.2) > 0.0, "a drive", 20.0)
+        steps = finished(process, signal.SIGINT)["steps"]
+        finished(loop, signal.SIGINT)
+    assert replay(log).exit_status == 0
+    assert len([*read_log(log).ticks()]) == steps + 1  # a stop makes no tick of its own
+
+
+@pytest.mark.parametrize("command", ["arm", "stop", "reset", "release"])
+def test_what_nobody_answers_ends_with_1_and_one_line(port: int, command: str):
+    done = reflexarc(command, "--port", port, "--patience", 0.5)
+    assert done.returncode == 1
+    assert done.stderr == (f"reflexarc {command}: no body of robot0 answered within 0.5 s\n")
