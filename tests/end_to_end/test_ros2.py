@@ -7,6 +7,7 @@ from pathlib import Path
 
 from reflexarc_runtime.contract.contract import PolicyContract
 from support.processes import finished, said_line, started, wait_until
+from support.ros2_drives import FAST_ENOUGH
 from support.ros2_robot import Told, robot
 
 LASER_SCAN = "sensor_msgs::msg::dds_::LaserScan_/RIHS01_64c191398013af96509d518dac71d5164f9382553fce5c1f8cca5be7924bd828"  # noqa: E501
@@ -23,7 +24,7 @@ def is_driving(told: list[Told], count: int = 25) -> bool:
 def test_a_runtime_that_is_killed_leaves_the_robot_standing(policy: Path, port: int):
     with robot(port, "bot1/scan", "bot1/cmd_vel", stamped=True) as body:
         words = ["--topic", "bot1/scan", "--command", "/bot1/cmd_vel", "--stamped", "--json"]
-        with started("ros2", *words, "--port", port) as bridge:
+        with started("ros2", *words, *FAST_ENOUGH, "--auto-arm", "--port", port) as bridge:
             with started("run", policy, "--input", "scan", "--port", port) as runtime:
                 said_line(runtime, "reflexarc run:")
                 wait_until(lambda: is_driving(body.told), "the robot drives")
@@ -46,7 +47,7 @@ def test_a_scanner_that_falls_silent_leaves_the_robot_standing_on_rmw(policy: Pa
     scan_key, command_key = f"7/scan/{LASER_SCAN}", f"7/cmd_vel/{TWIST}"
     with robot(port, scan_key, command_key, stamped=False) as body:
         words = ["--wire", "rmw", "--domain", "7", "--json", "--port", port]
-        with started("ros2", *words) as bridge:
+        with started("ros2", *words, *FAST_ENOUGH, "--auto-arm") as bridge:
             with started("run", policy, "--input", "scan", "--port", port) as runtime:
                 wait_until(lambda: is_driving(body.told), "the robot drives")
                 tokens = body.tokens()

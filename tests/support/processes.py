@@ -20,14 +20,15 @@ Process = subprocess.Popen[str]
 
 
 @contextmanager
-def started(*words: object, cwd: Path | None = None) -> Iterator[Process]:
-    """`reflexarc WORDS` in the background."""
+def started(*words: object, cwd: Path | None = None, own_group: bool = False) -> Iterator[Process]:
+    """`reflexarc WORDS` in the background; in a process group of its own, if asked to."""
     process = subprocess.Popen(
         [sys.executable, "-m", "reflexarc", *map(str, words)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
         cwd=cwd,
+        process_group=0 if own_group else None,
     )
     try:
         yield process

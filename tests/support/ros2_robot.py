@@ -1,6 +1,7 @@
 """A robot that speaks ROS 2: a Zenoh router, a scanner, and wheels that remember."""
 
 import json
+import socket
 import struct
 import threading
 import time
@@ -71,14 +72,28 @@ class Robot:
         return [str(reply.ok.key_expr) for reply in replies if reply.ok]
 
 
+def free_port() -> int:
+    """A port that nobody listens on."""
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
+        return int(listener.getsockname()[1])
+
+
 @contextmanager
-def robot(port: int, scan_key: str, command_key: str, *, stamped: bool) -> Iterator[Robot]:
-    """A robot whose router listens on a port."""
+def router(port: int) -> Iterator[zenoh.Session]:
+    """The Zenoh router of a robot."""
     config = zenoh.Config()
     config.insert_json5("mode", json.dumps("router"))
     config.insert_json5("scouting/multicast/enabled", json.dumps(False))
     config.insert_json5("listen/endpoints", json.dumps([f"tcp/127.0.0.1:{port}"]))
     with zenoh.open(config) as session:
+        yield session
+
+
+@contextmanager
+def robot(port: int, scan_key: str, command_key: str, *, stamped: bool) -> Iterator[Robot]:
+    """A robot whose router listens on a port."""
+    with router(port) as session:
         body = Robot(session, scan_key, command_key, stamped)
         wheels = session.declare_subscriber(command_key, body.hear)
         body.scanning.set()

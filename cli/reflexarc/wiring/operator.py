@@ -21,7 +21,7 @@ Check = Callable[[pb.Lease], bool]
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class OperatorAnswer:
     """What a body said."""
 
     done: bool
@@ -44,7 +44,7 @@ class Operator:
         self._inbox = Inbox()
         bus.subscribe([LEASE], self._inbox.put)
 
-    def insist(self, topic: Topic, payload: bytes, is_done: Check) -> Answer:
+    def insist(self, topic: Topic, payload: bytes, is_done: Check) -> OperatorAnswer:
         """Say something again and again, until a lease shows that the body did it.
 
         Args:
@@ -59,7 +59,7 @@ class Operator:
 
         return self._listen(is_done, say)
 
-    def say_once(self, topic: Topic, payload: bytes, is_done: Check) -> Answer:
+    def say_once(self, topic: Topic, payload: bytes, is_done: Check) -> OperatorAnswer:
         """Say something one time to a body that listens, and wait until a lease shows it."""
         publisher, said = self._bus.publisher(topic), False
 
@@ -75,7 +75,7 @@ class Operator:
         """Wait for what the body says of itself."""
         return self._listen(lambda lease: True, lambda: None).lease
 
-    def _listen(self, is_done: Check, say: Callable[[], None]) -> Answer:
+    def _listen(self, is_done: Check, say: Callable[[], None]) -> OperatorAnswer:
         heard: pb.Lease | None = None
         end_s = time.monotonic() + self._patience_s
         again_s = 0.0
@@ -86,8 +86,8 @@ class Operator:
             lease = self._take()
             heard = lease or heard
             if lease is not None and is_done(lease):
-                return Answer(True, lease)
-        return Answer(False, heard)
+                return OperatorAnswer(True, lease)
+        return OperatorAnswer(False, heard)
 
     def _take(self) -> pb.Lease | None:
         message = self._inbox.take(AGAIN_S)

@@ -12,7 +12,7 @@ from reflexarc_runtime.errors import UsageError
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from reflexarc.wiring.operator import Answer, Operator
+    from reflexarc.wiring.operator import Operator, OperatorAnswer
     from reflexarc_runtime.messages_pb2 import Lease
 
 MAX_PATIENCE_S = 3600.0
@@ -34,7 +34,7 @@ class Speaking:
             raise UsageError(f"--patience: expected above 0 to 3600 s, got {self.patience}")
         return _operator(self)
 
-    def tell(self, command: str, answer: "Answer") -> int:
+    def tell(self, command: str, answer: "OperatorAnswer") -> int:
         """Print what the body said; the exit status."""
         if self.json:
             print_json({"done": answer.done, **_plain(answer.lease)})
@@ -44,7 +44,7 @@ class Speaking:
             aside.print(f"reflexarc {command}: {self._complaint(answer)}", soft_wrap=True)
         return 0 if answer.done else 1
 
-    def _complaint(self, answer: "Answer") -> str:
+    def _complaint(self, answer: "OperatorAnswer") -> str:
         robot = self.joining.robot
         if answer.lease is None:
             return f"no body of {robot} answered within {self.patience:g} s"
@@ -147,15 +147,15 @@ class ReleaseCommand:
         return _insist(self.speaking, "release", _release)
 
 
-def _release(operator: "Operator") -> "Answer":
+def _release(operator: "Operator") -> "OperatorAnswer":
     """A repetition would take the lease from the next one as well, so it is said once."""
-    from reflexarc.wiring.operator import Answer
+    from reflexarc.wiring.operator import OperatorAnswer
     from reflexarc_runtime import messages_pb2 as pb
     from reflexarc_runtime.messages.topics import RELEASE
 
     before = operator.hear()
     if before is None or not before.holder:
-        return Answer(before is not None, before)
+        return OperatorAnswer(before is not None, before)
     payload = pb.Release(reason="reflexarc release").SerializeToString()
     return operator.say_once(RELEASE, payload, lambda now: now.holder != before.holder)
 
@@ -164,7 +164,7 @@ def _runs(lease: "Lease") -> bool:
     return lease.armed and not lease.stopped
 
 
-def _insist(speaking: Speaking, command: str, say: "Callable[[Operator], Answer]") -> int:
+def _insist(speaking: Speaking, command: str, say: "Callable[[Operator], OperatorAnswer]") -> int:
     with speaking.operator() as operator:
         answer = say(operator)
     return speaking.tell(command, answer)

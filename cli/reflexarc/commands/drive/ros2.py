@@ -1,18 +1,27 @@
 """`reflexarc ros2`: a robot that speaks ROS 2 over Zenoh becomes the body."""
 
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from reflexarc.terminal.output import aside, console, facts, print_json
+from reflexarc.terminal.output import aside, console, facts, plain, print_json
 from reflexarc.terminal.signals import StopFlag
 from reflexarc.wiring.bus_flags import Joining
+from reflexarc.wiring.limit_flags import LimitFlags
 from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:
     from reflexarc_runtime.bus import Bus
+    from reflexarc_sim_bridge.body.gate.gate import GateSettings
+    from reflexarc_sim_bridge.body.latch import StopLatch
     from reflexarc_sim_bridge.body.ros2.bridge import RosBridgeReport, Route
+    from reflexarc_sim_bridge.body.ros2.companion_link import CompanionLink
 
 MAX_RATE_HZ = 1000.0
+SILENCE_S = 0.2
+"""Whoever holds the robot and says nothing for so long loses it: twice the age at which an input
+is too old by default, as no policy tells a robot its own."""
 
 
 @dataclass(frozen=True)
@@ -20,13 +29,15 @@ class Ros2Command:
     """Connect a robot that speaks ROS 2 over Zenoh: scans in, velocity commands out.
 
     It joins where the robot's own Zenoh router listens (--port, 7447 for rmw_zenohd and
-    zenoh-bridge-ros2dds), and so does `reflexarc run --input scan`. While no command is valid it
-    tells the robot, --rate times a second, to stand. No ROS is needed on this machine.
+    zenoh-bridge-ros2dds), and so does `reflexarc run --input scan`. It needs the robot's largest
+    speeds, obeys one runtime at a time, and stands until `reflexarc arm`. While no command is valid
+    it tells the robot, --rate times a second, to stand. A companion process does so if it is
+    killed. No ROS is needed on this machine.
 
     Examples:
-      reflexarc ros2
-      reflexarc ros2 --wire rmw --domain 7 --stamped
-      reflexarc ros2 --topic robot1/scan --command robot1/cmd_vel --zenoh robot.json5
+      reflexarc ros2 --max-linear 0.5 --max-lateral 0 --max-angular 1
+      reflexarc ros2 --limits robot.toml --wire rmw --domain 7 --stamped
+      reflexarc ros2 --limits robot.toml --topic robot1/scan --command robot1/cmd_vel
     """
 
     topic: str = "scan"
@@ -40,7 +51,14 @@ class Ros2Command:
     domain: int = 0
     """ROS_DOMAIN_ID; it counts with rmw."""
     rate: float = 50.0
-    """Commands to the robot, a second."""
+    """Commands to the robot, a second, at least."""
+    robot_limits: LimitFlags = field(default_factory=LimitFlags)
+    auto_arm: bool = False
+    """Drive as soon as a runtime says so, without `reflexarc arm`."""
+    no_companion: bool = False
+    """Go without the process that stops the robot if this one is killed or hangs."""
+    state: Path = Path("runs")
+    """Folder in which a stop is kept until its reset."""
     joining: Joining = field(default_factory=Joining)
     json: bool = False
     """Print one JSON object at the end."""
@@ -49,11 +67,16 @@ class Ros2Command:
         """Serve until the end, then say what went over the bridge."""
         from reflexarc_runtime.messages.topics import BODY_NODE
 
-        route = self._route()
+        route, settings = self._route(), self._settings()
         with StopFlag() as stop, self.joining.bus(BODY_NODE) as bus:
-            account = self._serve(bus, route, stop)
+            account = self._serve(bus, route, settings, stop)
         self._tell(account)
         return 0
+
+    def _settings(self) -> "GateSettings":
+        from reflexarc_sim_bridge.body.gate.gate import GateSettings
+
+        return GateSettings(SILENCE_S, self.robot_limits.body_limits(), self.auto_arm)
 
     def _route(self) -> "Route":
         from reflexarc_runtime.messages.topics import COMMAND, SCAN
@@ -77,31 +100,68 @@ class Ros2Command:
                 )
         return route
 
-    def _serve(self, bus: "Bus", route: "Route", stop: StopFlag) -> "RosBridgeReport":
+    def _serve(
+        self, bus: "Bus", route: "Route", settings: "GateSettings", stop: StopFlag
+    ) -> "RosBridgeReport":
         from reflexarc_runtime.loop.clock import MonotonicClock
         from reflexarc_runtime.loop.inbox import Inbox
-        from reflexarc_runtime.loop.pacer import RatePacer
         from reflexarc_sim_bridge.body.ros2.bridge import RosBridge
+        from reflexarc_sim_bridge.body.ros2.turns import Turns
 
         inbox = Inbox()
-        bridge = RosBridge(bus, route, inbox)
-        aside.print(
-            f"reflexarc ros2: {route.scan} → {route.command} on {self.wire}, {self.rate:g} Hz"
+        turns = Turns(self.rate, MonotonicClock(), inbox)
+        with self._companion(bus, route, turns.period_ns) as watcher:
+            bridge = RosBridge(bus, route, inbox, settings, watcher, self._latch())
+            aside.print(
+                f"reflexarc ros2: {route.scan} → {route.command} on {self.wire}, {self.rate:g} Hz"
+            )
+            return bridge.serve(turns, stop)
+
+    def _latch(self) -> "StopLatch":
+        """The stop that outlives the bridge."""
+        from reflexarc_sim_bridge.body.latch import StopLatch
+
+        latch = StopLatch(self.state, self.joining.robot)
+        if latch.stopped:
+            reason = plain(latch.stopped)
+            aside.print(f"reflexarc ros2: stopped ({reason}) until `reflexarc reset`")
+        return latch
+
+    def _companion(
+        self, bus: "Bus", route: "Route", period_ns: int
+    ) -> "AbstractContextManager[CompanionLink | None]":
+        from reflexarc_sim_bridge.body.ros2.companion import Watched
+        from reflexarc_sim_bridge.body.ros2.companion_link import CompanionLink
+
+        if self.no_companion:
+            return nullcontext()
+        watched = Watched(
+            robot=self.joining.robot,
+            port=self.joining.port,
+            zenoh="" if self.joining.zenoh is None else str(self.joining.zenoh.absolute()),
+            command_key=route.command_key,
+            stamped=self.stamped,
+            sender=bus.sender.hex(),
+            period_ns=period_ns,
         )
-        return bridge.serve(RatePacer(self.rate, MonotonicClock(), inbox), stop)
+        return CompanionLink(watched)
 
     def _tell(self, account: "RosBridgeReport") -> None:
         if self.json:
             print_json(account)
             return
-        refused = ", ".join(f"{count} {reason}" for reason, count in account.refused_scans.items())
         console.print(
             facts(
                 {
                     "scans": account.scans,
-                    "refused scans": refused or "none",
-                    "commands": f"{account.commands}, {account.refused_commands} refused",
+                    "refused scans": _counts(account.refused_scans),
+                    "commands": account.commands,
+                    "refused commands": _counts(account.refused_commands),
                     "twists": f"{account.twists}, {account.standstills} of them standstill",
                 }
             )
         )
+
+
+def _counts(reasons: dict[str, int]) -> str:
+    return ", ".join(f"{count} {reason}" for reason, count in reasons.items()) or "none"

@@ -2,51 +2,51 @@
 
 Scans are passed on as they come: their source time is the moment of arrival on this machine's
 monotonic clock, which the command repeats; the header's own stamp stays in the message. Commands go
-the other way at a fixed rate: at every tick a watchdog decides whether the last one still holds; if
-not, the robot is told to stand. So a runtime that dies, a scanner that dies and a bus that
-fails all stop the robot, within the command's validity and one tick.
+the other way through the gate, when they arrive and at the latest at a fixed period: what no longer
+holds becomes a standstill. So a runtime that dies, a scanner that dies and a bus that fails all
+stop the robot, within the command's validity and one period.
 
-A safe command names no input, so its age is unknown: here it means standstill, whatever its speeds.
+Whatever ends the bridge from inside, its last words are standstill, said ten times: one alone may
+be lost on the way. What ends it from outside is its companion's business (companion.py).
 """
 
-import logging
-import math
-from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
-from reflexarc_runtime.contract.motion import Action
-from reflexarc_runtime.decision import Command
 from reflexarc_runtime.loop.clock import wall_offset_ns
 from reflexarc_runtime.loop.inbox import Inbox
-from reflexarc_runtime.loop.pacer import Pacer
 from reflexarc_runtime.loop.throttle import Throttle
-from reflexarc_runtime.loop.watchdog import Watchdog
 from reflexarc_runtime.messages.body_info import BodyInfo, encode_body
-from reflexarc_runtime.messages.codec import Status, decode_command, encode_status
-from reflexarc_runtime.messages.topics import BODY, BODY_NODE, COMMAND, SCAN, STATUS, Quality
-from reflexarc_runtime.messages.wire import Message
-from reflexarc_sim_bridge.body.gate.limits import Twist
-from reflexarc_sim_bridge.body.ros2.key_expressions import LASER_SCAN, TWIST, TWIST_STAMPED, RosType
-from reflexarc_sim_bridge.body.ros2.messages import (
-    UnusableMessageError,
-    decode_scan,
-    encode_scan,
-    encode_twist,
-    encode_twist_stamped,
+from reflexarc_runtime.messages.codec import Status, encode_status
+from reflexarc_runtime.messages.topics import (
+    BODY,
+    BODY_NODE,
+    COMMAND,
+    LEASE,
+    SCAN,
+    STATUS,
+    Quality,
 )
+from reflexarc_runtime.messages.wire import Message
+from reflexarc_sim_bridge.body.gate.gate import HEARD, Gate, GateSettings, encode_lease
+from reflexarc_sim_bridge.body.latch import StopLatch
+from reflexarc_sim_bridge.body.ros2.command_relay import CommandRelay
+from reflexarc_sim_bridge.body.ros2.key_expressions import LASER_SCAN, TWIST, TWIST_STAMPED, RosType
+from reflexarc_sim_bridge.body.ros2.scan_relay import ScanRelay
+from reflexarc_sim_bridge.body.ros2.turns import Turns
+from reflexarc_sim_bridge.body.ros2.twists import CDR, TwistPublisher
 from reflexarc_sim_bridge.body.ros2.wires import Wire
 
 if TYPE_CHECKING:
-    from reflexarc_runtime.bus import Bus, Publisher
+    from reflexarc_runtime.bus import Bus
 
-STANDSTILL = Action("stop", 0.0, 0.0)
-COMMAND_FRAME = "base_link"
-"""Frame of a stamped command: the robot's own (REP 105)."""
-
-_CDR = "application/cdr"
-_LOG = logging.getLogger(__name__)
+FAREWELLS = 10
+"""Standstills at the end."""
+FAREWELL_STEP_NS = 20_000_000
+"""Time between two of them; the last one leaves the bus time to send it."""
+NO_COMPANION = "nobody watches the twists"
+"""Under this name the status counts the seconds without a companion."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,86 +90,20 @@ class RosBridgeReport:
     refused_scans: dict[str, int]
     """How many, by reason."""
     commands: int
-    refused_commands: int
+    """How many came, from whomever."""
+    refused_commands: dict[str, int]
+    """How many messages were refused or slowed down, by reason."""
     twists: int
     standstills: int
     """How many of the twists told the robot to stand."""
 
 
-class ScanRelay:
-    """Passes on every scan that can be used, and counts the others by reason.
+class Watcher(Protocol):
+    """Somebody who stops the robot when the bridge cannot."""
 
-    Args:
-        publisher: of our own scans.
-    """
-
-    def __init__(self, publisher: "Publisher") -> None:
-        self._publisher = publisher
-        self.scans = 0
-        self.refused: Counter[str] = Counter()
-
-    def hear(self, message: Message) -> None:
-        """Take one message off the robot's wire; called on a thread of the bus. Never raises."""
-        try:
-            payload = encode_scan(decode_scan(message.payload))
-        except UnusableMessageError as error:
-            self._refuse(str(error))
-            return
-        self.scans += 1
-        self._publisher.put(payload, message.received_ns)
-
-    def _refuse(self, reason: str) -> None:
-        self.refused[reason] += 1
-        if self.refused[reason] == 1:
-            _LOG.warning("a scan of the robot is refused: %s (said once)", reason)
-
-
-class CommandRelay:
-    """Sends the robot, at every call, the last command if it still holds, else a standstill.
-
-    Args:
-        publisher: on the robot's wire.
-        stamped: whether the robot takes stamped commands.
-        wall_offset: what to add to `now_ns` to get the wall clock, by which ROS stamps.
-    """
-
-    def __init__(
-        self, publisher: "Publisher", stamped: bool, wall_offset: Callable[[], int] = wall_offset_ns
-    ) -> None:
-        self._publisher = publisher
-        self._stamped = stamped
-        self._wall_offset = wall_offset
-        self._watchdog = Watchdog(STANDSTILL)
-        self.commands = self.refused = self.twists = self.standstills = 0
-
-    def hear(self, message: Message) -> None:
-        """Take a command; the newest counts."""
-        command = decode_command(message.payload)
-        if command is None or not _is_finite(command):
-            self.refused += 1
-            return
-        self.commands += 1
-        self._watchdog = self._watchdog.heard(command)
-
-    def speak(self, now_ns: int) -> None:
-        """Send the command that holds now, or a standstill."""
-        obeyed = self._watchdog.obeyed(now_ns)
-        self._send(STANDSTILL if obeyed is None or obeyed.is_safe else obeyed, now_ns)
-
-    def stop(self, now_ns: int) -> None:
-        """Send a standstill."""
-        self._send(STANDSTILL, now_ns)
-
-    def _send(self, motion: Twist, now_ns: int) -> None:
-        wall_ns = now_ns + self._wall_offset()
-        self._publisher.put(self._encode(motion, wall_ns), wall_ns)
-        self.twists += 1
-        self.standstills += motion is STANDSTILL
-
-    def _encode(self, motion: Twist, wall_ns: int) -> bytes:
-        if self._stamped:
-            return encode_twist_stamped(motion, wall_ns, COMMAND_FRAME)
-        return encode_twist(motion)
+    def is_alive(self) -> bool:
+        """Whether it is there."""
+        ...
 
 
 class RosBridge:
@@ -178,53 +112,101 @@ class RosBridge:
     Args:
         bus: an open session that reaches both.
         route: the robot's side.
-        inbox: where the bus delivers our commands.
+        inbox: where the bus delivers what is said to the body.
+        settings: of the gate: the robot's limits, whether it is armed.
+        watcher: the bridge's companion, if it has one.
+        latch: keeps a stop that outlives the bridge.
     """
 
-    def __init__(self, bus: "Bus", route: Route, inbox: Inbox) -> None:
+    def __init__(
+        self,
+        bus: "Bus",
+        route: Route,
+        inbox: Inbox,
+        settings: GateSettings,
+        watcher: Watcher | None = None,
+        latch: StopLatch | None = None,
+    ) -> None:
+        self._inbox = inbox
+        # A flood of commands must not push a stop out of a full inbox.
+        self._controls = Inbox()
         self._scans = ScanRelay(bus.publisher(SCAN))
-        wheel = bus.publisher_of_key(route.command_key, _CDR, Quality.CONTROL)
-        self._commands = CommandRelay(wheel, route.stamped)
-        self._status, self._info = bus.publisher(STATUS), bus.publisher(BODY)
-        self._every_second = Throttle()
+        wheel = bus.publisher_of_key(route.command_key, CDR, Quality.CONTROL)
+        twists = TwistPublisher(wheel, route.stamped, wall_offset_ns)
+        gate = Gate.closed(bus.sender, settings, latch.stopped if latch else "")
+        self._commands = CommandRelay(twists, gate, latch)
+        self._speaker = _Speaker(bus, settings, watcher)
         for token in route.tokens(bus.session_id):
             bus.announce_key(token)
         bus.subscribe([COMMAND], inbox.put)
+        bus.subscribe([topic for topic in HEARD if topic is not COMMAND], self._hear_control)
         bus.subscribe_to_key(route.scan_key, self._scans.hear)
         bus.announce(BODY_NODE)
 
-    def serve(self, pacer: Pacer, should_stop: Callable[[], bool]) -> RosBridgeReport:
-        """Serve until asked to stop; the robot's last command is to stand."""
+    def serve(self, turns: Turns, should_stop: Callable[[], bool]) -> RosBridgeReport:
+        """Serve until asked to stop; the robot's last commands are to stand."""
         try:
-            while (wakeup := pacer.wait(should_stop)) is not None:
-                for message in wakeup.messages:
-                    self._commands.hear(message)
-                self._commands.speak(wakeup.now_ns)
-                self._say_every_second(wakeup.now_ns)
+            while (turn := turns.wait(should_stop)) is not None:
+                controls, _ = self._controls.drain(turns.now_ns)
+                has_news = self._commands.hear((*controls, *turn.messages))
+                if has_news or turn.is_due:
+                    self._commands.speak(turn.now_ns)
+                    turns.spoke(turn.now_ns)
+                self._speaker.say(self._commands, turn.now_ns)
         finally:
-            self._commands.stop(pacer.now_ns())
-        return self.account
+            self._take_leave(turns)
+        return self.report
 
     @property
-    def account(self) -> RosBridgeReport:
+    def report(self) -> RosBridgeReport:
         """The counts until now."""
         return RosBridgeReport(
             scans=self._scans.scans,
             refused_scans=dict(self._scans.refused),
-            commands=self._commands.commands,
-            refused_commands=self._commands.refused,
+            commands=self._commands.heard,
+            refused_commands=dict(self._commands.account.refused),
             twists=self._commands.twists,
             standstills=self._commands.standstills,
         )
 
-    def _say_every_second(self, now_ns: int) -> None:
-        if not self._every_second.is_due(now_ns):
-            return
-        status = Status(node=BODY_NODE, ticks=self._commands.twists)
-        self._status.put(encode_status(status), now_ns)
-        self._info.put(encode_body(BodyInfo()), now_ns)
+    def _hear_control(self, message: Message) -> None:
+        self._controls.put(message)
+        self._inbox.put(_wake(message.received_ns))
+
+    def _take_leave(self, turns: Turns) -> None:
+        now_ns = turns.now_ns()
+        for _ in range(FAREWELLS):
+            self._commands.stop(now_ns)
+            now_ns = turns.rest(FAREWELL_STEP_NS)
 
 
-def _is_finite(command: Command) -> bool:
-    speeds = (command.linear_mps, command.lateral_mps, command.angular_radps)
-    return all(map(math.isfinite, speeds))
+def _wake(now_ns: int) -> Message:
+    """A message of no topic: it ends the waiting, and changes nothing."""
+    return Message("", b"", "", b"", now_ns)
+
+
+class _Speaker:
+    """Says on our bus whom the robot obeys: at once when it changes, all of it once a second."""
+
+    def __init__(self, bus: "Bus", settings: GateSettings, watcher: Watcher | None) -> None:
+        self._status, self._info = bus.publisher(STATUS), bus.publisher(BODY)
+        self._lease = bus.publisher(LEASE)
+        self._body = encode_body(BodyInfo(limits=settings.limits))
+        self._watcher = watcher
+        self._unwatched_s = 0
+        self._every_second = Throttle()
+        self._news: object = None
+
+    def say(self, commands: CommandRelay, now_ns: int) -> None:
+        """Say what is due."""
+        account = commands.account
+        is_due = self._every_second.is_due(now_ns)
+        if is_due or account.news != self._news:
+            self._lease.put(encode_lease(account), now_ns)
+            self._news = account.news
+        if is_due:
+            self._unwatched_s += self._watcher is None or not self._watcher.is_alive()
+            counts = (*account.refused, (NO_COMPANION, self._unwatched_s))
+            status = Status(node=BODY_NODE, ticks=commands.twists, verdicts=counts)
+            self._status.put(encode_status(status), now_ns)
+            self._info.put(self._body, now_ns)

@@ -2,6 +2,8 @@ import pytest
 
 from reflexarc.main import main
 
+SLOW = ["--max-linear", "0.5", "--max-lateral", "0", "--max-angular", "1"]
+
 
 @pytest.mark.parametrize(
     ("words", "expected"),
@@ -13,7 +15,13 @@ from reflexarc.main import main
         (["--rate", "nan"], "--rate"),
         (["--topic", "robot0/scan"], "--robot"),
         (["--command", "robot0/command"], "--robot"),
-        (["--zenoh", "none.json5"], "no such file"),
+        ([*SLOW, "--zenoh", "none.json5"], "no such file"),
+        ([], "--max-linear"),
+        (SLOW[:4], "got no --max-angular"),
+        ([*SLOW, "--max-linear", "nan"], "--max-linear"),
+        ([*SLOW, "--max-lateral=-1"], "--max-lateral"),
+        ([*SLOW, "--max-validity", "0"], "--max-validity"),
+        (["--limits", "none.toml"], "none.toml: cannot be read"),
     ],
 )
 def test_what_cannot_work_is_said_in_one_line(

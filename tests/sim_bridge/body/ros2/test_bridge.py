@@ -1,203 +1,146 @@
-import math
-import struct
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
 
-from reflexarc_runtime.contract.motion import Action
-from reflexarc_runtime.decision import Command, Input, Verdict, drive_command, safe_command
-from reflexarc_runtime.loop.pacer import Wakeup
+from reflexarc_runtime import messages_pb2 as pb
+from reflexarc_runtime.contract.body_limits import BodyLimits
+from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.messages.body_info import BodyInfo, decode_body
-from reflexarc_runtime.messages.codec import encode_command
+from reflexarc_runtime.messages.topics import ARM, STOP, topic_of
 from reflexarc_runtime.messages.wire import Message
-from reflexarc_sim_bridge.body.ros2.bridge import CommandRelay, RosBridge, Route, ScanRelay
+from reflexarc_sim_bridge.body.gate.gate import GateSettings
+from reflexarc_sim_bridge.body.ros2.bridge import FAREWELLS, RosBridge, RosBridgeReport, Route
+from reflexarc_sim_bridge.body.ros2.turns import Turn
 from reflexarc_sim_bridge.body.ros2.wires import RmwWire, Ros2DdsWire
-from support.ros2 import Time, Twist, TwistStamped, laser_scan
+from support.gates import drive, message
 from support.sensing import MS
+from support.spoken import FakeBus
 
-GO = Action("left", 1.0, 0.5, 0.25)
-CREEP = Action("creep", 0.1, 0.0)
-WALL_NS = 1_700_000_000_000_000_000
-
-
-class Spoken:
-    """A publisher that keeps what it is given."""
-
-    def __init__(self) -> None:
-        self.said: list[tuple[bytes, int]] = []
-
-    def put(self, payload: bytes, time_ns: int) -> None:
-        self.said.append((payload, time_ns))
+LIMITS = BodyLimits(1.0, 0.5, 2.0)
 
 
-def relay(stamped: bool = False) -> tuple[CommandRelay, Spoken]:
-    spoken: Any = Spoken()
-    return CommandRelay(spoken, stamped, wall_offset=lambda: WALL_NS), spoken
+class GivenTurns:
+    """The turns that a test gives, in place of a clock; an exception among them is raised."""
 
+    def __init__(self, *turns: Turn | Exception) -> None:
+        self._turns: Iterator[Turn | Exception] = iter(turns)
+        self.spoken_ms: list[float] = []
+        self.between: Callable[[], object] = lambda: None
 
-def message(payload: bytes, received_ns: int = 0) -> Message:
-    return Message("robot0/command", payload, "", b"", received_ns)
+    def wait(self, should_stop: Callable[[], bool]) -> Turn | None:
+        if self.spoken_ms:
+            self.between()
+        turn = next(self._turns, None)
+        if isinstance(turn, Exception):
+            raise turn
+        return turn
 
+    def spoke(self, now_ns: int) -> None:
+        self.spoken_ms.append(now_ns / MS)
 
-def drive(source_ns: int, motion: Action = GO) -> Message:
-    echo = Input(7, source_ns, source_ns, 0)
-    return message(encode_command(drive_command(3, 1, motion, echo, valid_for_ns=100 * MS)))
-
-
-def speeds(spoken: Spoken) -> list[tuple[float, float, float]]:
-    twists = [Twist.deserialize(payload) for payload, _ in spoken.said]
-    return [(twist.linear.x, twist.linear.y, twist.angular.z) for twist in twists]
-
-
-def test_the_robot_stands_until_it_is_told_to_go():
-    command, spoken = relay()
-    command.speak(20 * MS)
-    command.hear(drive(source_ns=30 * MS))
-    command.speak(40 * MS)
-    assert speeds(spoken) == [(0.0, 0.0, 0.0), (1.0, 0.5, 0.25)]
-    assert (command.twists, command.standstills, command.commands) == (2, 1, 1)
-
-
-def test_a_command_is_repeated_while_it_holds_and_then_the_robot_stands():
-    command, spoken = relay()
-    command.hear(drive(source_ns=30 * MS))
-    for now_ms in (40, 60, 129, 130, 150):
-        command.speak(now_ms * MS)
-    assert [ahead for ahead, _, _ in speeds(spoken)] == [1.0, 1.0, 1.0, 0.0, 0.0]
-
-
-def test_a_safe_command_means_standstill_whatever_its_speeds():
-    command, spoken = relay()
-    command.hear(message(encode_command(safe_command(4, Verdict.STALE_INPUT, CREEP))))
-    command.speak(40 * MS)
-    assert speeds(spoken) == [(0.0, 0.0, 0.0)]
-
-
-@pytest.mark.parametrize("speed", [math.nan, math.inf, -math.inf])
-def test_a_command_that_is_not_finite_is_counted_and_never_sent(speed: float):
-    command, spoken = relay()
-    bad = Command(3, 1, Verdict.OK, 1.0, 0.0, speed, 100 * MS, 7, 30 * MS)
-    command.hear(message(encode_command(bad)))
-    command.hear(message(b"noise"))
-    command.speak(40 * MS)
-    assert speeds(spoken) == [(0.0, 0.0, 0.0)]
-    assert (command.commands, command.refused) == (0, 2)
-
-
-def test_stamped_commands_bear_the_wall_clock_of_the_moment():
-    command, spoken = relay(stamped=True)
-    command.hear(drive(source_ns=0))
-    command.speak(40 * MS)
-    stamped = TwistStamped.deserialize(spoken.said[0][0])
-    assert stamped.header.stamp == Time(1_700_000_000, 40 * MS)
-    assert stamped.header.frame_id == "base_link"
-    assert stamped.twist.linear.x == 1.0
-    assert spoken.said[0][1] == WALL_NS + 40 * MS
-
-
-def test_scans_leave_with_the_time_of_their_arrival():
-    spoken: Any = Spoken()
-    scans = ScanRelay(spoken)
-    scans.hear(message(laser_scan([1.0, 2.0]).serialize(), received_ns=123))
-    assert [time_ns for _, time_ns in spoken.said] == [123]
-    assert scans.scans == 1
-
-
-def test_what_is_no_scan_is_counted_by_reason_and_said_once(caplog: pytest.LogCaptureFixture):
-    spoken: Any = Spoken()
-    scans = ScanRelay(spoken)
-    for payload in (b"noise", b"more noise", laser_scan([]).serialize()):
-        scans.hear(message(payload))
-    assert spoken.said == []
-    assert scans.refused == {"no little-endian CDR": 2, "fewer than 2 or more than 100000 beams": 1}
-    assert [record.levelname for record in caplog.records] == ["WARNING", "WARNING"]
-
-
-class FakeBus:
-    """Remembers what was declared."""
-
-    session_id = "ab"
-
-    def __init__(self) -> None:
-        self.publishers: dict[str, Spoken] = {}
-        self.heard: list[str] = []
-        self.tokens: list[str] = []
-
-    def publisher(self, topic: Any) -> Spoken:
-        return self.publishers.setdefault(topic.name, Spoken())
-
-    def publisher_of_key(self, key: str, encoding: str, quality: Any) -> Spoken:
-        return self.publishers.setdefault(key, Spoken())
-
-    def subscribe(self, topics: Any, deliver: Any) -> None:
-        self.heard += [topic.name for topic in topics]
-
-    def subscribe_to_key(self, key: str, deliver: Any) -> None:
-        self.heard.append(key)
-
-    def announce(self, node: str) -> None:
-        self.tokens.append(node)
-
-    def announce_key(self, key: str) -> None:
-        self.tokens.append(key)
-
-
-class FailingPacer:
-    """Fails at once, at 50 ms."""
-
-    def wait(self, should_stop: Any) -> Any:
-        raise RuntimeError("on purpose")
+    def rest(self, duration_ns: int) -> int:
+        return 50 * MS
 
     def now_ns(self) -> int:
         return 50 * MS
 
 
-def test_a_loop_that_fails_still_tells_the_robot_to_stand():
+class Mortal:
+    """A companion that has ended."""
+
+    def is_alive(self) -> bool:
+        return False
+
+
+def turn(time_ms: int, *messages: Message, due: bool = False) -> Turn:
+    return Turn(time_ms * MS, messages, due)
+
+
+def served(
+    turns: GivenTurns, auto_arm: bool = True, watcher: Any = None
+) -> tuple[FakeBus, Callable[[], RosBridgeReport]]:
     bus: Any = FakeBus()
-    pacer: Any = FailingPacer()
-    inbox: Any = type("NoInbox", (), {"put": None})
-    bridge = RosBridge(bus, Route(Ros2DdsWire(), "/scan", "/cmd_vel"), inbox)
+    inbox = Inbox()
+    settings = GateSettings(0.2, LIMITS, auto_arm)
+    route = Route(Ros2DdsWire(), "/scan", "/cmd_vel")
+    bridge = RosBridge(bus, route, inbox, settings, watcher)
+    given: Any = turns
+    return bus, lambda: bridge.serve(given, lambda: False)
+
+
+def test_a_command_goes_out_when_it_comes_and_what_is_refused_makes_no_twist():
+    good, anonymous = drive(30 * MS, received_ns=31 * MS), drive(30 * MS, sender=None)
+    turns = GivenTurns(turn(20, due=True), turn(31, good), turn(33, anonymous), turn(51, due=True))
+    bus, serve = served(turns)
+    report = serve()
+    assert turns.spoken_ms == [20, 31, 51]
+    assert [ahead for ahead, _, _ in bus.publishers["cmd_vel"].speeds[:3]] == [0.0, 1.0, 1.0]
+    assert (report.commands, report.twists) == (2, 3 + FAREWELLS)
+    assert report.refused_commands == {"no attachment that names a sender": 1}
+
+
+def test_a_stop_wakes_the_bridge_and_has_an_inbox_of_its_own():
+    inbox = Inbox(capacity=4)
+    bus: Any = FakeBus()
+    RosBridge(bus, Route(Ros2DdsWire(), "/scan", "/cmd_vel"), inbox, GateSettings(0.2, LIMITS))
+    bus.heard["stop"](message(STOP))
+    woken = inbox.take(0.0)
+    assert woken is not None
+    assert topic_of(woken.key) is None
+
+
+def test_a_flood_of_commands_does_not_push_a_stop_out():
+    turns = GivenTurns(turn(0, due=True), turn(31, drive(30 * MS, received_ns=31 * MS)))
+    bus, serve = served(turns)
+    bus.heard["stop"](message(STOP))
+    for _ in range(3000):
+        bus.heard["command"](drive(30 * MS))
+    serve()
+    assert all(speeds == (0.0, 0.0, 0.0) for speeds in bus.publishers["cmd_vel"].speeds)
+
+
+def test_a_loop_that_fails_still_tells_the_robot_to_stand_again_and_again():
+    bus, serve = served(GivenTurns(RuntimeError("on purpose")))
     with pytest.raises(RuntimeError, match="on purpose"):
-        bridge.serve(pacer, lambda: False)
-    assert speeds(bus.publishers["cmd_vel"]) == [(0.0, 0.0, 0.0)]
-    assert bridge.account.standstills == 1
+        serve()
+    assert bus.publishers["cmd_vel"].speeds == [(0.0, 0.0, 0.0)] * FAREWELLS
 
 
-def woken_at(now_ns: int) -> Wakeup:
-    return Wakeup(0, now_ns, now_ns, now_ns, (), 0)
-
-
-class HalfSeconds(FailingPacer):
-    """Wakes up five times, every half second."""
-
-    def __init__(self) -> None:
-        self._wakeups = iter([woken_at(slot * 500 * MS) for slot in range(5)])
-
-    def wait(self, should_stop: Any) -> Any:
-        return next(self._wakeups, None)
-
-
-def test_a_robot_says_once_a_second_that_it_is_not_simulated():
-    bus: Any = FakeBus()
-    pacer: Any = HalfSeconds()
-    inbox: Any = type("NoInbox", (), {"put": None})
-    RosBridge(bus, Route(Ros2DdsWire(), "/scan", "/cmd_vel"), inbox).serve(pacer, lambda: False)
+def test_a_robot_says_once_a_second_what_it_does_at_most():
+    bus, serve = served(GivenTurns(*(turn(slot * 500, due=True) for slot in range(5))))
+    serve()
     said = [(decode_body(payload), time_ns) for payload, time_ns in bus.publishers["body"].said]
-    assert said == [(BodyInfo(), second * 1000 * MS) for second in range(3)]
+    assert said == [(BodyInfo(limits=LIMITS), second * 1000 * MS) for second in range(3)]
+
+
+def test_whom_it_obeys_is_said_at_once_and_what_it_refused_once_a_second():
+    turns = GivenTurns(turn(0, due=True), turn(10), turn(20, due=True))
+    bus, serve = served(turns, auto_arm=False)
+    turns.between = lambda: bus.heard["arm"](message(ARM))
+    serve()
+    leases = [pb.Lease.FromString(payload) for payload, _ in bus.publishers["lease"].said]
+    assert [lease.armed for lease in leases] == [False, True]
+
+
+def test_the_status_counts_what_was_refused_and_says_that_nobody_watches():
+    fast = drive(30 * MS, linear_mps=100.0, received_ns=31 * MS)
+    bus, serve = served(GivenTurns(turn(31, fast), turn(1500, due=True)), watcher=Mortal())
+    serve()
+    statuses = [pb.Status.FromString(payload) for payload, _ in bus.publishers["status"].said]
+    assert dict(statuses[-1].verdicts) == {
+        "too fast: slowed down": 1,
+        "nobody watches the twists": 2,
+    }
 
 
 def test_what_is_declared_on_rmw():
     bus: Any = FakeBus()
-    inbox: Any = type("NoInbox", (), {"put": None})
-    RosBridge(bus, Route(RmwWire(3), "/scan", "/cmd_vel", stamped=True), inbox)
+    inbox = Inbox()
+    settings = GateSettings(0.2, LIMITS)
+    RosBridge(bus, Route(RmwWire(3), "/scan", "/cmd_vel", stamped=True), inbox, settings)
     assert [key for key in bus.heard if key.startswith("3/scan/sensor_msgs::msg::dds_::LaserScan_")]
+    assert {"command", "stop", "reset", "arm", "release"} < bus.heard.keys()
     assert [key for key in bus.publishers if "::TwistStamped_/RIHS01_5f0fcd4f" in key]
     assert sum(token.startswith("@ros2_lv/3/ab/") for token in bus.tokens) == 3
     assert bus.tokens[-1] == "body"
-
-
-def test_the_bytes_of_a_standstill():
-    # CDR by hand: the envelope of little-endian, and six zeros of 8 bytes.
-    command, spoken = relay()
-    command.stop(0)
-    assert spoken.said[0][0] == b"\x00\x01\x00\x00" + struct.pack("<6d", *[0.0] * 6)

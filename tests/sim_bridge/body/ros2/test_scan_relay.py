@@ -1,0 +1,30 @@
+from typing import Any
+
+import pytest
+
+from reflexarc_runtime.messages.wire import Message
+from reflexarc_sim_bridge.body.ros2.scan_relay import ScanRelay
+from support.ros2 import laser_scan
+from support.spoken import Spoken
+
+
+def message(payload: bytes, received_ns: int = 0) -> Message:
+    return Message("scan", payload, "", b"", received_ns)
+
+
+def test_scans_leave_with_the_time_of_their_arrival():
+    spoken: Any = Spoken()
+    scans = ScanRelay(spoken)
+    scans.hear(message(laser_scan([1.0, 2.0]).serialize(), received_ns=123))
+    assert [time_ns for _, time_ns in spoken.said] == [123]
+    assert scans.scans == 1
+
+
+def test_what_is_no_scan_is_counted_by_reason_and_said_once(caplog: pytest.LogCaptureFixture):
+    spoken: Any = Spoken()
+    scans = ScanRelay(spoken)
+    for payload in (b"noise", b"more noise", laser_scan([]).serialize()):
+        scans.hear(message(payload))
+    assert spoken.said == []
+    assert scans.refused == {"no little-endian CDR": 2, "fewer than 2 or more than 100000 beams": 1}
+    assert [record.levelname for record in caplog.records] == ["WARNING", "WARNING"]
