@@ -39,7 +39,7 @@ def both_levels_agree(log: Path) -> bool:
 def harmed(fault: str, policy: Path, port: int, log: Path) -> subprocess.CompletedProcess[str]:
     """A runtime with a fault in its loop, to its end or to its 150th tick."""
     module = ("-m", "support.hanging_runtime", fault)
-    words = ("run", policy, "--port", port, "--record", log, "--ticks", 150, "--json")
+    words = ("run", policy, "--no-guard", "--port", port, "--record", log, "--ticks", 150, "--json")
     return subprocess.run(
         [sys.executable, *module, *map(str, words)],
         capture_output=True,
@@ -129,7 +129,18 @@ def test_a_loop_that_raises_ends_in_a_safe_command_and_a_finished_log(
 def test_a_policy_that_never_returns_is_ended_and_the_loop_goes_on(port: int, tmp_path: Path):
     log, policy = tmp_path / "drive.mcap", tmp_path / "special.onnx"
     policy.write_bytes(looping(CONTRACT, FOR_EVER, at_intensity=SPECIAL))
-    words = ("run", policy, "--backend", "onnxruntime", "--port", port, "--record", log, "--json")
+    words = (
+        "run",
+        policy,
+        "--no-guard",
+        "--backend",
+        "onnxruntime",
+        "--port",
+        port,
+        "--record",
+        log,
+        "--json",
+    )
     with plain_body(CONTRACT, port) as body, started(*words) as runtime:
         wait_until(lambda: drove(body), "a runtime that drives")
         body.intensity = SPECIAL
@@ -148,7 +159,7 @@ def test_a_policy_that_hangs_at_load_or_cannot_keep_its_period_is_refused(
     port: int, tmp_path: Path
 ):
     policy = tmp_path / "policy.onnx"
-    words = ("run", policy, "--backend", "onnxruntime", "--port", port, "--ticks", 3)
+    words = ("run", policy, "--no-guard", "--backend", "onnxruntime", "--port", port, "--ticks", 3)
     for trips, complaint in ((FOR_EVER, "it hangs"), (60_000, "expected a decision within 20 ms")):
         policy.write_bytes(looping(CONTRACT, trips))
         done = reflexarc(*words)
@@ -158,7 +169,7 @@ def test_a_policy_that_hangs_at_load_or_cannot_keep_its_period_is_refused(
 
 
 def test_without_a_watchdog_the_status_says_so(policy: Path, port: int):
-    words = ("run", policy, "--port", port, "--ticks", 80, "--no-watchdog", "--json")
+    words = ("run", policy, "--no-guard", "--port", port, "--ticks", 80, "--no-watchdog", "--json")
     with plain_body(CONTRACT, port) as body:
         assert reflexarc(*words).returncode == 0
     assert set(body.watchdogs) == {"off"}
@@ -169,7 +180,7 @@ def test_a_hang_up_and_a_quit_end_as_a_termination_does(
     policy: Path, port: int, tmp_path: Path, number: signal.Signals
 ):
     log = tmp_path / "drive.mcap"
-    words = ("run", policy, "--port", port, "--record", log, "--json")
+    words = ("run", policy, "--no-guard", "--port", port, "--record", log, "--json")
     with plain_body(CONTRACT, port) as body, started(*words) as runtime:
         wait_until(lambda: drove(body), "a runtime that drives")
         finished(runtime, number)
@@ -238,7 +249,7 @@ def test_with_30_descriptors_it_drives_says_its_status_and_ends(
 
 def test_a_loop_that_can_open_nothing_any_more_goes_on(policy: Path, port: int, tmp_path: Path):
     log = tmp_path / "drive.mcap"
-    words = ("run", policy, "--port", port, "--record", log, "--ticks", 150, "--json")
+    words = ("run", policy, "--no-guard", "--port", port, "--record", log, "--ticks", 150, "--json")
     with plain_body(CONTRACT, port) as body, started(*words) as runtime:
         wait_until(lambda: drove(body), "a runtime that drives")
         taken = {int(entry) for entry in os.listdir(f"/proc/{runtime.pid}/fd")}

@@ -87,7 +87,7 @@ def body(policy: Path, port: int, cwd: Path, *words: object) -> Iterator[Process
 
 @contextmanager
 def runtime(policy: Path, port: int, cwd: Path, *words: object) -> Iterator[Process]:
-    with started("run", policy, "--port", port, "--json", *words, cwd=cwd) as process:
+    with started("run", policy, "--port", port, "--no-guard", "--json", *words, cwd=cwd) as process:
         said_line(process, "reflexarc run:")
         yield process
 
@@ -320,7 +320,7 @@ def test_a_stop_in_lockstep_holds_and_the_drive_goes_on(policy: Path, port: int,
     log = tmp_path / "drive.mcap"
     common = ("--port", port, "--lockstep", "--json")
     with (
-        started("run", policy, "--record", log, *common, cwd=tmp_path) as loop,
+        started("run", policy, "--no-guard", "--record", log, *common, cwd=tmp_path) as loop,
         started("sim", "--policy", policy, *common, cwd=tmp_path) as process,
         witness(port) as seen,
     ):

@@ -181,7 +181,8 @@ class SimCommand:
             settings = gate_settings(body, auto_arm=self.auto_arm, lockstep=self.lockstep)
             latch = self._latch(robot)
             bridge = Bridge(bus, body, robot, inbox, settings, retinas, latch)
-            aside.print(f"{self._who(robot)}: {self.world}, seed {self.seed}, {rate_hz:g} Hz")
+            line = f"{self._who(robot)}: {self.world}, seed {self.seed}, {rate_hz:g} Hz"
+            aside.print(line, soft_wrap=True)
             if self.lockstep:
                 return bridge.drive_in_lockstep(round(1e9 / rate_hz), stop, self.steps)
             return bridge.drive(RatePacer(rate_hz, clock, inbox), stop, self.steps)
