@@ -9,13 +9,18 @@ from google.protobuf.message import DecodeError
 
 from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.loop.inbox import Inbox
-from reflexarc_runtime.messages.topics import LEASE, Topic
+from reflexarc_runtime.messages.codec import decode_command
+from reflexarc_runtime.messages.topics import COMMAND, LEASE, Topic
+from reflexarc_runtime.messages.wire import Message
 
 if TYPE_CHECKING:
     from reflexarc_runtime.bus import Bus
 
 AGAIN_S = 0.1
 """Time between two repetitions of what has not been acknowledged yet."""
+
+RUNTIME_HEARD_S = 0.7
+"""How long a runtime may take to be heard: at its rate, and found on the bus."""
 
 Check = Callable[[pb.Lease], bool]
 
@@ -42,22 +47,42 @@ class Operator:
         self._bus = bus
         self._patience_s = patience_s
         self._inbox = Inbox()
+        self._verdict: int = pb.VERDICT_UNSPECIFIED
         bus.subscribe([LEASE], self._inbox.put)
+        bus.subscribe([COMMAND], self._hear_runtime)
 
-    def insist(self, topic: Topic, payload: bytes, is_done: Check) -> OperatorAnswer:
-        """Say something again and again, until a lease shows that the body did it.
+    def insist(
+        self, topic: Topic, payload: bytes, is_done: Check, *, stopped: bool | None = None
+    ) -> OperatorAnswer:
+        """Say something again and again, until body and runtime show that they heard it.
+
+        A runtime shows it by the verdict of its commands; where none is heard for a while, there
+        is none.
 
         Args:
             topic: stop, reset or arm.
             payload: what to say.
             is_done: whether a lease shows it.
+            stopped: whether the runtime shall be stopped then; None: it is not asked.
         """
         publisher = self._bus.publisher(topic)
+        silent_s = time.monotonic() + (0.0 if stopped is None else RUNTIME_HEARD_S)
 
         def say() -> None:
             publisher.put(payload, time.monotonic_ns())
 
-        return self._listen(is_done, say)
+        def agreed(lease: pb.Lease) -> bool:
+            if self._verdict == pb.VERDICT_UNSPECIFIED:
+                return is_done(lease) and time.monotonic() >= silent_s
+            fits = stopped is None or (self._verdict == pb.STOPPED) == stopped
+            return is_done(lease) and fits
+
+        return self._listen(agreed, say)
+
+    def _hear_runtime(self, message: Message) -> None:
+        command = decode_command(message.payload)
+        if command is not None:
+            self._verdict = int(command.verdict)
 
     def say_once(self, topic: Topic, payload: bytes, is_done: Check) -> OperatorAnswer:
         """Say something one time to a body that listens, and wait until a lease shows it."""
@@ -83,10 +108,9 @@ class Operator:
             if now_s >= again_s:
                 say()
                 again_s = now_s + AGAIN_S
-            lease = self._take()
-            heard = lease or heard
-            if lease is not None and is_done(lease):
-                return OperatorAnswer(True, lease)
+            heard = self._take() or heard
+            if heard is not None and is_done(heard):
+                return OperatorAnswer(True, heard)
         return OperatorAnswer(False, heard)
 
     def _take(self) -> pb.Lease | None:

@@ -98,7 +98,9 @@ class StopCommand:
         return _insist(
             self.speaking,
             "stop",
-            lambda operator: operator.insist(STOP, payload, lambda lease: bool(lease.stopped)),
+            lambda operator: operator.insist(
+                STOP, payload, lambda lease: bool(lease.stopped), stopped=True
+            ),
         )
 
 
@@ -124,7 +126,9 @@ class ResetCommand:
         return _insist(
             self.speaking,
             "reset",
-            lambda operator: operator.insist(RESET, payload, lambda lease: not lease.stopped),
+            lambda operator: operator.insist(
+                RESET, payload, lambda lease: not lease.stopped, stopped=False
+            ),
         )
 
 
