@@ -23,7 +23,7 @@ from reflexarc_runtime.contract.body_spec import BodySpec, Footprint
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.contract.motion import sideways_actions
-from reflexarc_runtime.guard import GuardSettings
+from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_runtime.policy.policy import load_policy
 from reflexarc_sim_bridge.evaluation.crowd_guard import CrowdGuard
 from reflexarc_sim_bridge.evaluation.pilot import Pilot
@@ -100,6 +100,7 @@ class Resampled:
 
 
 def contract_of(case: Case) -> PolicyContract:
+    """What the policy of a case sees, does, and believes of its body."""
     body = BodySpec(Footprint(radius_m=RADIUS_M), deceleration_mps2=1.0 if case.brakes else None)
     eye = RetinaSpec(rays=case.rays, fov_rad=math.pi, range_m=5.0)
     age_s = 1.0 / case.rate_hz
@@ -113,12 +114,14 @@ def contract_of(case: Case) -> PolicyContract:
 
 
 def world_of(case: Case) -> World:
+    """The obstacles of a case, and the body that moves among them."""
     braking = 1.0 if case.brakes else math.inf
     chassis = Chassis(radius_m=RADIUS_M, acceleration_mps2=braking)
     return World("bench", layers=LAYERS[case.world], chassis=chassis, dt_s=1.0 / case.rate_hz)
 
 
 def measure(case: Case, policy: Any, agents: int, seconds: float) -> Result:
+    """Let a crowd drive, and count contacts, interventions, standing and way."""
     contract, world = contract_of(case), world_of(case)
     crowd, moves = None, contract
     if case.guard != "off":
@@ -153,6 +156,7 @@ def measure(case: Case, policy: Any, agents: int, seconds: float) -> Result:
 
 
 def cases(has_reflex: bool) -> list[Case]:
+    """All rows of the table; those of a trained policy only where there is one."""
     names = ["random", "constant", *(["inverted", "reflex"] if has_reflex else [])]
     best = names[-1]
     grid = [
@@ -181,6 +185,7 @@ def cases(has_reflex: bool) -> list[Case]:
 
 
 def row_of(case: Case, result: Result) -> str:
+    """A line of the table, in Markdown."""
     brakes = "1 m/s²" if case.brakes else "at once"
     return (
         f"| {case.world} | {case.policy} | {case.rays} | {case.rate_hz:g} | {brakes} "
@@ -191,6 +196,7 @@ def row_of(case: Case, result: Result) -> str:
 
 
 def main() -> None:
+    """Measure every case, and print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--reflex", type=Path, help="a trained policy of 16 rays")
     parser.add_argument("--agents", type=int, default=64)

@@ -196,6 +196,7 @@ class Variant:
 
 
 def refuse(words: str) -> Never:
+    """Say what is wrong in one line, and end with status 2."""
     print(f"native_tricks: {words}", file=sys.stderr)
     raise SystemExit(2)
 
@@ -217,6 +218,7 @@ def row(
 
 
 def main() -> None:
+    """Measure what each trick buys, and print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--rounds", type=int, default=7)
     parser.add_argument("--tricks", nargs="*", default=list(TRICKS), choices=list(TRICKS))

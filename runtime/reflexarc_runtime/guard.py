@@ -16,23 +16,19 @@ things thinner than the gap between two beams, things that move, and, in a retin
 than the brightest: a ray's value tells how far away its thing is at most.
 """
 
-import json
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, field
-from functools import cached_property, lru_cache, partial
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Self
 
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_runtime.config.checks import require
-from reflexarc_runtime.config.fill import fill
-from reflexarc_runtime.config.source import MappingSource
-from reflexarc_runtime.contract.body_spec import Footprint
+from reflexarc_runtime.beams import Beams, Fan
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.motion import Action
-from reflexarc_runtime.errors import LogError, UsageError
+from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_runtime.sweep import Floats, Speeds, swept_speed_mps, touch_times_s
 
 SHARES = (1.0, 0.75, 0.5, 0.25)
@@ -43,107 +39,6 @@ VERY_NEAR_M = 1e-6
 """Where a beam that says nothing, or less than its sensor can measure, sees something."""
 VERY_FAR_M = 1e6
 """Where a beam ends that meets nothing: infinity has no place."""
-
-LEAST_MARGIN_M = 0.001
-"""A point without a margin sweeps a line, and no beam's point lies on a line."""
-
-_SLACK_RAD = 1e-9
-
-_require = partial(require, error=UsageError)
-
-
-@dataclass(frozen=True)
-class GuardSettings:
-    """What the guard takes for granted about a body."""
-
-    margin_m: float = 0.05
-    """Distance that is kept from everything, on all sides."""
-    footprint: Footprint = field(default_factory=Footprint)
-    """Outline of the body; the ranges are measured from its origin."""
-    delay_s: float = 0.0
-    """From a command's arrival to the motion that it asks for."""
-    deceleration_mps2: float | None = None
-    """How hard the body brakes; None: at once."""
-    evade_s: float = 0.3
-    """How much longer a way must be free for an action to be preferred: who evades only at the last
-    moment has nowhere left to go. 0: no action is preferred."""
-    may_slow: bool = True
-    """Whether a slower motion is tried before standstill."""
-
-    def __post_init__(self) -> None:
-        least, margin_m = LEAST_MARGIN_M, self.margin_m
-        _require(least <= margin_m < math.inf, "guard.margin_m", f"{least:g} or more", margin_m)
-        _require(0.0 <= self.delay_s < math.inf, "guard.delay_s", "0 or more", self.delay_s)
-        _require(0.0 <= self.evade_s < math.inf, "guard.evade_s", "0 or more", self.evade_s)
-        braking = self.deceleration_mps2
-        fits = braking is None or 0.0 < braking < math.inf
-        _require(fits, "guard.deceleration_mps2", "above 0", braking)
-
-    @classmethod
-    def of(cls, contract: PolicyContract) -> Self:
-        """The settings for the body that a policy learned with."""
-        body = contract.body
-        return cls(
-            footprint=body.footprint,
-            delay_s=body.actuation_delay_s,
-            deceleration_mps2=body.deceleration_mps2,
-        )
-
-    def to_json(self) -> str:
-        """One line, for a log's metadata."""
-        return json.dumps(asdict(self), sort_keys=True)
-
-    @classmethod
-    def from_json(cls, text: str) -> Self:
-        """Read them back.
-
-        Raises:
-            LogError: not what `to_json` wrote.
-        """
-        try:
-            document = json.loads(text)
-        except (ValueError, RecursionError):
-            document = None
-        if not isinstance(document, dict):
-            raise LogError(f"guard: got {text[:40]!r}; the log is damaged")
-        return fill(cls, MappingSource(document, "guard", LogError), require_all=True)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Fan:
-    """The directions of a sense's beams."""
-
-    cos: Floats
-    """Of the bearings, (beams,)."""
-    sin: Floats
-    right_rad: float
-    """Lowest bearing that is seen."""
-    left_rad: float
-    """Highest bearing that is seen."""
-
-    def sees(self, bearing_rad: float) -> bool:
-        """Whether a bearing lies in the sector that is seen."""
-        offset_rad = (bearing_rad - self.right_rad + _SLACK_RAD) % (2.0 * math.pi)
-        return offset_rad <= self.left_rad - self.right_rad + 2.0 * _SLACK_RAD
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Beams:
-    """What was measured: a distance for each direction of a fan."""
-
-    fan: Fan
-    ranges_m: Floats
-    """(beams,), or (agents, beams): +inf is free; NaN, 0 and less are unknown."""
-
-
-@lru_cache(maxsize=64)
-def fan_of(first_rad: float, step_rad: float, count: int) -> Fan:
-    """The directions of `count` beams at equal angles; each sees half a step to either side."""
-    bearings_rad = first_rad + step_rad * np.arange(count)
-    low_rad, high_rad = sorted((first_rad, first_rad + step_rad * (count - 1)))
-    half_rad = 0.5 * abs(step_rad)
-    cos, sin = np.cos(bearings_rad), np.sin(bearings_rad)
-    return Fan(cos, sin, low_rad - half_rad, high_rad + half_rad)
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.arrays import Memories, Retina
 from reflexarc_runtime.choice import Hold
 from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_runtime.controller import BoundBody, State
+from reflexarc_runtime.controller_state import BoundBody, State
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages.wire import Stamp
 from reflexarc_runtime.sensing.retina import Scan

@@ -8,7 +8,7 @@ from foxglove_schemas_protobuf.PoseInFrame_pb2 import PoseInFrame
 
 from reflexarc_logs.reading.reader import Log, read_log
 from reflexarc_logs.replaying.replay import replay
-from reflexarc_runtime.guard import GuardSettings
+from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_runtime.messages_pb2 import Status, Tick
 from reflexarc_runtime.policy.model_file import policy_hash
 from support.processes import finished, reflexarc, said_line, started, wait_for_records

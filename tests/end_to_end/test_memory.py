@@ -3,6 +3,7 @@
 import signal
 import time
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -68,13 +69,11 @@ def test_the_batch_from_recorded_memories_is_the_sequence(policy, port, tmp_path
     q_values, _, following = loaded.decide(stacks, memories)
     recorded = np.array([d.q_values for d in asked], np.float32)
     assert q_values.tobytes() == recorded.tobytes()
-    for before, now in zip(range(len(asked) - 1), range(1, len(asked)), strict=True):
-        if asked[now].index == asked[before].index + 1:  # no fault in between
-            kept = asked[now].input == asked[before].input or (
-                asked[now].input.sequence == asked[before].input.sequence
-            )
-            expected = memories[before] if kept else following[before]
-            assert memories[now].tobytes() == expected.tobytes()
+    for before, (one, other) in enumerate(pairwise(asked)):
+        if other.index == one.index + 1:  # no fault in between
+            is_repeated = other.input.sequence == one.input.sequence
+            expected = memories[before] if is_repeated else following[before]
+            assert memories[before + 1].tobytes() == expected.tobytes()
 
 
 def test_a_candidate_with_a_memory_is_judged_in_order_after_it_has_warmed_up(policy):

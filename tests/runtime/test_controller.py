@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.eye import RetinaSpec
-from reflexarc_runtime.controller import Controller, Inputs, State
+from reflexarc_runtime.controller import Controller
+from reflexarc_runtime.controller_state import Inputs, State
 from reflexarc_runtime.decision import SAFE_ACTION, Decision, Verdict
 from reflexarc_runtime.messages.wire import Message
 from reflexarc_runtime.policy.policy import Policy

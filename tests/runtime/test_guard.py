@@ -8,23 +8,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from reflexarc_runtime.beams import Beams, fan_of
 from reflexarc_runtime.contract.body_spec import Footprint
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.eye import RetinaSpec, Shading
 from reflexarc_runtime.contract.motion import Action
-from reflexarc_runtime.controller import Controller, Inputs, State
+from reflexarc_runtime.controller import Controller
+from reflexarc_runtime.controller_state import Inputs, State
 from reflexarc_runtime.decision import SAFE_ACTION, Decision, Verdict
 from reflexarc_runtime.errors import ContractError, LogError, UsageError
-from reflexarc_runtime.guard import (
-    SHARES,
-    STAND,
-    Answer,
-    Beams,
-    Guard,
-    GuardSettings,
-    answers,
-    fan_of,
-)
+from reflexarc_runtime.guard import SHARES, STAND, Answer, Guard, answers
+from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_runtime.messages.codec import encode_retina
 from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp
 from reflexarc_runtime.sensing.distances import beams_of_retina

@@ -11,7 +11,8 @@ from reflexarc_runtime.choice import Hold
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.contract.state_spec import StateSpec
-from reflexarc_runtime.controller import Controller, Inputs, State
+from reflexarc_runtime.controller import Controller
+from reflexarc_runtime.controller_state import Inputs, State
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.keyframe import decode_state, encode_state
 from reflexarc_runtime.messages_pb2 import Keyframe

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.state_spec import StateSpec
-from reflexarc_runtime.controller import Controller, Inputs, State
+from reflexarc_runtime.controller import Controller
+from reflexarc_runtime.controller_state import Inputs, State
 from reflexarc_runtime.decision import NO_WINNER, SAFE_ACTION, Decision, Verdict
 from reflexarc_runtime.messages.controls import encode_stop
 from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp, protobuf_encoding

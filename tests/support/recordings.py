@@ -12,7 +12,8 @@ from reflexarc_logs.recording.recorder import Recorder
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.controller import Controller
-from reflexarc_runtime.guard import Guard, GuardSettings
+from reflexarc_runtime.guard import Guard
+from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_runtime.loop.clock import ManualClock
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.node import Node

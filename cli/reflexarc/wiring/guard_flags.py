@@ -7,7 +7,8 @@ from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:  # a command line shall not load a contract to show its flags
     from reflexarc_runtime.contract.contract import PolicyContract
-    from reflexarc_runtime.guard import Guard, GuardSettings
+    from reflexarc_runtime.guard import Guard
+    from reflexarc_runtime.guard_settings import GuardSettings
 
 ON, OFF = "on", "off: --no-guard"
 """What the status topic says."""
@@ -46,7 +47,7 @@ class GuardFlags:
             UsageError: a flag is out of range.
         """
         from reflexarc_runtime.contract.body_spec import Footprint
-        from reflexarc_runtime.guard import GuardSettings
+        from reflexarc_runtime.guard_settings import GuardSettings
 
         if self.no_guard:
             return None

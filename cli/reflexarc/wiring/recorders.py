@@ -7,7 +7,7 @@ from pathlib import Path
 
 from reflexarc_logs.container.run_info import UNKNOWN_BACKEND, RunInfo, installed_versions
 from reflexarc_logs.recording.recorder import Recorder
-from reflexarc_runtime.guard import GuardSettings
+from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_runtime.loop.clock import wall_offset_ns
 from reflexarc_runtime.policy.policy import LoadedPolicy
 

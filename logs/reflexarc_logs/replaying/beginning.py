@@ -16,7 +16,7 @@ from reflexarc_logs.reading.reader import Log
 from reflexarc_logs.replaying.loop_events import LoopEvent
 from reflexarc_runtime.choice import Hold
 from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_runtime.controller import BoundBody, State
+from reflexarc_runtime.controller_state import BoundBody, State
 from reflexarc_runtime.decision import Verdict
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.keyframe import decode_state

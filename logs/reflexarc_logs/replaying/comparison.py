@@ -210,6 +210,12 @@ def find_flip(
     return Flip(tick, recorded, replayed, margin, rounding=abs(margin) <= allowed)
 
 
+def is_at_the_edge(q_values: Sequence[float], lead: float, margin: float, tolerance: float) -> bool:
+    """Whether a lead is so near to the margin that two backends may see it on either side."""
+    edge = margin * (max(q_values) - min(q_values))
+    return abs(lead - edge) <= 4 * tolerance * max(1.0, *map(abs, q_values))
+
+
 def is_close(recorded: float, replayed: float, tolerance: float = Q_TOLERANCE) -> bool:
     """Whether two Q-values agree as two backends must; what is not finite, only with itself."""
     if not (math.isfinite(recorded) and math.isfinite(replayed)):

@@ -15,7 +15,13 @@ from typing import NamedTuple
 import numpy as np
 
 from reflexarc_logs.reading.reader import Log
-from reflexarc_logs.replaying.comparison import EqualityRules, LevelResult, Tally, find_flip
+from reflexarc_logs.replaying.comparison import (
+    EqualityRules,
+    LevelResult,
+    Tally,
+    find_flip,
+    is_at_the_edge,
+)
 from reflexarc_logs.replaying.message_fields import Difference, message_type
 from reflexarc_logs.replaying.recorded_holds import RecordedHolds
 from reflexarc_logs.replaying.stepping import WARM_UP_NS
@@ -173,9 +179,8 @@ class PolicyLevel:
         if rules.exact or held is None or not contract.margin:
             return False
         q_values = one.decision.q_values
-        edge = contract.margin * (max(q_values) - min(q_values))
         lead = q_values[winner] - q_values[held.action]
-        return abs(lead - edge) <= 4 * rules.tolerance * max(1.0, *map(abs, q_values))
+        return is_at_the_edge(q_values, lead, contract.margin, rules.tolerance)
 
 
 class CandidateMemory:

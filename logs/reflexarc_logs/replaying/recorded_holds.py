@@ -5,8 +5,9 @@ from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.decision import ASKED, Verdict
 from reflexarc_runtime.messages_pb2 import Decision
 
+ASKED_VALUES = frozenset(verdict.value for verdict in ASKED)
+"""The verdicts at which the policy was asked, as a log holds them."""
 _OK = Verdict.OK.value  # looked up once: an enum's value costs more than all else here
-_ASKED = frozenset(verdict.value for verdict in ASKED)
 
 
 class RecordedHolds:
@@ -49,7 +50,7 @@ class RecordedHolds:
         action, self._index = decision.action, decision.index
         if decision.verdict != _OK or not 0 <= action < len(self._contract.actions):
             self.held, self._is_known = None, True
-            return decision.verdict in _ASKED
+            return decision.verdict in ASKED_VALUES
         if self.held is None or action != self.held.action:
             self._is_known = self._is_known or self.held is not None
             self.held = Hold(action, decision.slot)

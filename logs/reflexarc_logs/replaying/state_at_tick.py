@@ -8,7 +8,7 @@ from reflexarc_logs.replaying.comparison import EqualityRules, Tally
 from reflexarc_logs.replaying.loop_events import loop_events
 from reflexarc_logs.replaying.stepping import Stepping
 from reflexarc_runtime import messages_pb2 as pb
-from reflexarc_runtime.controller import State
+from reflexarc_runtime.controller_state import State
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages.topics import TICK
 from reflexarc_runtime.messages.wire import Message

@@ -12,14 +12,22 @@ import numpy as np
 
 from reflexarc_logs.reading.reader import Log
 from reflexarc_logs.replaying.beginning import Beginning
-from reflexarc_logs.replaying.comparison import EqualityRules, Flip, Tally, find_flip
+from reflexarc_logs.replaying.comparison import (
+    EqualityRules,
+    Flip,
+    Tally,
+    find_flip,
+    is_at_the_edge,
+)
 from reflexarc_logs.replaying.message_fields import Difference, Fields, message_type
-from reflexarc_logs.replaying.recorded_holds import RecordedHolds
+from reflexarc_logs.replaying.recorded_holds import ASKED_VALUES, RecordedHolds
 from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.arrays import Memories
-from reflexarc_runtime.controller import Controller, Inputs, State
-from reflexarc_runtime.decision import ASKED, Decision, Verdict
-from reflexarc_runtime.guard import Guard, GuardSettings
+from reflexarc_runtime.controller import Controller
+from reflexarc_runtime.controller_state import Inputs, State
+from reflexarc_runtime.decision import Decision, Verdict
+from reflexarc_runtime.guard import Guard
+from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_runtime.keyframe import encode_state
 from reflexarc_runtime.messages.codec import decision_to_protobuf
 from reflexarc_runtime.messages.topics import KEYFRAME
@@ -29,7 +37,6 @@ from reflexarc_runtime.rules import ControllerRules, rules_of
 from reflexarc_runtime.sensing.senses import sense_for
 
 _DRIVING = (Verdict.OK.value, Verdict.GUARDED.value)
-_ASKED = frozenset(verdict.value for verdict in ASKED)
 
 WARM_UP_NS = 2_000_000_000
 """How long the memory of another policy than the recorded one warms up."""
@@ -119,7 +126,7 @@ class Stepping:
         self.state, decision = self.controller.step(self.state, inputs, recorded.now_ns)
         self._holds.saw(recorded)
         same = recorded.verdict == int(decision.verdict)
-        if self._leans and same and recorded.verdict in _ASKED:
+        if self._leans and same and recorded.verdict in ASKED_VALUES:
             self._lean_on(recorded)
         return decision
 
@@ -140,14 +147,12 @@ class Stepping:
         index, q_values, tolerance = recorded.index, recorded.q_values, self.rules.tolerance
         if self.fields.compares("winner") and recorded.winner != replayed.winner:
             return find_flip(index, q_values, recorded.winner, replayed.winner, tolerance)
-        contract = self.controller.contract
-        was, now = recorded.action, replayed.action
-        flip = find_flip(index, q_values, was, now, tolerance)
-        if flip is None or not contract.margin:
+        margin = self.controller.contract.margin
+        flip = find_flip(index, q_values, recorded.action, replayed.action, tolerance)
+        if flip is None or not margin:
             return flip
-        edge = contract.margin * (max(q_values) - min(q_values))
-        scale = max(1.0, *map(abs, q_values))
-        return replace(flip, rounding=abs(abs(flip.margin) - edge) <= 4 * tolerance * scale)
+        rounding = is_at_the_edge(q_values, abs(flip.margin), margin, tolerance)
+        return replace(flip, rounding=rounding)
 
     def _warms_up(self, recorded: pb.Decision) -> bool:
         """Whether another policy's memory is not worth a comparison yet."""

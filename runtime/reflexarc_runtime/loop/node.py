@@ -7,7 +7,8 @@ publish the command, the sink records.
 from collections.abc import Callable
 from dataclasses import replace
 
-from reflexarc_runtime.controller import Controller, Inputs, State
+from reflexarc_runtime.controller import Controller
+from reflexarc_runtime.controller_state import Inputs, State
 from reflexarc_runtime.decision import Decision, Timing, Verdict, safe_command
 from reflexarc_runtime.errors import DecisionEndedError
 from reflexarc_runtime.keyframe import Keyframe

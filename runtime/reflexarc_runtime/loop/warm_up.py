@@ -8,7 +8,8 @@ import contextlib
 
 import numpy as np
 
-from reflexarc_runtime.controller import Controller, Inputs, State
+from reflexarc_runtime.controller import Controller
+from reflexarc_runtime.controller_state import Inputs, State
 from reflexarc_runtime.decision import Timing
 from reflexarc_runtime.loop.monitor import Monitor
 from reflexarc_runtime.messages.codec import Status, encode_command, encode_status, encode_tick

@@ -9,9 +9,9 @@ from functools import lru_cache
 import numpy as np
 
 from reflexarc_runtime.arrays import Retina
+from reflexarc_runtime.beams import Beams, Fan, fan_of
 from reflexarc_runtime.contract.eye import RetinaSpec, Shading
 from reflexarc_runtime.errors import ContractError
-from reflexarc_runtime.guard import Beams, Fan, fan_of
 from reflexarc_runtime.sensing.retina import FULL_SCALE, Scan, ray_bearing_rad
 from reflexarc_runtime.sweep import Floats
 

@@ -10,9 +10,9 @@ from foxglove_schemas_protobuf.RawImage_pb2 import RawImage
 from google.protobuf.message import DecodeError
 
 from reflexarc_runtime.arrays import Retina
+from reflexarc_runtime.beams import Beams
 from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.errors import UsageError
-from reflexarc_runtime.guard import Beams
 from reflexarc_runtime.messages.topics import RETINA, SCAN, SENSORS, Topic
 from reflexarc_runtime.messages.wire import (
     Message,

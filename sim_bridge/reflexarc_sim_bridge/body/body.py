@@ -9,11 +9,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reflexarc_runtime.arrays import Retina
+from reflexarc_runtime.beams import Beams, fan_of
 from reflexarc_runtime.contract.body_limits import BodyLimits
 from reflexarc_runtime.contract.body_spec import Footprint
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.errors import WorldError
-from reflexarc_runtime.guard import Beams, Guard, GuardSettings, fan_of
+from reflexarc_runtime.guard import Guard
+from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_runtime.messages.body_info import BodyInfo
 from reflexarc_runtime.sensing.retina import ray_bearing_rad
 from reflexarc_runtime.sweep import Speeds

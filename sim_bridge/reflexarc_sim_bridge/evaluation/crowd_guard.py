@@ -14,7 +14,8 @@ from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.golden import GoldenVectors
 from reflexarc_runtime.contract.motion import Action
 from reflexarc_runtime.errors import WorldError
-from reflexarc_runtime.guard import SHARES, Guard, GuardSettings, answers
+from reflexarc_runtime.guard import SHARES, Guard, answers
+from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_runtime.sensing.distances import beams_of_retina, check_tells_ranges
 
 MOST_ACTIONS = 15

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_runtime.guard import GuardSettings
+from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_sim_bridge.evaluation.crowd_guard import CrowdGuard, Interventions
 from reflexarc_sim_bridge.evaluation.pilot import Pilot
 from reflexarc_sim_bridge.simulation.simulation import Simulation

@@ -14,7 +14,7 @@ from reflexarc_logs.reading.reader import read_log
 from reflexarc_logs.replaying.replay import replay
 from reflexarc_runtime.contract.body_spec import Footprint
 from reflexarc_runtime.decision import Verdict
-from reflexarc_runtime.guard import GuardSettings
+from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp, protobuf_encoding
 from support.policies import exported
 from support.recordings import CONTRACT, MS, PERIOD_NS, RUN, START_NS, drive, retina_at

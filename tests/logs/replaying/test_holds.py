@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from reflexarc_logs.reading.reader import read_log
 from reflexarc_logs.replaying.replay import replay
 from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_runtime.controller import Controller, Inputs, State
+from reflexarc_runtime.controller import Controller
+from reflexarc_runtime.controller_state import Inputs, State
 from reflexarc_runtime.decision import Verdict
 from reflexarc_runtime.messages.codec import encode_retina
 from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp

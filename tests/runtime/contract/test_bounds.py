@@ -44,7 +44,7 @@ def test_a_policy_is_checked_where_it_is_loaded_unless_nothing_will_move():
     data = exported(FAST)
     with pytest.raises(ContractError, match="policy: 'leap' drives: expected at most 20 m/s"):
         load_policy(data)
-    assert load_policy(data, bounds=None).contract == load_policy(data, bounds=None).contract
+    assert load_policy(data, bounds=None).contract.actions == FAST.actions
 
 
 @pytest.mark.parametrize(

@@ -3,8 +3,12 @@
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
+
+TESTS = Path(__file__).parents[2]
+"""Where the support package is: a process of its own does not know pytest's path."""
 
 LISTENER = """
 import json, sys, threading
@@ -71,8 +75,9 @@ print(json.dumps([heard, verdicts]))
 
 
 def heard(*words: str) -> list[str]:
+    program = f"import sys; sys.path.insert(0, {str(TESTS)!r})\n{LISTENER}"
     done = subprocess.run(
-        [sys.executable, "-c", LISTENER, *words], capture_output=True, text=True, check=False
+        [sys.executable, "-c", program, *words], capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stderr
     events, verdicts = json.loads(done.stdout)

@@ -10,10 +10,12 @@ from reflexarc_runtime.contract.body_spec import BodySpec, Footprint
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.contract.motion import Action
-from reflexarc_runtime.controller import Controller, Inputs, State
+from reflexarc_runtime.controller import Controller
+from reflexarc_runtime.controller_state import Inputs, State
 from reflexarc_runtime.decision import Verdict
 from reflexarc_runtime.errors import ContractError, WorldError
-from reflexarc_runtime.guard import SHARES, Guard, GuardSettings
+from reflexarc_runtime.guard import SHARES, Guard
+from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_runtime.messages.codec import encode_retina
 from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp
 from reflexarc_runtime.policy.policy import load_policy

@@ -5,12 +5,16 @@
 The memory of a GRU is its h; that of an LSTM is h and c, side by side.
 """
 
+from typing import TypeVar
+
 import torch
 from torch import Tensor, nn
 
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.state_spec import StateSpec
 from reflexarc_runtime.errors import UsageError
+
+_Recurrent = TypeVar("_Recurrent", nn.GRU, nn.LSTM)
 
 
 class GruNetwork(nn.Module):
@@ -25,10 +29,7 @@ class GruNetwork(nn.Module):
     def __init__(self, contract: PolicyContract, hidden: int, seed: int = 0) -> None:
         super().__init__()
         _check_memory(contract, self.memory(hidden))
-        with torch.random.fork_rng(devices=[]):
-            torch.manual_seed(seed)
-            self.gru = nn.GRU(_inputs(contract), hidden, dtype=torch.float64)
-            self.head = nn.Linear(hidden, len(contract.actions), dtype=torch.float64)
+        self.gru, self.head = _layers(nn.GRU, contract, hidden, seed)
 
     @staticmethod
     def memory(hidden: int) -> StateSpec:
@@ -59,10 +60,7 @@ class LstmNetwork(nn.Module):
     def __init__(self, contract: PolicyContract, hidden: int, seed: int = 0) -> None:
         super().__init__()
         _check_memory(contract, self.memory(hidden))
-        with torch.random.fork_rng(devices=[]):
-            torch.manual_seed(seed)
-            self.lstm = nn.LSTM(_inputs(contract), hidden, dtype=torch.float64)
-            self.head = nn.Linear(hidden, len(contract.actions), dtype=torch.float64)
+        self.lstm, self.head = _layers(nn.LSTM, contract, hidden, seed)
 
     @staticmethod
     def memory(hidden: int) -> StateSpec:
@@ -79,6 +77,16 @@ class LstmNetwork(nn.Module):
         h, c = state.unsqueeze(0).chunk(2, dim=2)
         _, (h, c) = self.lstm(retinas.flatten(1).unsqueeze(0), (h.contiguous(), c.contiguous()))
         return self.head(h.squeeze(0)), torch.cat([h, c], dim=2).squeeze(0)
+
+
+def _layers(
+    kind: type[_Recurrent], contract: PolicyContract, hidden: int, seed: int
+) -> tuple[_Recurrent, nn.Linear]:
+    """The recurrent layer and the one behind it, with the weights of a seed."""
+    with torch.random.fork_rng(devices=[]):
+        torch.manual_seed(seed)
+        layer = kind(_inputs(contract), hidden, dtype=torch.float64)
+        return layer, nn.Linear(hidden, len(contract.actions), dtype=torch.float64)
 
 
 def _inputs(contract: PolicyContract) -> int:

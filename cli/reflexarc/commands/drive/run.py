@@ -22,8 +22,11 @@ if TYPE_CHECKING:
     from reflexarc_runtime.controller import Controller
     from reflexarc_runtime.loop.inbox import Inbox
     from reflexarc_runtime.loop.monitor import Summary
+    from reflexarc_runtime.loop.node import Node
+    from reflexarc_runtime.loop.outlets import Outlets
     from reflexarc_runtime.loop.pacer import Pacer
     from reflexarc_runtime.loop.sink import Sink
+    from reflexarc_runtime.loop.watch import Watch
     from reflexarc_runtime.policy.policy import LoadedPolicy
 
 LISTENER_POLL_S = 0.01
@@ -123,7 +126,6 @@ class RunCommand:
     ) -> "Summary":
         from reflexarc_runtime.loop import realtime
         from reflexarc_runtime.loop.inbox import Inbox
-        from reflexarc_runtime.loop.node import Node
         from reflexarc_runtime.loop.outlets import Outlets
         from reflexarc_runtime.messages.topics import COMMAND, RESET, STATUS, STOP, TICK
 
@@ -140,22 +142,36 @@ class RunCommand:
         )
         said = "; ".join(realtime.prepare(self.fifo))  # the watchdog's thread inherits it
         with watching as watch:
-            aside.print(
-                f"reflexarc run: {self.policy} on {self.backend}; {said}; watchdog {watch.state}"
-            )
-            node = Node(
-                controller,
-                self._pacer(policy.contract.rate_hz, inbox),
-                outlets,
-                sink=sink,
-                robot=robot,
-                run_id=run_id,
-                sender=bus.sender,
-                overflows=lambda: inbox.overflows,
-                watch=watch,
-                guard=self.guarding.state,
-            )
+            words = f"{self.policy} on {self.backend}; {said}; watchdog {watch.state}"
+            aside.print(f"reflexarc run: {words}", soft_wrap=True)
+            node = self._node(controller, inbox, outlets, sink, run_id, bus.sender, watch)
             return node.run(stop, self.ticks)
+
+    def _node(
+        self,
+        controller: "Controller",
+        inbox: "Inbox",
+        outlets: "Outlets",
+        sink: "Sink",
+        run_id: str,
+        sender: bytes,
+        watch: "Watch",
+    ) -> "Node":
+        """The loop, with all that it is connected to."""
+        from reflexarc_runtime.loop.node import Node
+
+        return Node(
+            controller,
+            self._pacer(controller.contract.rate_hz, inbox),
+            outlets,
+            sink=sink,
+            robot=self.joining.robot,
+            run_id=run_id,
+            sender=sender,
+            overflows=lambda: inbox.overflows,
+            watch=watch,
+            guard=self.guarding.state,
+        )
 
     def _pacer(self, rate_hz: float, inbox: "Inbox") -> "Pacer":
         from reflexarc_runtime.loop.clock import MonotonicClock

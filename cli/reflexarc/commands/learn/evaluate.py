@@ -50,7 +50,7 @@ class EvaluateCommand:
         return 0
 
     def _measure_all(self) -> "dict[str, FieldScore]":
-        from reflexarc_runtime.guard import GuardSettings
+        from reflexarc_runtime.guard_settings import GuardSettings
         from reflexarc_runtime.policy.policy import load_policy
         from reflexarc_sim_bridge.evaluation.reference_field import measure
         from reflexarc_sim_bridge.evaluation.simple_policies import BlindPolicy

@@ -1,0 +1,57 @@
+"""What the controller is given at a tick, and what it remembers from one tick to the next."""
+
+from dataclasses import dataclass
+
+from reflexarc_runtime.arrays import Memories, Retina
+from reflexarc_runtime.choice import Hold
+from reflexarc_runtime.messages.wire import Message
+from reflexarc_runtime.sensing.senses import Sensed
+
+
+@dataclass(frozen=True, slots=True)
+class Inputs:
+    """What arrived for a tick."""
+
+    messages: tuple[Message, ...]
+    """All that arrived since the last tick, oldest first."""
+    slot: int
+    """Number of the deadline that this tick belongs to."""
+    stop: bool = False
+    """Under rules 1: the runtime has been asked to end. Since then a stop is a message."""
+
+
+@dataclass(frozen=True, slots=True)
+class BoundBody:
+    """The body whose messages count."""
+
+    sender: bytes
+    heard_ns: int
+    """When it was heard last."""
+    stranger_ns: int | None = None
+    """When another one was heard last, while this one spoke."""
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """What the controller remembers from one tick to the next."""
+
+    index: int = 0
+    streak: int = 0
+    """Good inputs in a row."""
+    newest: Sensed | None = None
+    frames: tuple[Retina, ...] = ()
+    """The last accepted retinas, oldest first."""
+    fault: str = ""
+    """Why the newest message cannot be used; empty if it can."""
+    memory: Memories | None = None
+    """What the policy remembers, (1, size); None: its start value."""
+    following: Memories | None = None
+    """What it will remember once a newer input is accepted, (1, size)."""
+    hold: Hold | None = None
+    """The action that is being done; None if the last verdict was not OK."""
+    stopped: str = ""
+    """Why the robot shall stand until a reset comes; empty if it need not."""
+    source: BoundBody | None = None
+    """The body whose messages count; None before the first one."""
+    overrun: str = ""
+    """Why the tick before this one was late; it is forgotten at the end of this one."""

@@ -1,0 +1,76 @@
+"""What the guard takes for granted about a body; a log carries it."""
+
+import json
+import math
+from dataclasses import asdict, dataclass, field
+from functools import partial
+from typing import Self
+
+from reflexarc_runtime.config.checks import require
+from reflexarc_runtime.config.fill import fill
+from reflexarc_runtime.config.source import MappingSource
+from reflexarc_runtime.contract.body_spec import Footprint
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.errors import LogError, UsageError
+
+LEAST_MARGIN_M = 0.001
+"""A point without a margin sweeps a line, and no beam's point lies on a line."""
+
+_require = partial(require, error=UsageError)
+
+
+@dataclass(frozen=True)
+class GuardSettings:
+    """What the guard takes for granted about a body."""
+
+    margin_m: float = 0.05
+    """Distance that is kept from everything, on all sides."""
+    footprint: Footprint = field(default_factory=Footprint)
+    """Outline of the body; the ranges are measured from its origin."""
+    delay_s: float = 0.0
+    """From a command's arrival to the motion that it asks for."""
+    deceleration_mps2: float | None = None
+    """How hard the body brakes; None: at once."""
+    evade_s: float = 0.3
+    """How much longer a way must be free for an action to be preferred: who evades only at the last
+    moment has nowhere left to go. 0: no action is preferred."""
+    may_slow: bool = True
+    """Whether a slower motion is tried before standstill."""
+
+    def __post_init__(self) -> None:
+        least, margin_m = LEAST_MARGIN_M, self.margin_m
+        _require(least <= margin_m < math.inf, "guard.margin_m", f"{least:g} or more", margin_m)
+        _require(0.0 <= self.delay_s < math.inf, "guard.delay_s", "0 or more", self.delay_s)
+        _require(0.0 <= self.evade_s < math.inf, "guard.evade_s", "0 or more", self.evade_s)
+        braking = self.deceleration_mps2
+        fits = braking is None or 0.0 < braking < math.inf
+        _require(fits, "guard.deceleration_mps2", "above 0", braking)
+
+    @classmethod
+    def of(cls, contract: PolicyContract) -> Self:
+        """The settings for the body that a policy learned with."""
+        body = contract.body
+        return cls(
+            footprint=body.footprint,
+            delay_s=body.actuation_delay_s,
+            deceleration_mps2=body.deceleration_mps2,
+        )
+
+    def to_json(self) -> str:
+        """One line, for a log's metadata."""
+        return json.dumps(asdict(self), sort_keys=True)
+
+    @classmethod
+    def from_json(cls, text: str) -> Self:
+        """Read them back.
+
+        Raises:
+            LogError: not what `to_json` wrote.
+        """
+        try:
+            document = json.loads(text)
+        except (ValueError, RecursionError):
+            document = None
+        if not isinstance(document, dict):
+            raise LogError(f"guard: got {text[:40]!r}; the log is damaged")
+        return fill(cls, MappingSource(document, "guard", LogError), require_all=True)
