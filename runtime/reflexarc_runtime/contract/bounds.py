@@ -4,6 +4,7 @@ A policy file is input from outside. A robot that is meant to be faster, or to w
 by flags of its own.
 """
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -64,5 +65,7 @@ def excesses(contract: "PolicyContract", bounds: Bounds) -> Iterator[str]:
 
 
 def _beyond(what: str, got: float, most: float, unit: str, flag: str) -> Iterator[str]:
-    if not got <= most:
+    if math.isnan(most):
+        yield f"{flag}: expected a number, got nan"
+    elif not got <= most:
         yield f"{what}: expected at most {most:g} {unit}, got {got:g}; {flag} if it is meant so"

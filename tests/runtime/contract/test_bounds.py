@@ -98,5 +98,5 @@ def test_everything_beyond_the_bounds_is_listed():
 
 
 def test_a_bound_that_is_no_number_allows_nothing():
-    with pytest.raises(ContractError):
+    with pytest.raises(ContractError, match="--max-speed-mps: expected a number"):
         check_bounds(SMALL, Bounds(max_speed_mps=math.nan))
