@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from end_to_end.campaign import campaign, summary
+from campaigns.faults import campaign, summary
 from reflexarc_logs.container.rejected import Intake, accepted_message, rejected_message
 from reflexarc_logs.reading.reader import read_log
 from reflexarc_logs.replaying.replay import replay

@@ -1,6 +1,6 @@
 """The fault campaign: real processes, seeded faults, and a judge.
 
-    python tests/end_to_end/campaign.py [--runs 200] [--parallel 4] [--json] [--keep FOLDER]
+    python tests/campaigns/faults.py [--runs 200] [--parallel 4] [--json] [--keep FOLDER]
 
 Each run starts `reflexarc run --record` and a body that sends its retinas through the script of
 one seed; then once a `kill -9` of the body and one of the runtime. Exit status 1: something that
