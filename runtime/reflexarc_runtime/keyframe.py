@@ -15,7 +15,7 @@ from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.controller_state import BoundBody, State
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages.wire import Stamp
-from reflexarc_runtime.sensing.retina import Scan
+from reflexarc_runtime.sensing.scan import Scan
 from reflexarc_runtime.sensing.senses import Sensed
 
 MAX_COUNT = 1 << 62

@@ -22,13 +22,18 @@ class ControllerRules:
     """The loop is bound to one body; its commands echo that body's identifier. Before, whoever
     sent a fitting message was believed."""
 
+    checked_senses: bool
+    """A retina says which eye made it; a scan is turned as its scanner sits, and what lies too near
+    to be measured, or is unknown, is no free way. Before, numbers were taken as they came."""
+
 
 RULES = {
-    1: ControllerRules(1, stop_is_a_message=False, one_source=False),
-    2: ControllerRules(2, stop_is_a_message=True, one_source=False),
-    3: ControllerRules(3, stop_is_a_message=True, one_source=True),
+    1: ControllerRules(1, stop_is_a_message=False, one_source=False, checked_senses=False),
+    2: ControllerRules(2, stop_is_a_message=True, one_source=False, checked_senses=False),
+    3: ControllerRules(3, stop_is_a_message=True, one_source=True, checked_senses=False),
+    4: ControllerRules(4, stop_is_a_message=True, one_source=True, checked_senses=True),
 }
-CURRENT_RULES = RULES[3]
+CURRENT_RULES = RULES[4]
 
 
 def rules_of(version: int) -> ControllerRules:

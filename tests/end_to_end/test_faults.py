@@ -98,7 +98,7 @@ def test_the_judge_sees_no_outage_where_good_inputs_go_on():
 @pytest.mark.parametrize("how", list(Malformation))
 def test_what_a_log_keeps_of_a_malformed_message_is_refused_for_the_same_reason(how: Malformation):
     stream = FaultyStream(FaultScript((Malformed(0.0, 1.0, how),)))
-    retina = encode_retina(np.zeros(CONTRACT.retina.shape, np.uint8), CONTRACT.retina, 5, "robot0")
+    retina = encode_retina(np.zeros(CONTRACT.retina.shape, np.uint8), CONTRACT.retina, 5)
     (sent,) = stream.say(retina, 5)
     live = Message("robot0/retina", sent.payload, sent.encoding, sent.attachment, 7)
     assert reason(live) == reason(kept(live))

@@ -221,7 +221,7 @@ def drive(values: np.ndarray, contract: PolicyContract = CONTRACT) -> tuple[list
     state, decisions = State(), []
     for slot, rays in enumerate(values):
         at_ns = slot * 20 * MS
-        payload = encode_retina(rays.reshape(contract.retina.shape), contract.retina, at_ns, "")
+        payload = encode_retina(rays.reshape(contract.retina.shape), contract.retina, at_ns)
         message = Message(KEY, payload, ENCODING, pack_stamp(Stamp(slot, at_ns)), at_ns)
         state, decision = controller.step(state, Inputs((message,), slot), at_ns)
         decisions.append(decision)

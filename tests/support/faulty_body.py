@@ -67,7 +67,7 @@ class FaultyBody:
                     picture = np.clip(picture + rng.normal(0.0, 12.0, picture.shape), 0.0, 255.0)
                     now_ns = CLOCK.now_ns()
                     retina = picture.astype(np.uint8)
-                    sender.put(encode_retina(retina, CONTRACT.retina, now_ns, "robot0"), now_ns)
+                    sender.put(encode_retina(retina, CONTRACT.retina, now_ns), now_ns)
 
     def as_dict(self) -> dict[str, object]:
         return {"sent": self.sent, "heard": self.heard, "polls": self.polls}

@@ -73,7 +73,7 @@ def _shower(bus: Bus, body: PlainBody, contract: PolicyContract) -> Callable[[],
     def show() -> None:
         now_ns = time.monotonic_ns()
         retina = np.full(spec.shape, body.intensity, np.uint8)
-        retinas.put(encode_retina(retina, spec, now_ns, "robot0"), now_ns)
+        retinas.put(encode_retina(retina, spec, now_ns), now_ns)
 
     return show
 

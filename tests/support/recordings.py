@@ -111,7 +111,7 @@ def retina_at(slot: int, retina: np.ndarray, sequence: int | None = None) -> Mes
     """The retina that arrives 3 ms before the deadline of a slot, 1 ms after it was sent."""
     received_ns = START_NS + slot * PERIOD_NS - 3 * MS
     sent_ns = received_ns - MS
-    payload = encode_retina(retina, CONTRACT.retina, sent_ns, "robot0")
+    payload = encode_retina(retina, CONTRACT.retina, sent_ns)
     stamp = pack_stamp(Stamp(slot if sequence is None else sequence, sent_ns))
     return Message(KEY, payload, ENCODING, stamp, received_ns)
 
@@ -145,7 +145,7 @@ def faults(ticks: int = 300, seed: int = 1) -> dict[int, list[Message]]:
 
 def _broken(good: Message) -> list[Message]:
     """What a body may send by mistake; one of each."""
-    narrow = encode_retina(np.zeros((1, 8, 1), np.uint8), RetinaSpec(rays=8), 0, "robot0")
+    narrow = encode_retina(np.zeros((1, 8, 1), np.uint8), RetinaSpec(rays=8), 0)
     return [
         replace(good, payload=b"\xff\xff\xff\xff"),
         replace(good, payload=good.payload[:-5]),

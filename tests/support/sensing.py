@@ -22,5 +22,5 @@ def retina_message(
 ) -> Message:
     """A good retina, every ray of `value`."""
     source = received_ns if source_ns is None else source_ns
-    payload = encode_retina(np.full(spec.shape, value, np.uint8), spec, source, "robot0")
+    payload = encode_retina(np.full(spec.shape, value, np.uint8), spec, source)
     return Message(KEY, payload, ENCODING, pack_stamp(Stamp(sequence, source)), received_ns)

@@ -10,6 +10,8 @@ from reflexarc_logs.recording.recorder import Recorder
 from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_runtime.loop.clock import wall_offset_ns
 from reflexarc_runtime.policy.policy import LoadedPolicy
+from reflexarc_runtime.sensing.sense_settings import SenseSettings
+from reflexarc_runtime.sensing.senses import DEFAULT
 
 
 def recorder_of_run(
@@ -21,6 +23,7 @@ def recorder_of_run(
     sensor: str,
     lockstep: bool,
     guard: GuardSettings | None = None,
+    senses: SenseSettings = DEFAULT,
 ) -> Recorder:
     """A recorder for `reflexarc run`: the policy attached, on the clock that the loop runs on.
 
@@ -36,6 +39,7 @@ def recorder_of_run(
         rate_hz=contract.rate_hz,
         clock="lockstep" if lockstep else "monotonic",
         guard="" if guard is None else guard.to_json(),
+        senses=senses.to_json(),
         policy_seed=contract.provenance.seed,
         commit=contract.provenance.commit,
         host=platform.node(),

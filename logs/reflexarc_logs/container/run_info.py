@@ -59,6 +59,8 @@ class RunInfo:
     it in."""
     guard: str = ""
     """Settings of the guard, JSON; empty: there was none, as in every log of before."""
+    senses: str = ""
+    """How the sense was told to read what came, JSON; empty before version 4 of the rules."""
     policy_seed: int = 0
     """Seed with which the policy was trained; where a body drove, its `body` messages say."""
     commit: str = ""

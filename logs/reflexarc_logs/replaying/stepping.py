@@ -34,6 +34,7 @@ from reflexarc_runtime.messages.topics import KEYFRAME
 from reflexarc_runtime.messages.wire import Message
 from reflexarc_runtime.policy.policy import LoadedPolicy
 from reflexarc_runtime.rules import ControllerRules, rules_of
+from reflexarc_runtime.sensing.sense_settings import SenseSettings
 from reflexarc_runtime.sensing.senses import sense_for
 
 _DRIVING = (Verdict.OK.value, Verdict.GUARDED.value)
@@ -52,8 +53,9 @@ def controller_of(log: Log, policy: LoadedPolicy) -> Controller:
     contract, guard = policy.contract, None
     if log.run.guard:
         guard = Guard.for_contract(GuardSettings.from_json(log.run.guard), contract)
-    sense = sense_for(log.run.input, contract.retina, guarded=guard is not None)
     rules = rules_of(log.run.rules)
+    senses = _senses(log, rules)
+    sense = sense_for(log.run.input, contract.retina, senses, guarded=guard is not None)
     return Controller(policy, contract, sense, policy.policy_hash, rules, guard)
 
 
@@ -161,6 +163,13 @@ class Stepping:
         if self.counts_from_ns is None:
             self.counts_from_ns = recorded.now_ns + WARM_UP_NS
         return recorded.now_ns < self.counts_from_ns
+
+
+def _senses(log: Log, rules: ControllerRules) -> SenseSettings | None:
+    """How the loop was told to read what came; a listener on the bus was told nothing."""
+    if not rules.checked_senses:
+        return None
+    return SenseSettings.from_json(log.run.senses) if log.run.senses else SenseSettings()
 
 
 def _keyframe_fields(log: Log) -> Fields | None:

@@ -11,6 +11,7 @@ from google.protobuf.timestamp_pb2 import Timestamp
 from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.arrays import Retina
 from reflexarc_runtime.contract.eye import RetinaSpec
+from reflexarc_runtime.contract.eye_in_words import eye_in_words
 from reflexarc_runtime.decision import Command, Decision, Input, Timing, Verdict
 from reflexarc_runtime.messages.topics import TOPICS
 
@@ -43,11 +44,11 @@ def timestamp(time_ns: int) -> Timestamp:
     return Timestamp(seconds=time_ns // 1_000_000_000, nanos=time_ns % 1_000_000_000)
 
 
-def encode_retina(retina: Retina, spec: RetinaSpec, time_ns: int, frame_id: str) -> bytes:
-    """A retina as `foxglove.RawImage`: width = rays, height = eyes."""
+def encode_retina(retina: Retina, spec: RetinaSpec, time_ns: int) -> bytes:
+    """A retina as `foxglove.RawImage` that names its eye: width = rays, height = eyes."""
     image = RawImage(
         timestamp=timestamp(time_ns),
-        frame_id=frame_id,
+        frame_id=eye_in_words(spec),
         width=spec.rays,
         height=spec.eyes,
         encoding=spec.encoding,

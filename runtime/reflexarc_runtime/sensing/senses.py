@@ -12,6 +12,7 @@ from google.protobuf.message import DecodeError
 from reflexarc_runtime.arrays import Retina
 from reflexarc_runtime.beams import Beams
 from reflexarc_runtime.contract.eye import RetinaSpec
+from reflexarc_runtime.contract.eye_in_words import differences, eye_in_words, is_an_eye
 from reflexarc_runtime.errors import UsageError
 from reflexarc_runtime.messages.topics import RETINA, SCAN, SENSORS, Topic
 from reflexarc_runtime.messages.wire import (
@@ -28,15 +29,15 @@ from reflexarc_runtime.sensing.distances import (
     distances_of_values,
     fan_of_rays,
 )
-from reflexarc_runtime.sensing.retina import (
-    Scan,
-    UnusableScanError,
-    check_scannable,
-    retina_from_scan,
-)
+from reflexarc_runtime.sensing.mounting import mount_of, mounted, without
+from reflexarc_runtime.sensing.scan import Scan, UnusableScanError
+from reflexarc_runtime.sensing.scan_retina import check_scannable, retina_from_scan
+from reflexarc_runtime.sensing.scans_of_before import retina_of_before
+from reflexarc_runtime.sensing.sense_settings import SenseSettings
 
 M = TypeVar("M", RawImage, LaserScan)
 
+DEFAULT = SenseSettings()
 _QUOTED = 40
 """Characters of a sender's text that a reason quotes."""
 
@@ -72,12 +73,19 @@ class Sense(Protocol):
 
 
 class RetinaSense:
-    """Reads retinas that are sent as such: `foxglove.RawImage`, width = rays, height = eyes."""
+    """Reads retinas that are sent as such: `foxglove.RawImage`, width = rays, height = eyes.
+
+    Args:
+        spec: the eye that they must be of.
+        settings: how to read them; None: as before version 4 of the rules, when no retina said
+            which eye made it.
+    """
 
     topic = RETINA
 
-    def __init__(self, spec: RetinaSpec) -> None:
-        self._spec = spec
+    def __init__(self, spec: RetinaSpec, settings: SenseSettings | None = DEFAULT) -> None:
+        self._spec, self._settings = spec, settings
+        self._words = eye_in_words(spec)
         self._fan, self._distances_m = fan_of_rays(spec), distances_of_values(spec.range_m)
 
     def beams(self, sensed: Sensed) -> Beams | None:
@@ -88,6 +96,8 @@ class RetinaSense:
         """See `Sense.decode`."""
         stamp, image = parse(message, RawImage)
         _check_image(image, self._spec)
+        if self._settings is not None and image.frame_id != self._words:
+            _check_eye(image.frame_id, self._spec, self._settings)
         retina = np.frombuffer(image.data, np.uint8).reshape(self._spec.shape)
         return Sensed(stamp, message.received_ns, retina)
 
@@ -97,6 +107,8 @@ class ScanSense:
 
     Args:
         spec: the eye that they are made for.
+        settings: how to read them; None: as before version 4 of the rules, when neither the pose
+            of the scanner nor what lies too near was looked at.
         keeps_scans: whether what is sensed holds its scan as well, as a guard needs it.
 
     Raises:
@@ -105,9 +117,15 @@ class ScanSense:
 
     topic = SCAN
 
-    def __init__(self, spec: RetinaSpec, *, keeps_scans: bool = False) -> None:
+    def __init__(
+        self,
+        spec: RetinaSpec,
+        settings: SenseSettings | None = DEFAULT,
+        *,
+        keeps_scans: bool = False,
+    ) -> None:
         check_scannable(spec)
-        self._spec = spec
+        self._spec, self._settings = spec, settings
         self._keeps_scans = keeps_scans
 
     def beams(self, sensed: Sensed) -> Beams | None:
@@ -120,19 +138,38 @@ class ScanSense:
         if not (math.isfinite(scan.start_angle) and math.isfinite(scan.end_angle)):
             raise UnfitError("scan: expected finite angles")
         try:
-            sweep = Scan(scan.start_angle, scan.end_angle, np.array(scan.ranges, np.float64))
-            retina = retina_from_scan(sweep, self._spec)
+            sweep, retina = self._read(scan)
         except UnusableScanError as error:
             raise UnfitError(f"scan: {error}") from None
         return Sensed(stamp, message.received_ns, retina, sweep if self._keeps_scans else None)
 
+    def _read(self, scan: LaserScan) -> tuple[Scan, Retina]:
+        """The scan in the robot's frame and by the standard, and its retina."""
+        ranges_m, settings = np.array(scan.ranges, np.float64), self._settings
+        if settings is None:
+            sweep = Scan(scan.start_angle, scan.end_angle, ranges_m)
+            return sweep, retina_of_before(sweep, self._spec)
+        meaning = settings.meaning
+        start_rad, end_rad = meaning.radians(scan.start_angle), meaning.radians(scan.end_angle)
+        own = Scan(start_rad, end_rad, meaning.read(ranges_m))
+        mount = mount_of(scan.pose) if settings.mount is None else settings.mount
+        sweep = without(mounted(own, mount), settings.ignored)
+        return sweep, retina_from_scan(sweep, self._spec)
 
-def sense_for(kind: str, spec: RetinaSpec, *, guarded: bool = False) -> Sense:
+
+def sense_for(
+    kind: str,
+    spec: RetinaSpec,
+    settings: SenseSettings | None = DEFAULT,
+    *,
+    guarded: bool = False,
+) -> Sense:
     """The sense for the value of `--input`: retina or scan.
 
     Args:
         kind: which.
         spec: the eye of the policy.
+        settings: how to read what comes; None: as before version 4 of the rules.
         guarded: whether a guard will ask it for distances.
 
     Raises:
@@ -143,10 +180,10 @@ def sense_for(kind: str, spec: RetinaSpec, *, guarded: bool = False) -> Sense:
     if kind not in SENSORS:
         raise UsageError(f"--input: expected {' or '.join(SENSORS)}, got {kind!r}")
     if kind == "scan":
-        return ScanSense(spec, keeps_scans=guarded)
+        return ScanSense(spec, settings, keeps_scans=guarded)
     if guarded:
         check_tells_ranges(spec)
-    return RetinaSense(spec)
+    return RetinaSense(spec, settings)
 
 
 def parse(message: Message, kind: type[M]) -> tuple[Stamp, M]:
@@ -169,3 +206,15 @@ def _check_image(image: RawImage, spec: RetinaSpec) -> None:
     got = (image.width, image.height, image.encoding[:_QUOTED], len(image.data))
     if got != expected:
         raise UnfitError(f"retina: expected (width, height, encoding, bytes) {expected}, got {got}")
+
+
+def _check_eye(words: str, spec: RetinaSpec, settings: SenseSettings) -> None:
+    if is_an_eye(words):
+        wrong = differences(words, spec)
+        if wrong:
+            raise UnfitError(f"retina of another eye: {', '.join(wrong)}")
+    elif not settings.allow_unstated_eye:
+        raise UnfitError(
+            "retina that does not say which eye made it; its frame_id should be "
+            f"{eye_in_words(spec)!r} (--allow-unstated-eye to take it as it is)"
+        )

@@ -126,7 +126,7 @@ class StatePublisher:
             account: whom the body obeys, and what it refused.
             now_ns: time of the state.
         """
-        retina = encode_retina(self._body.see(), self._body.contract.retina, now_ns, self._robot)
+        retina = encode_retina(self._body.see(), self._body.contract.retina, now_ns)
         self._retinas.put(retina, now_ns)
         place = self._body.place
         self._publishers[POSE].put(encode_pose(place, now_ns), now_ns)

@@ -39,7 +39,7 @@ def of_controller(policy: LoadedPolicy, retinas: np.ndarray) -> list[int]:
     state, actions, period_ns = State(), [], round(1e9 / contract.rate_hz)
     for slot, retina in enumerate(retinas):
         at_ns = slot * period_ns
-        payload = encode_retina(retina, contract.retina, at_ns, "robot0")
+        payload = encode_retina(retina, contract.retina, at_ns)
         message = Message(KEY, payload, ENCODING, pack_stamp(Stamp(slot, at_ns)), at_ns)
         state, decision = controller.step(state, Inputs((message,), slot), at_ns)
         assert decision.verdict is Verdict.OK

@@ -44,7 +44,7 @@ def sensed(number, now_ns):
         scan = LaserScan(start_angle=-3.1, end_angle=3.1, ranges=[1.0, float("inf")] * 90)
         return scan.SerializeToString(), protobuf_encoding("foxglove.LaserScan")
     retina = np.full(SMALL.retina.shape, 9, np.uint8)
-    payload = encode_retina(retina, SMALL.retina, now_ns, "robot0")
+    payload = encode_retina(retina, SMALL.retina, now_ns)
     return payload, protobuf_encoding("foxglove.RawImage")
 
 class Feeding(ManualClock):

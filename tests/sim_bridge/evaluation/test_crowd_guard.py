@@ -47,7 +47,7 @@ def speeds_of_controller(policy, contract, known, seen):
     state, speeds = State(), []
     for slot, retina in enumerate(seen):
         at_ns = slot * 20 * MS
-        payload = encode_retina(retina, contract.retina, at_ns, "")
+        payload = encode_retina(retina, contract.retina, at_ns)
         message = Message(KEY, payload, ENCODING, pack_stamp(Stamp(slot, at_ns)), at_ns)
         state, decision = controller.step(state, Inputs((message,), slot), at_ns)
         command = decision.command

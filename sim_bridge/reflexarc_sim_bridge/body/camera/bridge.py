@@ -96,7 +96,7 @@ class CameraBridge:
     def _show(self, images: tuple[Image, ...]) -> None:
         # The time of exposure is unknown here; that of arrival is the nearest one.
         now_ns = self._clock.now_ns()
-        payload = encode_retina(self._eye.look(images), self._spec, now_ns, self._robot)
+        payload = encode_retina(self._eye.look(images), self._spec, now_ns)
         self._retinas.put(payload, now_ns)
         self._say_every_second(now_ns)
 

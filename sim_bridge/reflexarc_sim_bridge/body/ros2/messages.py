@@ -19,7 +19,7 @@ from rosbags.typesys import Stores, get_typestore
 from reflexarc_runtime.arrays import Ranges
 from reflexarc_runtime.messages.codec import timestamp
 from reflexarc_runtime.messages.wire import MAX_PAYLOAD_BYTES
-from reflexarc_runtime.sensing.retina import Scan
+from reflexarc_runtime.sensing.scan import Scan
 from reflexarc_sim_bridge.body.gate.limits import Twist
 from reflexarc_sim_bridge.body.ros2.key_expressions import LASER_SCAN, TWIST, TWIST_STAMPED
 

@@ -47,7 +47,7 @@ START_NS = 7_000 * MS
 STREAM = [
     (
         START_NS + 20 * MS * n,
-        encode_retina(np.full(SPEC.shape, n % 251, np.uint8), SPEC, START_NS + 20 * MS * n, "r"),
+        encode_retina(np.full(SPEC.shape, n % 251, np.uint8), SPEC, START_NS + 20 * MS * n),
     )
     for n in range(50)
 ]
@@ -321,7 +321,7 @@ def test_a_delayed_sender_that_leaves_sends_no_more():
 
 def test_a_picture_of_three_channels_is_malformed_too():
     spec = replace(SPEC, channels=3)
-    payload = encode_retina(np.zeros(spec.shape, np.uint8), spec, 0, "r")
+    payload = encode_retina(np.zeros(spec.shape, np.uint8), spec, 0)
     stream = FaultyStream(FaultScript((Malformed(0.0, 1.0, Malformation.WRONG_CHANNELS),)))
     (sending,) = stream.say(payload, 0)
     message = Message("r/retina", sending.payload, sending.encoding, sending.attachment, 0)

@@ -11,7 +11,7 @@ from pycdr2 import Endianness
 
 from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.contract.motion import Action
-from reflexarc_runtime.sensing.retina import retina_from_scan
+from reflexarc_runtime.sensing.scan_retina import retina_from_scan
 from reflexarc_sim_bridge.body.ros2.messages import (
     MAX_BEAMS,
     UnusableMessageError,

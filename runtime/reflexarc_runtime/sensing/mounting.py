@@ -1,0 +1,98 @@
+"""How a scanner sits on its robot: where, turned by how much, and whether upside down."""
+
+import math
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from foxglove_schemas_protobuf.Pose_pb2 import Pose
+
+from reflexarc_runtime.config.checks import require
+from reflexarc_runtime.errors import UsageError
+from reflexarc_runtime.sensing.scan import Scan, UnusableScanError
+
+LEAST_UPRIGHT = math.cos(math.radians(15.0))
+"""A scanner that is tilted by more than 15° scans the floor, or the sky."""
+
+_require = partial(require, error=UsageError)
+
+
+@dataclass(frozen=True)
+class Mount:
+    """Where a scanner sits on its robot, whose frame has x ahead and y to the left."""
+
+    x_m: float = 0.0
+    """Ahead of the point about which the robot turns."""
+    y_m: float = 0.0
+    """To the left of it."""
+    yaw_rad: float = 0.0
+    """Bearing in which it looks, counter-clockwise; π: backwards."""
+    upside_down: bool = False
+    """Whether it hangs upside down: its left is then the robot's right."""
+
+    def __post_init__(self) -> None:
+        for name in ("x_m", "y_m", "yaw_rad"):
+            value = getattr(self, name)
+            _require(math.isfinite(value), f"mount.{name}", "a finite number", value)
+
+
+@dataclass(frozen=True)
+class Sector:
+    """A part of a sweep, counter-clockwise from its right edge to its left one."""
+
+    right_rad: float
+    left_rad: float
+
+    def __post_init__(self) -> None:
+        width_rad = self.left_rad - self.right_rad
+        fits = math.isfinite(self.right_rad) and 0.0 <= width_rad <= 2.0 * math.pi
+        got = (self.right_rad, self.left_rad)
+        _require(fits, "sector", "right edge, then left edge, at most a turn", got)
+
+
+def mount_of(pose: Pose) -> Mount:
+    """How a scanner sits by the pose of its sweep's origin (`foxglove.LaserScan.pose`).
+
+    A pose that was left out (all zeros) is the robot's centre, looking ahead.
+
+    Raises:
+        UnusableScanError: no pose, or a scanner that is neither upright nor upside down.
+    """
+    q, place = pose.orientation, pose.position
+    if not all(map(math.isfinite, (q.x, q.y, q.z, q.w, place.x, place.y, place.z))):
+        raise UnusableScanError("a pose that is not finite")
+    length = math.hypot(q.x, q.y, q.z, q.w)
+    if length == 0.0:
+        return Mount(place.x, place.y)
+    x, y, z, w = q.x / length, q.y / length, q.z / length, q.w / length
+    upright = 1.0 - 2.0 * (x * x + y * y)
+    if abs(upright) < LEAST_UPRIGHT:
+        raise UnusableScanError(
+            f"a scanner tilted by {math.degrees(math.acos(upright)):.0f}°: its plane is not the "
+            "ground's"
+        )
+    yaw_rad = math.atan2(2.0 * (x * y + w * z), 1.0 - 2.0 * (y * y + z * z))
+    return Mount(place.x, place.y, yaw_rad, upright < 0.0)
+
+
+def mounted(scan: Scan, mount: Mount) -> Scan:
+    """A scan of a scanner's own frame in the robot's."""
+    start_rad, end_rad, ranges_m = scan.start_rad, scan.end_rad, scan.ranges_m
+    if mount.upside_down:
+        start_rad, end_rad, ranges_m = -end_rad, -start_rad, ranges_m[::-1]
+    return Scan(start_rad + mount.yaw_rad, end_rad + mount.yaw_rad, ranges_m, mount.x_m, mount.y_m)
+
+
+def without(scan: Scan, sectors: tuple[Sector, ...]) -> Scan:
+    """A scan that knows nothing of some sectors: what the robot sees of itself there is left out.
+
+    Bearings are the robot's, from where the scanner sits.
+    """
+    if not sectors:
+        return scan
+    bearings_rad = scan.start_rad + scan.step_rad * np.arange(len(scan.ranges_m))
+    ranges_m = scan.ranges_m.copy()
+    for sector in sectors:
+        offset_rad = np.mod(bearings_rad - sector.right_rad, 2.0 * math.pi)
+        ranges_m[offset_rad <= sector.left_rad - sector.right_rad] = math.nan
+    return replace(scan, ranges_m=ranges_m)

@@ -1,0 +1,128 @@
+"""What a scanner's driver means by its numbers, where it leaves the standard (REP 117).
+
+The standard: −inf is too near to be measured, +inf is nothing met, NaN is no measurement. Drivers
+also write 0, `range_max`, a constant or NaN for nothing met.
+"""
+
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import partial
+
+import numpy as np
+
+from reflexarc_runtime.arrays import Ranges
+from reflexarc_runtime.config.checks import require
+from reflexarc_runtime.errors import UsageError
+from reflexarc_runtime.sensing.scan import UnusableScanError
+
+_NAN, _ZERO = "nan", "zero"
+_CLOSE = 1e-5
+"""Relative; ranges come in single precision."""
+
+_require = partial(require, error=UsageError)
+
+
+class Angles(StrEnum):
+    """In which unit a driver writes its angles."""
+
+    RADIANS = "radians"
+    DEGREES = "degrees"
+
+
+@dataclass(frozen=True)
+class RangeMeaning:
+    """What a driver means by its numbers; by default the standard."""
+
+    no_return: tuple[str, ...] = ()
+    """What else stands for nothing met: nan, zero, or a distance in metres such as 8.19."""
+    min_m: float | None = None
+    """Below it something is too near to be measured; None: as the message says, else 0."""
+    max_m: float | None = None
+    """From it on nothing was met; None: as the message says, else without limit."""
+    angles: Angles = Angles.RADIANS
+    """Unit of the angles."""
+
+    def __post_init__(self) -> None:
+        for word in self.no_return:
+            fits = word in (_NAN, _ZERO) or _distance_m(word) > 0.0
+            _require(fits, "--no-return", "nan, zero or a distance in metres", repr(word))
+        least, most = self.min_m or 0.0, math.inf if self.max_m is None else self.max_m
+        _require(0.0 <= least < math.inf, "--range-min", "0 or more", least)
+        _require(most > least, "--range-max", f"more than {least:g}", most)
+
+    @property
+    def constants_m(self) -> tuple[float, ...]:
+        """The distances that stand for nothing met."""
+        return tuple(_distance_m(w) for w in self.no_return if w not in (_NAN, _ZERO))
+
+    def radians(self, angle: float) -> float:
+        """An angle of a message."""
+        return math.radians(angle) if self.angles is Angles.DEGREES else angle
+
+    def read(self, ranges_m: Ranges, min_m: float = 0.0, max_m: float = math.inf) -> Ranges:
+        """The ranges by the standard: −inf too near, +inf nothing met, NaN unknown.
+
+        Args:
+            ranges_m: as the driver wrote them, (beams,).
+            min_m: the message's own limits, where it has any; what is set here goes before.
+            max_m: see `min_m`.
+
+        Raises:
+            UnusableScanError: limits that leave nothing between them, or ranges that contradict
+                what is said here.
+        """
+        least, most = self._limits(min_m, max_m)
+        nothing = self._nothing(ranges_m)
+        self._check(ranges_m[~nothing])
+        read = np.where(nothing | (ranges_m >= most), math.inf, ranges_m)
+        read = np.where((read > 0.0) & (read < least), -math.inf, read)
+        return np.where((read > 0.0) | (read == -math.inf), read, math.nan)
+
+    def _limits(self, min_m: float, max_m: float) -> tuple[float, float]:
+        least = min_m if self.min_m is None else self.min_m
+        most = max_m if self.max_m is None else self.max_m
+        if not least < math.inf:
+            raise UnusableScanError(f"range_min is {least:g}; --range-min METRES says what it is")
+        if not most > max(0.0, least):
+            raise UnusableScanError(
+                f"range_max is {most:g} with a range_min of {least:g}; --range-max METRES says "
+                "what it is"
+            )
+        return least, most
+
+    def _nothing(self, ranges_m: Ranges) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+        """Which ranges stand for nothing met, beside +inf and what is beyond the limit."""
+        nothing = np.zeros(ranges_m.shape, np.bool_)
+        if _NAN in self.no_return:
+            nothing |= np.isnan(ranges_m)
+        if _ZERO in self.no_return:
+            nothing |= ranges_m == 0.0
+        for constant_m in self.constants_m:
+            nothing |= np.isclose(ranges_m, constant_m, rtol=_CLOSE, atol=0.0)
+        return nothing
+
+    def _check(self, measured_m: Ranges) -> None:
+        """Refuse measurements beyond what is said to be the end of them."""
+        finite = measured_m[np.isfinite(measured_m)]
+        farthest_m = float(finite.max()) if finite.size else 0.0
+        for constant_m in self.constants_m:
+            if farthest_m > constant_m:
+                raise UnusableScanError(
+                    f"a range of {farthest_m:g} m, beyond --no-return {constant_m:g}: a thing may "
+                    "then be at that distance, too"
+                )
+        if self.max_m is not None and farthest_m > self.max_m * (1.0 + _CLOSE):
+            raise UnusableScanError(
+                f"a range of {farthest_m:g} m, beyond --range-max {self.max_m:g}; if it stands for "
+                f"nothing met: --no-return {farthest_m:g}"
+            )
+
+
+def _distance_m(word: str) -> float:
+    """The number that a word stands for; NaN if it stands for none."""
+    try:
+        number = float(word)
+    except ValueError:
+        return math.nan
+    return number if math.isfinite(number) else math.nan

@@ -1,0 +1,59 @@
+"""One sweep of a range sensor, as the robot's own frame sees it."""
+
+import math
+from dataclasses import dataclass
+
+from reflexarc_runtime.arrays import Ranges
+
+MIN_STEP_RAD = 1e-9
+"""Smallest angle between beams that is accepted; below it, the index of a beam may overflow."""
+MOST_TURNS = 1.1
+"""Some scanners measure a little more than a full turn; more than that are degrees, or nonsense."""
+
+
+@dataclass(frozen=True)
+class Scan:
+    """One sweep of a range sensor. Beams go counter-clockwise from `start_rad` to `end_rad`.
+
+    A range of +inf means that nothing was met, −inf that something is too near to be measured;
+    NaN, zero and other negative ones are no measurement: unknown.
+    """
+
+    start_rad: float
+    end_rad: float
+    ranges_m: Ranges
+    x_m: float = 0.0
+    """Where the beams begin, ahead of the point about which the robot turns."""
+    y_m: float = 0.0
+    """And to the left of it."""
+
+    @property
+    def step_rad(self) -> float:
+        """Angle from one beam to the next."""
+        return (self.end_rad - self.start_rad) / (len(self.ranges_m) - 1)
+
+    @property
+    def is_centred(self) -> bool:
+        """Whether the beams begin at the point about which the robot turns."""
+        return self.x_m == 0.0 and self.y_m == 0.0
+
+
+class UnusableScanError(ValueError):
+    """A scan from which no retina can be made; its message says why."""
+
+
+def check_sweep(scan: Scan) -> None:
+    """Refuse a sweep whose angles cannot be meant.
+
+    Raises:
+        UnusableScanError: fewer than two beams, in the wrong order, or over more than a turn.
+    """
+    count = len(scan.ranges_m)
+    if count < 2 or not MIN_STEP_RAD <= scan.step_rad <= math.pi:
+        raise UnusableScanError(f"{count} beams from {scan.start_rad} to {scan.end_rad} rad")
+    turns = (scan.end_rad - scan.start_rad) / (2.0 * math.pi)
+    if turns > MOST_TURNS:
+        raise UnusableScanError(
+            f"beams from {scan.start_rad:.3f} to {scan.end_rad:.3f} rad, which is {turns:.1f} "
+            "turns; if the driver counts in degrees: --angles degrees"
+        )
