@@ -89,7 +89,11 @@ def _accepted(newest: Sensed | None) -> pb.Accepted | None:
 
 def _swept(scan: Scan) -> pb.AcceptedScan:
     return pb.AcceptedScan(
-        start_rad=scan.start_rad, end_rad=scan.end_rad, ranges_m=scan.ranges_m.tolist()
+        start_rad=scan.start_rad,
+        end_rad=scan.end_rad,
+        ranges_m=scan.ranges_m.tolist(),
+        x_m=scan.x_m,
+        y_m=scan.y_m,
     )
 
 
@@ -122,7 +126,8 @@ def _sensed(newest: pb.Accepted, frames: tuple[Retina, ...]) -> Sensed:
 
 
 def _scan(swept: pb.AcceptedScan) -> Scan:
-    return Scan(swept.start_rad, swept.end_rad, np.array(swept.ranges_m, np.float64))
+    ranges_m = np.array(swept.ranges_m, np.float64)
+    return Scan(swept.start_rad, swept.end_rad, ranges_m, swept.x_m, swept.y_m)
 
 
 def _retina(data: bytes, contract: PolicyContract) -> Retina:

@@ -150,14 +150,18 @@ class Accepted(_message.Message):
     def __init__(self, sequence: _Optional[int] = ..., source_time_ns: _Optional[int] = ..., sender: _Optional[bytes] = ..., received_ns: _Optional[int] = ..., scan: _Optional[_Union[AcceptedScan, _Mapping]] = ...) -> None: ...
 
 class AcceptedScan(_message.Message):
-    __slots__ = ("start_rad", "end_rad", "ranges_m")
+    __slots__ = ("start_rad", "end_rad", "ranges_m", "x_m", "y_m")
     START_RAD_FIELD_NUMBER: _ClassVar[int]
     END_RAD_FIELD_NUMBER: _ClassVar[int]
     RANGES_M_FIELD_NUMBER: _ClassVar[int]
+    X_M_FIELD_NUMBER: _ClassVar[int]
+    Y_M_FIELD_NUMBER: _ClassVar[int]
     start_rad: float
     end_rad: float
     ranges_m: _containers.RepeatedScalarFieldContainer[float]
-    def __init__(self, start_rad: _Optional[float] = ..., end_rad: _Optional[float] = ..., ranges_m: _Optional[_Iterable[float]] = ...) -> None: ...
+    x_m: float
+    y_m: float
+    def __init__(self, start_rad: _Optional[float] = ..., end_rad: _Optional[float] = ..., ranges_m: _Optional[_Iterable[float]] = ..., x_m: _Optional[float] = ..., y_m: _Optional[float] = ...) -> None: ...
 
 class Memory(_message.Message):
     __slots__ = ("now", "next")

@@ -36,6 +36,10 @@ class Mount:
             _require(math.isfinite(value), f"mount.{name}", "a finite number", value)
 
 
+CENTRED = Mount()
+"""In the middle of the robot, looking ahead."""
+
+
 @dataclass(frozen=True)
 class Sector:
     """A part of a sweep, counter-clockwise from its right edge to its left one."""
@@ -73,6 +77,18 @@ def mount_of(pose: Pose) -> Mount:
         )
     yaw_rad = math.atan2(2.0 * (x * y + w * z), 1.0 - 2.0 * (y * y + z * z))
     return Mount(place.x, place.y, yaw_rad, upright < 0.0)
+
+
+def pose_of(mount: Mount) -> Pose:
+    """The pose that says how a scanner sits; see `mount_of`."""
+    pose, half_rad = Pose(), 0.5 * mount.yaw_rad
+    pose.position.x, pose.position.y = mount.x_m, mount.y_m
+    cos, sin = math.cos(half_rad), math.sin(half_rad)
+    if mount.upside_down:  # half a turn about x first, then the yaw about z
+        pose.orientation.x, pose.orientation.y = cos, sin
+    else:
+        pose.orientation.w, pose.orientation.z = cos, sin
+    return pose
 
 
 def mounted(scan: Scan, mount: Mount) -> Scan:

@@ -51,6 +51,15 @@ def check_sweep(scan: Scan) -> None:
     count = len(scan.ranges_m)
     if count < 2 or not MIN_STEP_RAD <= scan.step_rad <= math.pi:
         raise UnusableScanError(f"{count} beams from {scan.start_rad} to {scan.end_rad} rad")
+    check_turns(scan)
+
+
+def check_turns(scan: Scan) -> None:
+    """Refuse a sweep over more than a turn.
+
+    Raises:
+        UnusableScanError: it is one.
+    """
     turns = (scan.end_rad - scan.start_rad) / (2.0 * math.pi)
     if turns > MOST_TURNS:
         raise UnusableScanError(

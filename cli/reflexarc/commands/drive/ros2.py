@@ -9,6 +9,7 @@ from reflexarc.terminal.output import aside, console, facts, plain, print_json
 from reflexarc.terminal.signals import StopFlag
 from reflexarc.wiring.bus_flags import Joining
 from reflexarc.wiring.limit_flags import LimitFlags
+from reflexarc.wiring.scan_flags import ScanFlags
 from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from reflexarc_sim_bridge.body.latch import StopLatch
     from reflexarc_sim_bridge.body.ros2.bridge import RosBridgeReport, Route
     from reflexarc_sim_bridge.body.ros2.companion_link import CompanionLink
+    from reflexarc_sim_bridge.body.ros2.messages import Scanner
 
 MAX_RATE_HZ = 1000.0
 SILENCE_S = 0.2
@@ -36,6 +38,7 @@ class Ros2Command:
 
     Examples:
       reflexarc ros2 --max-linear 0.5 --max-lateral 0 --max-angular 1
+      reflexarc ros2 --limits robot.toml --mount 0.12 0 180 --no-return zero
       reflexarc ros2 --limits robot.toml --wire rmw --domain 7 --stamped
       reflexarc ros2 --limits robot.toml --topic robot1/scan --command robot1/cmd_vel
     """
@@ -53,6 +56,7 @@ class Ros2Command:
     rate: float = 50.0
     """Commands to the robot, a second, at least."""
     robot_limits: LimitFlags = field(default_factory=LimitFlags)
+    scanner: ScanFlags = field(default_factory=ScanFlags)
     auto_arm: bool = False
     """Drive as soon as a runtime says so, without `reflexarc arm`."""
     no_companion: bool = False
@@ -91,6 +95,7 @@ class Ros2Command:
             check_topic("--topic", self.topic),
             check_topic("--command", self.command),
             self.stamped,
+            self._scanner(),
         )
         for key in (SCAN.key(self.joining.robot), COMMAND.key(self.joining.robot)):
             if key in (route.scan_key, route.command_key):
@@ -99,6 +104,13 @@ class Ros2Command:
                     "give ours another first part with --robot"
                 )
         return route
+
+    def _scanner(self) -> "Scanner":
+        from reflexarc_runtime.sensing.mounting import CENTRED
+        from reflexarc_sim_bridge.body.ros2.messages import Scanner
+
+        flags = self.scanner
+        return Scanner(flags.meaning, flags.known_mount or CENTRED, flags.ignored)
 
     def _serve(
         self, bus: "Bus", route: "Route", settings: "GateSettings", stop: StopFlag

@@ -13,6 +13,7 @@ from reflexarc.terminal.output import aside, console, facts, microseconds, print
 from reflexarc.terminal.signals import StopFlag
 from reflexarc.wiring.bus_flags import Joining
 from reflexarc.wiring.guard_flags import GuardFlags
+from reflexarc.wiring.sense_flags import SenseFlags
 from reflexarc.wiring.watching import Watching
 from reflexarc_runtime.contract.bounds import Bounds
 from reflexarc_runtime.errors import UsageError
@@ -49,6 +50,7 @@ class RunCommand:
       reflexarc run runs/reflex-0/policy.onnx --record runs/drive.mcap
       reflexarc run runs/reflex-0/policy.onnx --input scan --robot rover1
       reflexarc run racer.onnx --max-speed-mps 30
+      reflexarc run rover.onnx --input scan --mount 0.1 0 180 --no-return zero
     """
 
     policy: tyro.conf.Positional[Path]
@@ -66,6 +68,7 @@ class RunCommand:
     fifo: int = 0
     """SCHED_FIFO priority, 1 to 99; 0: ordinary scheduling."""
     bounds: Bounds = field(default_factory=Bounds)
+    sensing: SenseFlags = field(default_factory=SenseFlags)
     guarding: GuardFlags = field(default_factory=GuardFlags)
     watching: Watching = field(default_factory=Watching)
     joining: Joining = field(default_factory=Joining)
@@ -83,7 +86,8 @@ class RunCommand:
         for note in policy.notes:
             aside.print(f"reflexarc run: {note}", soft_wrap=True)
         guard = self.guarding.guard_for(policy.contract)
-        sense = sense_for(self.input, policy.contract.retina, guarded=guard is not None)
+        eye, settings = policy.contract.retina, self.sensing.settings
+        sense = sense_for(self.input, eye, settings, guarded=guard is not None)
         identity = policy.policy_hash
         controller = Controller(policy, policy.contract, sense, identity, guard=guard)
         run_id = uuid.uuid4().hex
@@ -219,6 +223,7 @@ class RunCommand:
             sensor=self.input,
             lockstep=self.lockstep,
             guard=self.guarding.settings_for(policy.contract),
+            senses=self.sensing.settings,
         ) as recorder:
             yield recorder
 

@@ -33,6 +33,7 @@ from reflexarc_sim_bridge.body.gate.gate import HEARD, Gate, GateSettings, encod
 from reflexarc_sim_bridge.body.latch import StopLatch
 from reflexarc_sim_bridge.body.ros2.command_relay import CommandRelay
 from reflexarc_sim_bridge.body.ros2.key_expressions import LASER_SCAN, TWIST, TWIST_STAMPED, RosType
+from reflexarc_sim_bridge.body.ros2.messages import STANDARD, Scanner
 from reflexarc_sim_bridge.body.ros2.scan_relay import ScanRelay
 from reflexarc_sim_bridge.body.ros2.turns import Turns
 from reflexarc_sim_bridge.body.ros2.twists import CDR, TwistPublisher
@@ -60,6 +61,8 @@ class Route:
     """Full name of the topic that the robot drives by."""
     stamped: bool = False
     """Whether that one takes `geometry_msgs/TwistStamped`, or `Twist`."""
+    scanner: Scanner = STANDARD
+    """What is known of the scanner beside what its messages say."""
 
     @property
     def command_type(self) -> RosType:
@@ -130,7 +133,7 @@ class RosBridge:
         self._inbox = inbox
         # A flood of commands must not push a stop out of a full inbox.
         self._controls = Inbox()
-        self._scans = ScanRelay(bus.publisher(SCAN))
+        self._scans = ScanRelay(bus.publisher(SCAN), route.scanner)
         wheel = bus.publisher_of_key(route.command_key, CDR, Quality.CONTROL)
         twists = TwistPublisher(wheel, route.stamped, wall_offset_ns)
         gate = Gate.closed(bus.sender, settings, latch.stopped if latch else "")

@@ -2,12 +2,13 @@
 
 `sensor_msgs/LaserScan` measures from `angle_min` in steps of `angle_increment`, of either sign;
 ours go counter-clockwise. Its `angle_max` is not used: drivers disagree on whether it is the last
-beam or one step further. Ranges, after the message's comments and REP 117: below `range_min`, or
-NaN, is unknown (NaN); above `range_max`, or +inf, means that nothing was met (+inf).
+beam or one step further. Ranges, after the message's comments and REP 117: below `range_min` is too
+near to be measured (−inf); from `range_max` on nothing was met (+inf); NaN, zero and less are
+unknown (NaN). Where a driver means something else, flags say so.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Any
 
@@ -16,10 +17,11 @@ from foxglove_schemas_protobuf.LaserScan_pb2 import LaserScan
 from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, get_typestore
 
-from reflexarc_runtime.arrays import Ranges
 from reflexarc_runtime.messages.codec import timestamp
 from reflexarc_runtime.messages.wire import MAX_PAYLOAD_BYTES
-from reflexarc_runtime.sensing.scan import Scan
+from reflexarc_runtime.sensing.mounting import CENTRED, Mount, Sector, mounted, pose_of, without
+from reflexarc_runtime.sensing.range_meaning import RangeMeaning
+from reflexarc_runtime.sensing.scan import Scan, UnusableScanError, check_turns
 from reflexarc_sim_bridge.body.gate.limits import Twist
 from reflexarc_sim_bridge.body.ros2.key_expressions import LASER_SCAN, TWIST, TWIST_STAMPED
 
@@ -44,10 +46,33 @@ class RosScan:
     """The header's, on the robot's clock."""
     frame_id: str
     sweep: Scan
+    """In the frame of the scanner."""
+    mount: Mount = CENTRED
+    """How the scanner sits on the robot."""
 
 
-def decode_scan(payload: bytes) -> RosScan:
+@dataclass(frozen=True)
+class Scanner:
+    """What is known of a robot's scanner beside what its messages say."""
+
+    meaning: RangeMeaning = field(default_factory=RangeMeaning)
+    """What its driver means by its numbers."""
+    mount: Mount = CENTRED
+    """How it sits on the robot."""
+    ignored: tuple[Sector, ...] = ()
+    """Sectors in which it sees its own robot, as seen from the scanner, in the robot's axes."""
+
+
+STANDARD = Scanner()
+"""A scanner after the standard, in the middle of its robot."""
+
+
+def decode_scan(payload: bytes, scanner: Scanner = STANDARD) -> RosScan:
     """Read `sensor_msgs/LaserScan`.
+
+    Args:
+        payload: of the message.
+        scanner: what is known of the scanner beside.
 
     Raises:
         UnusableMessageError: not little-endian CDR, not a `LaserScan`, or not usable as a scan.
@@ -58,10 +83,16 @@ def decode_scan(payload: bytes) -> RosScan:
     except SerdeError:
         raise UnusableMessageError(f"no {LASER_SCAN.name}") from None
     stamp = message.header.stamp
+    try:
+        sweep = _own_parts_left_out(_sweep(message, scanner.meaning), scanner)
+        check_turns(sweep)
+    except UnusableScanError as error:
+        raise UnusableMessageError(str(error)) from None
     return RosScan(
         stamp_ns=stamp.sec * _SECOND_NS + stamp.nanosec,
         frame_id=message.header.frame_id,
-        sweep=_sweep(message),
+        sweep=sweep,
+        mount=scanner.mount,
     )
 
 
@@ -74,7 +105,7 @@ def encode_scan(scan: RosScan) -> bytes:
         end_angle=scan.sweep.end_rad,
         ranges=scan.sweep.ranges_m,
     )
-    message.pose.orientation.w = 1.0
+    message.pose.CopyFrom(pose_of(scan.mount))
     return message.SerializeToString()
 
 
@@ -105,13 +136,14 @@ def _check_envelope(payload: bytes) -> None:
         raise UnusableMessageError("no little-endian CDR")
 
 
-def _sweep(message: Any) -> Scan:
-    """The beams in our order.
+def _sweep(message: Any, meaning: RangeMeaning) -> Scan:
+    """The beams in our order, by our standard.
 
     Raises:
         UnusableMessageError: angles, limits or the number of beams are not usable.
+        UnusableScanError: limits that cannot be meant, or ranges beyond them.
     """
-    start_rad, step_rad = message.angle_min, message.angle_increment
+    start_rad, step_rad = map(meaning.radians, (message.angle_min, message.angle_increment))
     if not (math.isfinite(start_rad) and math.isfinite(step_rad)) or step_rad == 0.0:
         raise UnusableMessageError("angles that are none")
     count = len(message.ranges)
@@ -120,17 +152,18 @@ def _sweep(message: Any) -> Scan:
     last_rad = start_rad + (count - 1) * step_rad
     with np.errstate(invalid="ignore"):  # a signalling NaN is an unknown beam, too
         ranges_m = message.ranges.astype(np.float64)
-    ranges_m = _meaning(ranges_m, message.range_min, message.range_max)
+    ranges_m = meaning.read(ranges_m, float(message.range_min), float(message.range_max))
     if step_rad < 0.0:
         return Scan(last_rad, start_rad, ranges_m[::-1])
     return Scan(start_rad, last_rad, ranges_m)
 
 
-def _meaning(ranges_m: Ranges, range_min_m: float, range_max_m: float) -> Ranges:
-    if math.isnan(range_min_m) or math.isnan(range_max_m):
-        raise UnusableMessageError("limits of range that are none")
-    seen = np.where(ranges_m > range_max_m, np.inf, ranges_m)
-    return np.where(ranges_m < range_min_m, np.nan, seen)
+def _own_parts_left_out(scan: Scan, scanner: Scanner) -> Scan:
+    """The scan, still in the scanner's frame, without what it sees of its own robot."""
+    if not scanner.ignored:
+        return scan
+    ranges_m = without(mounted(scan, scanner.mount), scanner.ignored).ranges_m
+    return replace(scan, ranges_m=ranges_m[::-1] if scanner.mount.upside_down else ranges_m)
 
 
 def _twist(motion: Twist) -> Any:
