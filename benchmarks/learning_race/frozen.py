@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
-from reflexarc_runtime.sensing.retina import FULL_SCALE
+from reflexarc_runtime.sensing.ray_values import FULL_SCALE
 from reflexarc_trainer.config.train_config import TrainConfig
 from reflexarc_trainer.sarsa.learner_interface import Learner
 

@@ -16,9 +16,9 @@ from reflexarc_logs.replaying.replay import replay
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.messages.wire import Message, Stamp
-from reflexarc_runtime.sensing.retina import ray_bearing_rad
+from reflexarc_runtime.sensing.ray_values import ray_bearing_rad
+from reflexarc_runtime.sensing.retina import retina_from_scan
 from reflexarc_runtime.sensing.scan import Scan
-from reflexarc_runtime.sensing.scan_retina import retina_from_scan
 from reflexarc_runtime.sensing.senses import ScanSense
 from support.lidar import (
     CARMEN,

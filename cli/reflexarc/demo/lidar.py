@@ -19,8 +19,8 @@ from reflexarc_logs.replaying.replay import replay
 from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.policy.policy import LoadedPolicy, load_policy
+from reflexarc_runtime.sensing.retina import retina_from_scan
 from reflexarc_runtime.sensing.scan import Scan
-from reflexarc_runtime.sensing.scan_retina import retina_from_scan
 from reflexarc_sim_bridge.evaluation.pilot import Pilot
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.files import world_named

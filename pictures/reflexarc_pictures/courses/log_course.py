@@ -35,7 +35,7 @@ from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages.topics import CONTACT, SCENE, TICK
 from reflexarc_runtime.messages_pb2 import Tick
 from reflexarc_runtime.policy.policy import load_policy
-from reflexarc_runtime.sensing.retina import FULL_SCALE, ray_bearing_rad
+from reflexarc_runtime.sensing.ray_values import FULL_SCALE, ray_bearing_rad
 
 PERIOD_S = 0.1
 

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from reflexarc_runtime.arrays import Ranges
 from reflexarc_runtime.contract.eye import BeamRule, RetinaSpec
-from reflexarc_runtime.sensing.retina import nearest_beam, ray_bearing_rad
+from reflexarc_runtime.sensing.ray_values import nearest_beam, ray_bearing_rad
 from reflexarc_runtime.sensing.scan import Scan, UnusableScanError
 
 Indices = npt.NDArray[np.int64]

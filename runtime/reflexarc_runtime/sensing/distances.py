@@ -12,7 +12,7 @@ from reflexarc_runtime.arrays import Retina
 from reflexarc_runtime.beams import Beams, Fan, fan_of
 from reflexarc_runtime.contract.eye import RetinaSpec, Shading
 from reflexarc_runtime.errors import ContractError
-from reflexarc_runtime.sensing.retina import FULL_SCALE, ray_bearing_rad
+from reflexarc_runtime.sensing.ray_values import FULL_SCALE, ray_bearing_rad
 from reflexarc_runtime.sensing.scan import Scan
 from reflexarc_runtime.sweep import Floats
 

@@ -77,7 +77,8 @@ class RangeMeaning:
         self._check(ranges_m[~nothing])
         read = np.where(nothing | (ranges_m >= most), math.inf, ranges_m)
         read = np.where((read > 0.0) & (read < least), -math.inf, read)
-        return np.where((read > 0.0) | (read == -math.inf), read, math.nan)
+        # A zero stays one: unknown, too, and the reason of a refusal can say what came.
+        return np.where((read >= 0.0) | (read == -math.inf), read, math.nan)
 
     def _limits(self, min_m: float, max_m: float) -> tuple[float, float]:
         least = min_m if self.min_m is None else self.min_m

@@ -10,7 +10,7 @@ import numpy as np
 
 from reflexarc_runtime.arrays import Retina
 from reflexarc_runtime.contract.eye import RetinaSpec, Shading
-from reflexarc_runtime.sensing.retina import brightness, nearest_beam, ray_bearing_rad, value
+from reflexarc_runtime.sensing.ray_values import brightness, nearest_beam, ray_bearing_rad, value
 from reflexarc_runtime.sensing.scan import MIN_STEP_RAD, Scan, UnusableScanError
 
 _MAX_UNKNOWN_SHARE = 0.25

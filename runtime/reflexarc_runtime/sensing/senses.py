@@ -30,8 +30,8 @@ from reflexarc_runtime.sensing.distances import (
     fan_of_rays,
 )
 from reflexarc_runtime.sensing.mounting import mount_of, mounted, without
+from reflexarc_runtime.sensing.retina import check_scannable, retina_from_scan
 from reflexarc_runtime.sensing.scan import Scan, UnusableScanError
-from reflexarc_runtime.sensing.scan_retina import check_scannable, retina_from_scan
 from reflexarc_runtime.sensing.scans_of_before import retina_of_before
 from reflexarc_runtime.sensing.sense_settings import SenseSettings
 

@@ -7,7 +7,7 @@ import numpy as np
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.eye import RetinaSpec, Shading
 from reflexarc_runtime.errors import WorldError
-from reflexarc_runtime.sensing.retina import nearest_beam, ray_bearing_rad
+from reflexarc_runtime.sensing.ray_values import nearest_beam, ray_bearing_rad
 from reflexarc_sim_bridge.arrays.layout import TILE_RAYS, EyeParams, Floats32
 from reflexarc_sim_bridge.worlds.world import Scanner, World
 

@@ -17,7 +17,7 @@ from reflexarc_runtime.errors import WorldError
 from reflexarc_runtime.guard import Guard
 from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_runtime.messages.body_info import BodyInfo
-from reflexarc_runtime.sensing.retina import ray_bearing_rad
+from reflexarc_runtime.sensing.ray_values import ray_bearing_rad
 from reflexarc_runtime.sweep import Speeds
 from reflexarc_sim_bridge.body.gate.limits import Motion, Twist
 from reflexarc_sim_bridge.simulation.simulation import Simulation

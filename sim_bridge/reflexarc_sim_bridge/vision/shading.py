@@ -1,8 +1,8 @@
 """Values of an eye's rays, from the distance and the colour that its sub-rays met.
 
-The formula is `reflexarc_runtime.sensing.retina`'s, compiled; the share of the range that it takes
-is made without a division, to the same bit (`quotient`). A simulated eye and a real scan cannot
-differ.
+The formula is `reflexarc_runtime.sensing.ray_values`'s, compiled; the share of the range that it
+takes is made without a division, to the same bit (`quotient`). A simulated eye and a real scan
+cannot differ.
 
 A division takes a processor many times as long as a multiplication. With y the float64 nearest to
 1 / b, q = a·y is less than two units in its last place off. What a − q·b leaves takes it to the
@@ -13,7 +13,7 @@ float64 nearest to a / b or to the one beside it, and once more to the nearest (
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_runtime.sensing import retina
+from reflexarc_runtime.sensing import ray_values
 from reflexarc_sim_bridge.arrays.layout import TILE_RAYS, EyeParams, Floats32
 from reflexarc_sim_bridge.arrays.workspace import Workspace
 from reflexarc_sim_bridge.native.decorators import compiled_disjoint, compiled_inline, compiled_part
@@ -26,8 +26,8 @@ _RED, _GREEN, _BLUE, _GREY = 299.0, 587.0, 114.0, 255_000.0
 """
 _PER_FULL, _PER_GREY = 1.0 / _FULL, 1.0 / _GREY
 
-brightness = compiled_inline(retina.brightness)
-value = compiled_inline(retina.value)
+brightness = compiled_inline(ray_values.brightness)
+value = compiled_inline(ray_values.value)
 
 
 @compiled_part

@@ -10,7 +10,9 @@ from hypothesis import strategies as st
 
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.eye import RetinaSpec, Shading
-from reflexarc_runtime.sensing import retina
+from reflexarc_runtime.sensing import ray_values
+from reflexarc_runtime.sensing.retina import retina_from_scan
+from reflexarc_runtime.sensing.scan import Scan
 from reflexarc_sim_bridge.simulation.scene import Outline
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
@@ -193,7 +195,7 @@ def test_a_value_is_the_runtime_s_own_formula(
     contract = eye_contract(rays=1, range_m=range_m, shading=shading)
     values = scene_of([box(front_x, y_m, 1.0, 1.0, (tone,) * 3)], contract).sense()
     nearness = shading is Shading.NEARNESS
-    wanted = retina.shade(tone, front_x - 1.0 - x_m, range_m, nearness)
+    wanted = ray_values.shade(tone, front_x - 1.0 - x_m, range_m, nearness)
     assert abs(int(values[0, 0, 0, 0]) - wanted) <= 1
 
 
@@ -227,7 +229,7 @@ def test_two_eyes_stand_half_a_baseline_to_each_side() -> None:
     # Beside the path of the middle; only the left eye, at +0.25, looks onto it.
     simulation = scene_of([box(x_m + 2.0, y_m + 0.3, 0.5, 0.2)], PolicyContract(retina=spec))
     left, right = simulation.sense()[0, :, 0, 0]
-    assert (left, right) == (retina.shade(1.0, 1.5, 5.0, True), 0)
+    assert (left, right) == (ray_values.shade(1.0, 1.5, 5.0, True), 0)
 
 
 # Behind a scanner
@@ -242,8 +244,8 @@ def test_behind_a_scanner_the_eye_sees_what_the_runtime_takes_from_the_sweep() -
     seen = Simulation(World("scanned", scanner=scanner), reference_contract(), seeds).sense()
     for agent in range(64):
         lengths_m = 5.0 * (1.0 - swept[agent, 0, ::-1, 0] / 255.0)
-        scan = retina.Scan(scanner.start_rad, -scanner.start_rad, lengths_m)
-        expected: npt.NDArray[np.uint8] = retina.retina_from_scan(scan, eye)
+        scan = Scan(scanner.start_rad, -scanner.start_rad, lengths_m)
+        expected: npt.NDArray[np.uint8] = retina_from_scan(scan, eye)
         assert np.abs(seen[agent].astype(int) - expected.astype(int)).max() <= 1
 
 

@@ -28,7 +28,7 @@ from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.files import write_atomically
 from reflexarc_runtime.policy.model_file import with_contract
 from reflexarc_runtime.policy.numpy_backend import NumpyGraph
-from reflexarc_runtime.sensing.retina import FULL_SCALE
+from reflexarc_runtime.sensing.ray_values import FULL_SCALE
 from reflexarc_trainer.policy.golden_vectors import golden_of
 from reflexarc_trainer.policy.onnx_graph import translate
 from reflexarc_trainer.policy.parity import check_model, check_module, check_parity

@@ -21,7 +21,7 @@ from reflexarc_runtime.errors import PolicyError
 from reflexarc_runtime.policy.agreement import Floats, flips, within_tolerance
 from reflexarc_runtime.policy.golden_check import start_of
 from reflexarc_runtime.policy.policy import load_policy
-from reflexarc_runtime.sensing.retina import FULL_SCALE
+from reflexarc_runtime.sensing.ray_values import FULL_SCALE
 from reflexarc_trainer.policy.probes import Probes, golden_sequences
 from reflexarc_trainer.policy.rounding_bound import LARGEST_TOLERANCE
 

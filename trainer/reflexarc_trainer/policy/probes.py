@@ -13,7 +13,7 @@ from reflexarc_runtime.arrays import Memories, RetinaBatch
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.errors import PolicyError
 from reflexarc_runtime.policy.golden_check import Graph, start_of
-from reflexarc_runtime.sensing.retina import FULL_SCALE
+from reflexarc_runtime.sensing.ray_values import FULL_SCALE
 
 PARITY_RETINAS = 512
 SEQUENCE_STEPS = 20

@@ -11,7 +11,7 @@ from torch import Tensor, nn
 from torch.nn.utils import vector_to_parameters
 
 from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_runtime.sensing.retina import FULL_SCALE
+from reflexarc_runtime.sensing.ray_values import FULL_SCALE
 from reflexarc_trainer.config.learner_config import NetworkConfig
 from reflexarc_trainer.sarsa.initial_weights import drawn_weights
 

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_runtime.sensing.retina import FULL_SCALE
+from reflexarc_runtime.sensing.ray_values import FULL_SCALE
 from reflexarc_trainer.config.learner_config import NetworkConfig
 from reflexarc_trainer.sarsa.units import UNITS
 

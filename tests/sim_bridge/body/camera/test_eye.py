@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from reflexarc_runtime.contract.eye import RetinaSpec, Shading
 from reflexarc_runtime.errors import ContractError, UsageError
-from reflexarc_runtime.sensing.retina import ray_bearing_rad
+from reflexarc_runtime.sensing.ray_values import ray_bearing_rad
 from reflexarc_sim_bridge.body.camera.calibration import (
     Background,
     Band,

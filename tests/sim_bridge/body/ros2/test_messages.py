@@ -11,7 +11,7 @@ from pycdr2 import Endianness
 
 from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.contract.motion import Action
-from reflexarc_runtime.sensing.scan_retina import retina_from_scan
+from reflexarc_runtime.sensing.retina import retina_from_scan
 from reflexarc_sim_bridge.body.ros2.messages import (
     MAX_BEAMS,
     UnusableMessageError,
@@ -44,14 +44,14 @@ def test_a_scan_by_another_library_comes_through(
     assert got.sweep.start_rad == start_rad
     assert got.sweep.step_rad == pytest.approx(step_rad, rel=1e-9)
     known = np.array(ranges_m, np.float64)
-    known[(known <= 0) & (known > -math.inf)] = math.nan
+    known[(known < 0) & (known > -math.inf)] = math.nan
     assert np.array_equal(got.sweep.ranges_m, known, equal_nan=True)
 
 
 def test_ranges_outside_the_limits_are_unknown_or_free():
     nan, inf = math.nan, math.inf
     ranges_m = [0.0, 0.25, 0.5, 2.0, 4.0, 4.5, inf, -inf, nan, -1.0]
-    expected = [nan, -inf, 0.5, 2.0, inf, inf, inf, -inf, nan, nan]
+    expected = [0.0, -inf, 0.5, 2.0, inf, inf, inf, -inf, nan, nan]
     got = decode_scan(laser_scan(ranges_m, limits_m=(0.5, 4.0)).serialize()).sweep.ranges_m
     assert np.array_equal(got, expected, equal_nan=True)
 
@@ -90,7 +90,7 @@ def test_a_scan_goes_out_as_foxglove_laser_scan():
     assert message.start_angle == pytest.approx(-math.pi / 2, abs=1e-6)
     assert message.end_angle == pytest.approx(math.pi / 2, abs=1e-6)
     assert list(message.ranges)[:2] == [1.0, math.inf]
-    assert math.isnan(message.ranges[2])
+    assert message.ranges[2] == 0.0  # unknown, too
 
 
 def test_twists_are_read_by_another_library():
