@@ -7,8 +7,11 @@ own configuration, given as a file.
 """
 
 import json
+import time
 import uuid
+from collections import Counter
 from collections.abc import Callable, Iterable
+from itertools import islice
 from types import TracebackType
 from typing import Any, Self
 
@@ -19,6 +22,7 @@ from reflexarc_runtime.errors import BusError
 from reflexarc_runtime.messages.topics import Quality, Topic, alive_key, policy_key
 from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp, protobuf_encoding
 
+_MOST_OVERHEARD = 64
 _RETRY = {"period_init_ms": 50, "period_max_ms": 500, "period_increase_factor": 2}
 
 
@@ -112,6 +116,17 @@ class Bus:
         self._session.close()  # type: ignore[no-untyped-call]  # the stub has no type
 
     @property
+    def robot(self) -> str:
+        """First part of the keys of its topics."""
+        return self._config.robot
+
+    @property
+    def place(self) -> str:
+        """Where the others are looked for, in words."""
+        file = self._config.zenoh_file
+        return f"tcp/{LOOPBACK}:{self._config.port}" if file is None else f"the peers of {file}"
+
+    @property
     def session_id(self) -> str:
         """Zenoh's identifier of this session, in hexadecimal."""
         return str(self._session.info.zid())
@@ -145,6 +160,36 @@ class Bus:
             deliver(_message(sample, self._now_ns()))
 
         self._kept.append(self._session.declare_subscriber(key, on_sample))
+
+    def overhear(self, expressions: Iterable[str], seconds: float) -> dict[str, int]:
+        """Listen for a while to whatever matches key expressions: how often each key was heard.
+
+        Of at most 64 keys; nothing of what they carry is looked at.
+        """
+        heard: Counter[str] = Counter()
+
+        def count(sample: zenoh.Sample) -> None:
+            key = str(sample.key_expr)
+            if key in heard or len(heard) < _MOST_OVERHEARD:
+                heard[key] += 1
+
+        listening = [self._session.declare_subscriber(each, count) for each in expressions]
+        time.sleep(seconds)
+        for subscriber in listening:
+            subscriber.undeclare()  # type: ignore[no-untyped-call]  # the stub has no type
+        return dict(heard)
+
+    def tokens(self, expression: str) -> list[str]:
+        """The liveliness tokens that match a key expression, of at most 64 nodes."""
+        replies = self._session.liveliness().get(expression, timeout=1.0)
+        found = (str(reply.ok.key_expr) for reply in replies if reply.ok is not None)
+        return list(islice(found, _MOST_OVERHEARD))
+
+    @property
+    def neighbours(self) -> int:
+        """How many routers and peers this session is connected to."""
+        info = self._session.info
+        return len(list(info.routers_zid())) + len(list(info.peers_zid()))
 
     def announce(self, node: str) -> Announcement:
         """Declare that a node is alive, for as long as this session is open."""

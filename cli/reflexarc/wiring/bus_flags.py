@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from reflexarc_runtime.contract.bounds import Bounds
     from reflexarc_runtime.contract.contract import PolicyContract
 
+OTHERS = {"/tick": "another robot, --robot {first}?"}
+"""What to do where something else than the expected one is heard."""
 ASK_AGAIN_S = 0.1
 ASK_S = 0.5
 """How long one query to the runtime waits for its answer."""
@@ -62,7 +64,11 @@ class Joining:
 
 
 def contract_of(
-    policy: Path | None, bus: "Bus", stop: Callable[[], bool], who: str, bounds: "Bounds"
+    policy: Path | None,
+    bus: "Bus",
+    stop: Callable[[], bool],
+    who: str,
+    bounds: "Bounds",
 ) -> "PolicyContract | None":
     """The contract that a body follows: of a policy file, or of the runtime on the bus.
 
@@ -84,9 +90,20 @@ def contract_of(
     if policy is not None:
         return load_policy(policy, verify=False, bounds=bounds).contract
     aside.print(f"{who}: waiting for a runtime to say what it wants to see …")
-    while not stop():
-        found = bus.fetch_policy(timeout_s=ASK_S)
-        if found is not None:
-            return load_policy(found, verify=False, bounds=bounds).contract
-        time.sleep(ASK_AGAIN_S)  # without a runtime the query returns at once
-    return None
+    found = _first_policy(bus, stop, who)
+    return None if found is None else load_policy(found, verify=False, bounds=bounds).contract
+
+
+def _first_policy(bus: "Bus", stop: Callable[[], bool], who: str) -> bytes | None:
+    """Wait for a runtime's policy; None when asked to stop before one answered."""
+    from reflexarc.wiring.waiting import Waiting, Wish
+    from reflexarc_runtime.messages.topics import policy_key
+
+    wish = Wish(who, "a runtime", policy_key(bus.robot), ("*/tick",), OTHERS)
+    found: bytes | None = None
+    with Waiting(bus, wish, lambda: found is not None):
+        while not stop() and found is None:
+            found = bus.fetch_policy(timeout_s=ASK_S)
+            if found is None:
+                time.sleep(ASK_AGAIN_S)  # without a runtime the query returns at once
+    return found

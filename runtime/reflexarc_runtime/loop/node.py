@@ -51,6 +51,7 @@ class Node:
         overflows: Callable[[], int] = lambda: 0,
         guard: str = "",
         watch: Watch | None = None,
+        saw: Callable[[Decision], None] = lambda decision: None,
     ) -> None:
         self._controller = controller
         self._pacer = pacer
@@ -62,6 +63,7 @@ class Node:
         self._overflows = overflows
         self._guard = guard or ("off" if controller.guard is None else "on")
         self._watch: Watch = watch or NoWatch()
+        self._saw = saw
         self._monitor = Monitor()
         self._state = State()
         self._record_ns = 0
@@ -136,6 +138,7 @@ class Node:
         self._state = following  # only now: a tick that failed on the way is not in the log either
         self._record_ns = self._pacer.now_ns() - published_ns
         self._monitor.saw(decision, timing)
+        self._saw(decision)
         self._report(wakeup.now_ns, decision.policy_hash)
 
     def _publish(self, decision: Decision) -> bytes | None:

@@ -3,7 +3,7 @@
 import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from reflexarc_runtime.loop.inbox import Inbox
     from reflexarc_runtime.loop.monitor import Summary
     from reflexarc_runtime.loop.node import Node
+    from reflexarc_runtime.loop.notices import Notices
     from reflexarc_runtime.loop.outlets import Outlets
     from reflexarc_runtime.loop.pacer import Pacer
     from reflexarc_runtime.loop.sink import Sink
@@ -128,8 +129,10 @@ class RunCommand:
         policy: "LoadedPolicy",
         stop: StopFlag,
     ) -> "Summary":
+        from reflexarc.wiring.waiting import Arrival, Waiting, Wish
         from reflexarc_runtime.loop import realtime
         from reflexarc_runtime.loop.inbox import Inbox
+        from reflexarc_runtime.loop.notices import Notices
         from reflexarc_runtime.loop.outlets import Outlets
         from reflexarc_runtime.messages.topics import COMMAND, RESET, STATUS, STOP, TICK
 
@@ -139,17 +142,33 @@ class RunCommand:
         bus.offer_policy(policy.data)
         if self.lockstep:
             self._wait_for_body(command, stop)
-        bus.subscribe([controller.sense.topic, STOP, RESET], inbox.put)
+        came = Arrival(inbox.put)
+        bus.subscribe([controller.sense.topic], came.hear)
+        bus.subscribe([STOP, RESET], inbox.put)
         robot, lockstep = self.joining.robot, self.lockstep
         watching = self.watching.watch(
             bus, inbox, policy, robot=robot, run_id=run_id, lockstep=lockstep
         )
         said = "; ".join(realtime.prepare(self.fifo))  # the watchdog's thread inherits it
-        with watching as watch:
+        notices = Notices(self._say, controller.contract, self.input)
+        wish = Wish("reflexarc run", f"{self.input}s", controller.sense.topic.key(robot))
+        waiting = Waiting(bus, replace(wish, advice=self._advice()), came)
+        with watching as watch, notices, waiting:
             words = f"{self.policy} on {self.backend}; {said}; watchdog {watch.state}"
             aside.print(f"reflexarc run: {words}", soft_wrap=True)
-            node = self._node(controller, inbox, outlets, sink, run_id, bus.sender, watch)
+            node = self._node(controller, inbox, outlets, sink, run_id, bus.sender, watch, notices)
             return node.run(stop, self.ticks)
+
+    def _say(self, words: str) -> None:
+        aside.print(f"reflexarc run: {words}", soft_wrap=True, markup=False)
+
+    def _advice(self) -> dict[str, str]:
+        """What to do where something else than the expected sensor is heard."""
+        other = "scan" if self.input == "retina" else "retina"
+        return {
+            f"{self.joining.robot}/{other}": f"--input {other}",
+            f"/{self.input}": "another robot, --robot {first}?",
+        }
 
     def _node(
         self,
@@ -160,6 +179,7 @@ class RunCommand:
         run_id: str,
         sender: bytes,
         watch: "Watch",
+        notices: "Notices",
     ) -> "Node":
         """The loop, with all that it is connected to."""
         from reflexarc_runtime.loop.node import Node
@@ -175,6 +195,7 @@ class RunCommand:
             overflows=lambda: inbox.overflows,
             watch=watch,
             guard=self.guarding.state,
+            saw=notices.saw,
         )
 
     def _pacer(self, rate_hz: float, inbox: "Inbox") -> "Pacer":

@@ -17,6 +17,8 @@ from reflexarc_runtime.errors import UsageError
 if TYPE_CHECKING:
     from reflexarc_logs.recording.recorder import Recorder
 
+OTHERS = {"": "another robot, --robot {first}?"}
+"""What to do where something else than the expected one is heard."""
 POLL_S = 0.05
 STOPPED = "stopped"
 """The state of a recording that failed begins with this word."""
@@ -46,6 +48,7 @@ class RecordCommand:
     def run(self) -> int:
         """Record until the end."""
         from reflexarc.wiring.recorders import recorder_of_bus
+        from reflexarc.wiring.waiting import Arrival, Waiting, Wish
         from reflexarc_runtime.messages.topics import ON_THE_BUS, RECORDER_NODE
 
         if self.seconds is not None and not 0.0 < self.seconds < math.inf:
@@ -54,9 +57,12 @@ class RecordCommand:
         with StopFlag() as stop, self.joining.bus(RECORDER_NODE) as bus:
             policy = bus.fetch_policy() or b""
             with recorder_of_bus(path, policy, self.joining.robot) as recorder:
-                bus.subscribe(ON_THE_BUS, recorder.put)
+                came = Arrival(recorder.put)
+                bus.subscribe(ON_THE_BUS, came.hear)
                 aside.print(f"reflexarc record: {path} (Ctrl-C ends it)")
-                self._wait(stop, recorder)
+                wish = Wish("reflexarc record", "messages", f"{bus.robot}/…", advice=OTHERS)
+                with Waiting(bus, wish, came):
+                    self._wait(stop, recorder)
         self._tell(path, recorder.state)
         return int(recorder.state.startswith(STOPPED))
 
