@@ -20,6 +20,10 @@ from campaigns.ends.on_ros2 import ros_robot
 from support.ros2_drives import lives as is_alive
 from support.ros2_robot import free_port
 
+STANDS_S = 0.6
+"""Who has been told to stand stands after so long."""
+NEVER_S = 3.0
+"""Who has not been told to stand by then never is."""
 AGAIN_S = 0.8
 """A robot whose process goes on by itself is watched for so long."""
 CREW = ("runtime", "body", "bridge", "scanner")
@@ -105,6 +109,8 @@ def come_to(robot: Robot, crew: Crew, kind: Kind, chance: random.Random, outcome
     try:
         strike(crew, kind, companion)
         outcome.waited_ms = patience.until_told(outcome.ended_ns, lasts_s)
+        if not (kind.is_quick or kind.drives_on):  # who was told late stands late
+            lasts_s = max(lasts_s, (time.time_ns() - outcome.ended_ns) * 1e-9 + STANDS_S)
         _watch(robot, crew, kind, lasts_s, outcome)
         _settle(crew, kind, companion, outcome)
         crew.complete()
@@ -129,10 +135,11 @@ class Patience:
         self._before = {pid: waited_ns([pid]) for pid in self._pids}
 
     def until_told(self, since_ns: int, lasts_s: float) -> float:
-        """Milliseconds of waiting since the end; at most for as long as it lasts."""
+        """Milliseconds of waiting from the end to that word, if it comes."""
         if self._kind.bound_ms is None:
             return 0.0
         time.sleep(min(lasts_s, self._kind.bound_ms * 1e-3))
+        lasts_s = lasts_s if self._kind.is_quick else max(lasts_s, NEVER_S)
         waited_ms = self._waited_ms()
         while (now_ns := time.time_ns()) < since_ns + lasts_s * 1e9:
             if self._robot.motion(self._kind, since_ns, now_ns).told_ms < math.inf:
