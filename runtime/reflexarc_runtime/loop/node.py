@@ -12,6 +12,7 @@ from reflexarc_runtime.controller_state import Inputs, State
 from reflexarc_runtime.decision import Decision, Timing, Verdict, safe_command
 from reflexarc_runtime.errors import DecisionEndedError
 from reflexarc_runtime.keyframe import Keyframe
+from reflexarc_runtime.loop.flood_notice import FloodNotice
 from reflexarc_runtime.loop.monitor import Monitor, Summary
 from reflexarc_runtime.loop.outlets import Outlets
 from reflexarc_runtime.loop.pacer import Pacer, Wakeup
@@ -62,6 +63,7 @@ class Node:
         self._overflows = overflows
         self._guard = guard or ("off" if controller.guard is None else "on")
         self._watch: Watch = watch or NoWatch()
+        self._flood = FloodNotice(f"the runtime of {robot}")
         self._monitor = Monitor()
         self._state = State()
         self._record_ns = 0
@@ -184,6 +186,7 @@ class Node:
     def _report(self, now_ns: int, policy_hash: str) -> None:
         if not self._every_second.is_due(now_ns):
             return
+        self._flood.look(self._overflows())
         period = self._monitor.period()
         status = Status(
             node="runtime",
