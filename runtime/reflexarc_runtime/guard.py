@@ -209,7 +209,8 @@ class Guard:
 
     @cached_property
     def _steps_per_s(self) -> float:
-        return AGE_STEPS / max(self.valid_for_s, _HAIR_S)
+        own_s = self.settings.ranges_oldest_s if self.settings.ranges else 0.0
+        return AGE_STEPS / max(self.valid_for_s, own_s, _HAIR_S)
 
     @cached_property
     def _as_wanted(self) -> tuple[Answer, ...]:
@@ -239,6 +240,11 @@ class GroundNeeded:
     def at_share_s(self, share: float) -> float:
         """At a share of the speed."""
         return share * self.obeyed_s + share * share * self.braking_s
+
+
+def asks_the_input(guard: Guard | None) -> bool:
+    """Whether there is a guard, and it has its ranges from what the policy sees."""
+    return guard is not None and not guard.settings.ranges
 
 
 def in_order(wanted: int, q_values: Sequence[float]) -> Iterator[int]:

@@ -13,7 +13,7 @@ from itertools import chain
 import numpy as np
 
 from reflexarc_logs.reading.reader import Log
-from reflexarc_logs.replaying.loop_events import LoopEvent
+from reflexarc_logs.replaying.loop_events import LoopEvent, beside_the_sensor
 from reflexarc_runtime.choice import Hold
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.controller_state import BoundBody, State
@@ -68,7 +68,10 @@ def begin(
     Raises:
         LogError: a keyframe is not of this policy's contract, or no loop recorded the log.
     """
-    start = Beginning(looks_at_scans=bool(log.run.guard) and log.run.input == SCAN.name)
+    looks_at_scans = bool(log.run.guard) and (
+        log.run.input == SCAN.name or SCAN in beside_the_sensor(log)
+    )
+    start = Beginning(looks_at_scans=looks_at_scans)
     for event in events:
         if isinstance(event, Message):
             keep(start.waiting, event, log)
