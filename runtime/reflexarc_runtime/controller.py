@@ -30,6 +30,7 @@ from reflexarc_runtime.decision import (
     safe_command,
 )
 from reflexarc_runtime.guard import Guard
+from reflexarc_runtime.inertia import STILL, Moving
 from reflexarc_runtime.messages.controls import is_reset, lateness_of, stop_reason
 from reflexarc_runtime.messages.topics import OVERRUN, RESET, SENSORS, STOP, Topic, topic_of
 from reflexarc_runtime.messages.wire import Message, Stamp, UndecodableError, UnfitError
@@ -37,6 +38,7 @@ from reflexarc_runtime.policy.policy import Policy, RememberingPolicy
 from reflexarc_runtime.ranging import beams_of, heard, lack_of
 from reflexarc_runtime.rules import CURRENT_RULES, ControllerRules
 from reflexarc_runtime.sensing.senses import Sense, Sensed
+from reflexarc_runtime.sweep import Speeds
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +88,24 @@ class Controller:
         if self.guard is not None and outcome.hold is not None:
             outcome = self._guarded(self.guard, outcome, outcome.hold, state, now_ns)
         decision = self._conclude(state, inputs, now_ns, outcome)
-        return self._remember(state, outcome), decision
+        return self._remember(state, outcome, self._told(state, decision)), decision
+
+    def _moving(self, state: State, now_ns: int) -> Speeds | None:
+        """How the body is believed to move; None where nobody asks. At first it stands."""
+        braking = None if self.guard is None else self.guard.settings.follows_mps2
+        if braking is None:
+            return None
+        if state.moving is None:
+            return STILL
+        return state.moving.later(now_ns, self.contract.max_input_age_ns, braking)
+
+    def _told(self, state: State, decision: Decision) -> Moving | None:
+        """How it is believed to move, and what it is told now."""
+        twist, command = self._moving(state, decision.now_ns), decision.command
+        if twist is None:
+            return None
+        commanded = command.linear_mps, command.lateral_mps, command.angular_radps
+        return Moving(twist, commanded, decision.now_ns)
 
     def _receive(self, state: State, message: Message) -> State:
         topic = topic_of(message.key)
@@ -138,6 +157,7 @@ class Controller:
             stopped=state.stopped,
             source=source,
             overrun=state.overrun,
+            moving=state.moving,
             ranges=state.ranges,
         )
 
@@ -201,7 +221,8 @@ class Controller:
     ) -> Outcome:
         """What is done of what the policy wants: whatever else it is ends the hold."""
         beams, age_s = self._measured(guard, state, now_ns)
-        answer = guard.answer(hold.action, wanted.q_values, beams, age_s)
+        moving = self._moving(state, now_ns)
+        answer = guard.answer(hold.action, wanted.q_values, beams, age_s, moving)
         if answer.action == hold.action and answer.share == 1.0:
             return wanted
         wish = self.contract.actions[hold.action].name
@@ -256,7 +277,7 @@ class Controller:
         contract = self.contract
         return choose(held, q_values, winner, slot, contract.hold_slots, contract.margin)
 
-    def _remember(self, state: State, outcome: Outcome) -> State:
+    def _remember(self, state: State, outcome: Outcome, moving: Moving | None) -> State:
         """The state after a tick. Any verdict but OK ends a hold.
 
         Where the policy was not asked, or failed, its memory begins anew.
@@ -273,6 +294,7 @@ class Controller:
             hold=outcome.hold,
             stopped=state.stopped,
             source=state.source,
+            moving=moving,
             ranges=state.ranges,
         )
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from reflexarc_runtime.arrays import Memories, Retina
 from reflexarc_runtime.choice import Hold
+from reflexarc_runtime.inertia import Moving
 from reflexarc_runtime.messages.wire import Message
 from reflexarc_runtime.sensing.ranges import Ranged
 from reflexarc_runtime.sensing.senses import Sensed
@@ -86,5 +87,7 @@ class State:
     """The body whose messages count; None before the first one."""
     overrun: str = ""
     """Why the tick before this one was late; it is forgotten at the end of this one."""
+    moving: Moving | None = None
+    """How the body is believed to move, where a guard asks; None: not known yet."""
     ranges: RangeState = NO_RANGES
     """What came on the topic of the guard's own ranges, where it has one."""

@@ -18,7 +18,7 @@ LEAST_MARGIN_M = 0.001
 
 RANGE_TOPICS = ("", "scan")
 
-_SINCE = {"ranges": "", "ranges_oldest_s": 0.25}
+_SINCE = {"inertia": False, "ranges": "", "ranges_oldest_s": 0.25}
 """What came later, as older logs were driven: they do not name it."""
 
 _require = partial(require, error=UsageError)
@@ -41,6 +41,8 @@ class GuardSettings:
     moment has nowhere left to go. 0: no action is preferred."""
     may_slow: bool = True
     """Whether a slower motion is tried before standstill."""
+    inertia: bool = True
+    """Whether a body that brakes in time is believed to change its motion in time as well."""
     ranges: str = ""
     """Topic from which the ranges come: scan; empty: what the policy sees tells them."""
     ranges_oldest_s: float = 0.25
@@ -67,6 +69,11 @@ class GuardSettings:
             delay_s=body.actuation_delay_s,
             deceleration_mps2=body.deceleration_mps2,
         )
+
+    @property
+    def follows_mps2(self) -> float | None:
+        """How fast a body's speed changes, as far as that counts; None: at once."""
+        return self.deceleration_mps2 if self.inertia else None
 
     @property
     def ranges_oldest_ns(self) -> int:

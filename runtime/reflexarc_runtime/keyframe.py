@@ -14,6 +14,7 @@ from reflexarc_runtime.choice import Hold
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.controller_state import BoundBody, RangeState, State
 from reflexarc_runtime.errors import LogError
+from reflexarc_runtime.inertia import STILL, Moving
 from reflexarc_runtime.messages.wire import Stamp
 from reflexarc_runtime.sensing.ranges import Ranged
 from reflexarc_runtime.sensing.retina import Scan
@@ -51,6 +52,7 @@ def encode_state(state: State, policy_hash: str) -> bytes:
         ranges=None if ranges.newest is None else _ranged(ranges.newest),
         ranges_source=None if ranges.source is None else _source(ranges.source),
         ranges_fault=ranges.fault,
+        moving=None if state.moving is None else _told(state.moving),
     ).SerializeToString()
 
 
@@ -78,6 +80,7 @@ def decode_state(message: pb.Keyframe, contract: PolicyContract) -> State:
         stopped=message.stopped,
         source=_bound(message.source) if message.HasField("source") else None,
         ranges=_ranges(message),
+        moving=_moving(message.moving) if message.HasField("moving") else None,
     )
 
 
@@ -101,6 +104,17 @@ def _ranged(newest: Ranged) -> pb.Accepted:
         received_ns=newest.received_ns,
         scan=_swept(newest.scan),
     )
+
+
+def _told(moving: Moving) -> pb.Moving:
+    return pb.Moving(twist=moving.twist, commanded=moving.commanded, at_ns=moving.at_ns)
+
+
+def _moving(moving: pb.Moving) -> Moving:
+    if not len(moving.twist) == len(moving.commanded) == len(STILL):
+        raise LogError(_unfit("speeds of a motion", len(STILL), len(moving.twist)))
+    (linear, lateral, angular), told = moving.twist, moving.commanded
+    return Moving((linear, lateral, angular), (told[0], told[1], told[2]), moving.at_ns)
 
 
 def _swept(scan: Scan) -> pb.AcceptedScan:

@@ -132,7 +132,12 @@ class Stepping:
 
     def _lean_on(self, recorded: pb.Decision) -> None:
         """Go on from what was recorded, not from what rounding made of it here."""
-        self.state = replace(self.state, hold=self._holds.held)
+        told = recorded.command
+        commanded = told.linear_mps, told.lateral_mps, told.angular_radps
+        moving = self.state.moving
+        if moving is not None:
+            moving = replace(moving, commanded=commanded)
+        self.state = replace(self.state, hold=self._holds.held, moving=moving)
         contract = self.controller.contract
         if len(recorded.state) == contract.state.size > 0:
             memory: Memories = np.array([recorded.state], np.float32)
