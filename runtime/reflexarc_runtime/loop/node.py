@@ -188,6 +188,7 @@ class Node:
             return
         self._flood.look(self._overflows())
         period = self._monitor.period()
+        lack = self._controller.lack_of_ranges(self._state, now_ns)
         status = Status(
             node="runtime",
             run_id=self._run_id,
@@ -201,7 +202,7 @@ class Node:
             inbox_overflows=self._overflows(),
             verdicts=tuple(period.verdicts.items()),
             recording=self._sink.state,
-            guard=self._guard,
+            guard=f"{self._guard}: {lack}" if lack else self._guard,
             watchdog=self._watch.state,
         )
         self._outlets.status.put(encode_status(status), now_ns)

@@ -26,7 +26,7 @@ def check_tells_ranges(spec: RetinaSpec) -> None:
     if why:
         raise ContractError(
             f"guard: expected retinas that tell distances, got {why}; give it scans "
-            "(--input scan), or --no-guard"
+            "(--input scan), a range sensor beside it (--guard-ranges scan), or --no-guard"
         )
 
 

@@ -82,7 +82,7 @@ class RetinaSense:
 
     def beams(self, sensed: Sensed) -> Beams | None:
         """See `Sense.beams`: where each ray's thing is at most."""
-        return Beams(self._fan, self._distances_m[sensed.retina[0, :, 0]])
+        return Beams(self._fan, self._distances_m.take(sensed.retina[0, :, 0]))
 
     def decode(self, message: Message) -> Sensed:
         """See `Sense.decode`."""
