@@ -4,8 +4,9 @@
     python benchmarks/in_turns.py ../before --rounds 9 -- tick.py
 
 From waking to the end of the tick, records handed over: in a tight loop, where all is in the
-caches, and with a pause of 2 ms before each tick, where little is. The bytes are those of a log of
-the real recorder. Nothing is asserted.
+caches, and with a pause of 2 ms before each tick, where little is. Guard and watchdog are on, as
+`reflexarc run` has them; things are near, and what the policy wants is free. The bytes are those of
+a log of the real recorder. Nothing is asserted.
 """
 
 import argparse
@@ -19,24 +20,43 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))  # the tests' recordings
 
+import numpy as np
+
 from reflexarc_logs.reading.reader import read_log
+from reflexarc_runtime.contract.body_spec import Footprint
 from reflexarc_runtime.controller import Controller
+from reflexarc_runtime.guard import Guard
+from reflexarc_runtime.guard_settings import GuardSettings
+from reflexarc_runtime.loop.inbox import Inbox
+from reflexarc_runtime.loop.loop_watchdog import Budget, LoopWatchdog
 from reflexarc_runtime.loop.node import Node
 from reflexarc_runtime.loop.outlets import Outlets
 from reflexarc_runtime.loop.pacer import Wakeup
+from reflexarc_runtime.messages.wire import Message
 from reflexarc_runtime.policy.policy import load_policy
 from reflexarc_runtime.sensing.senses import sense_for
 from support.policies import exported  # found by the line above
-from support.recordings import CONTRACT, PERIOD_NS, Nowhere, drive, nominal
+from support.recordings import (
+    CONTRACT,
+    PERIOD_NS,
+    Nowhere,
+    drive,
+    nominal,
+    retina_at,
+    smooth_retinas,
+)
 
 PAUSE_S = 0.002
+BUDGET = Budget(50_000_000, PERIOD_NS, 60.0)
+FREE, NOTHING_FREE = 150, 250
+"""Values of a ray of 5 m: something at 2 m, and at 0.1 m."""
 
 
 class Stopwatch:
     """A pacer that gives one retina a tick at once, or after a pause, and times the ticks."""
 
-    def __init__(self, ticks: int, pause_s: float) -> None:
-        self._schedule = nominal(ticks)
+    def __init__(self, retinas: np.ndarray, pause_s: float) -> None:
+        self._schedule = {slot: [retina_at(slot, seen)] for slot, seen in enumerate(retinas, 1)}
         self._pause_s = pause_s
         self._slot = 0
         self._began_ns = 0
@@ -77,12 +97,31 @@ class Nothing:
         """See `Sink.put_keyframe`."""
 
 
+class Silence:
+    """Whom a watchdog that is never late has to speak to."""
+
+    def renew(self) -> None:
+        """See `Presence.renew`."""
+
+    withdraw = end_decision = renew
+
+    def stand(self, now_ns: int) -> None:
+        """See `Speaker.stand`."""
+
+    def tell(self, since_ns: int, late_ns: int, now_ns: int) -> Message:
+        """See `Speaker.tell`."""
+        raise NotImplementedError
+
+
 def main() -> None:
     """Measure and print."""
     arguments = _arguments()
+    free = np.minimum(smooth_retinas(arguments.ticks), FREE)
+    walled = np.full_like(free, NOTHING_FREE)
     figures = {
-        "tick, tight loop, µs": _tick_us(arguments.ticks, 0.0),
-        "tick, after a pause, µs": _tick_us(arguments.ticks, PAUSE_S),
+        "tick, tight loop, µs": _tick_us(free, 0.0),
+        "tick, after a pause, µs": _tick_us(free, PAUSE_S),
+        "tick, tight loop, nothing free, µs": _tick_us(walled, 0.0),
         **_bytes(arguments.ticks),
     }
     if arguments.json:
@@ -99,15 +138,19 @@ def _arguments() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def _tick_us(ticks: int, pause_s: float) -> float:
+def _tick_us(retinas: np.ndarray, pause_s: float) -> float:
     """Median time of a tick, microseconds."""
     policy = load_policy(exported(CONTRACT, 3, "Relu"))
-    sense = sense_for("retina", policy.contract.retina)
-    controller = Controller(policy, policy.contract, sense, policy.policy_hash)
-    stopwatch = Stopwatch(ticks, pause_s)
-    gc.disable()
+    sense = sense_for("retina", policy.contract.retina, guarded=True)
+    guard = Guard.for_contract(GuardSettings(footprint=Footprint(radius_m=0.2)), policy.contract)
+    controller = Controller(policy, policy.contract, sense, policy.policy_hash, guard=guard)
+    stopwatch, silence = Stopwatch(retinas, pause_s), Silence()
     outlets = Outlets(Nowhere(), Nowhere(), Nowhere())
-    Node(controller, stopwatch, outlets, sink=Nothing()).run(max_ticks=ticks)  # type: ignore[arg-type]
+    watching = LoopWatchdog(BUDGET, lambda: 0, Inbox(), silence, silence, silence.end_decision)
+    gc.disable()
+    with watching as watch:
+        node = Node(controller, stopwatch, outlets, sink=Nothing(), watch=watch)  # type: ignore[arg-type]
+        node.run(max_ticks=len(retinas))
     gc.enable()
     return statistics.median(stopwatch.ticks_ns) / 1e3
 

@@ -28,6 +28,12 @@ class Fan:
         offset_rad = (bearing_rad - self.right_rad + _SLACK_RAD) % (2.0 * math.pi)
         return offset_rad <= self.left_rad - self.right_rad + 2.0 * _SLACK_RAD
 
+    def sees_arc(self, one_rad: float, other_rad: float) -> bool:
+        """Whether all between two bearings lies in it. At its very edge the answer is no."""
+        low_rad, width_rad = min(one_rad, other_rad), self.left_rad - self.right_rad
+        offset_rad = (low_rad - self.right_rad) % (2.0 * math.pi)
+        return offset_rad + abs(other_rad - one_rad) <= width_rad
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Beams:
@@ -38,7 +44,7 @@ class Beams:
     """(beams,), or (agents, beams): +inf is free; NaN, 0 and less are unknown."""
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=8)
 def fan_of(first_rad: float, step_rad: float, count: int) -> Fan:
     """The directions of `count` beams at equal angles; each sees half a step to either side."""
     bearings_rad = first_rad + step_rad * np.arange(count)

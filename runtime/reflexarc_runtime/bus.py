@@ -20,9 +20,21 @@ import zenoh
 from reflexarc_runtime.bus_config import LOOPBACK, BusConfig
 from reflexarc_runtime.errors import BusError
 from reflexarc_runtime.messages.topics import Quality, Topic, alive_key, policy_key
-from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp, protobuf_encoding
+from reflexarc_runtime.messages.wire import (
+    MAX_ATTACHMENT_BYTES,
+    MAX_ENCODING_CHARACTERS,
+    MAX_PAYLOAD_BYTES,
+    TOO_LARGE,
+    Message,
+    Stamp,
+    pack_stamp,
+    protobuf_encoding,
+)
 
 _MOST_OVERHEARD = 64
+MAX_MESSAGE_BYTES = 16 << 20
+"""Larger ones Zenoh drops while it puts them together, so that nobody fills the memory of a robot;
+a policy file is the largest that anybody needs."""
 _RETRY = {"period_init_ms": 50, "period_max_ms": 500, "period_increase_factor": 2}
 
 
@@ -221,14 +233,21 @@ class Bus:
 
 
 def _message(sample: zenoh.Sample, now_ns: int) -> Message:
-    attachment = sample.attachment
+    """What came, as far as anybody will believe it: whatever is too large is not copied."""
+    payload, attachment = sample.payload, sample.attachment
     return Message(
         key=str(sample.key_expr),
-        payload=sample.payload.to_bytes(),
-        encoding=str(sample.encoding),
-        attachment=b"" if attachment is None else attachment.to_bytes(),
+        payload=payload.to_bytes() if len(payload) <= MAX_PAYLOAD_BYTES else TOO_LARGE,
+        encoding=str(sample.encoding)[:MAX_ENCODING_CHARACTERS],
+        attachment=b"" if attachment is None else _head(attachment),
         received_ns=now_ns,
     )
+
+
+def _head(attachment: zenoh.ZBytes) -> bytes:
+    if len(attachment) <= MAX_ATTACHMENT_BYTES:
+        return attachment.to_bytes()
+    return bytes(MAX_ATTACHMENT_BYTES)
 
 
 def _open(config: BusConfig) -> zenoh.Session:
@@ -248,6 +267,8 @@ def _zenoh_config(config: BusConfig) -> zenoh.Config:
     chosen.insert_json5("mode", json.dumps("peer"))
     chosen.insert_json5("scouting/multicast/enabled", json.dumps(False))
     chosen.insert_json5("scouting/gossip/enabled", json.dumps(True))
+    chosen.insert_json5("transport/link/rx/max_message_size", json.dumps(MAX_MESSAGE_BYTES))
+    chosen.insert_json5("transport/shared_memory/enabled", json.dumps(False))
     own = body if config.listens else f"tcp/{LOOPBACK}:0"
     chosen.insert_json5("listen/endpoints", json.dumps([own]))
     if not config.listens:

@@ -15,9 +15,10 @@ from typing import cast
 import numpy as np
 
 from reflexarc_runtime.arrays import Memories, QValues, Retina, RetinaStack
+from reflexarc_runtime.beams import Beams
 from reflexarc_runtime.choice import Hold, choose
 from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_runtime.controller_state import BoundBody, Inputs, State
+from reflexarc_runtime.controller_state import BoundBody, Inputs, State, bound_after
 from reflexarc_runtime.decision import (
     ASKED,
     NO_WINNER,
@@ -29,12 +30,15 @@ from reflexarc_runtime.decision import (
     safe_command,
 )
 from reflexarc_runtime.guard import Guard
+from reflexarc_runtime.inertia import STILL, Moving
 from reflexarc_runtime.messages.controls import is_reset, lateness_of, stop_reason
-from reflexarc_runtime.messages.topics import OVERRUN, RESET, STOP, topic_of
+from reflexarc_runtime.messages.topics import OVERRUN, RESET, SENSORS, STOP, Topic, topic_of
 from reflexarc_runtime.messages.wire import Message, Stamp, UndecodableError, UnfitError
 from reflexarc_runtime.policy.policy import Policy, RememberingPolicy
+from reflexarc_runtime.ranging import beams_of, heard, lack_of
 from reflexarc_runtime.rules import CURRENT_RULES, ControllerRules
-from reflexarc_runtime.sensing.senses import Sense, Sensed
+from reflexarc_runtime.sensing.senses import DEFAULT, Sense, Sensed
+from reflexarc_runtime.sweep import Speeds
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,9 +86,26 @@ class Controller:
         is_good = verdict is Verdict.OK
         outcome = self._ask(state, inputs.slot) if is_good else Outcome(verdict, reason)
         if self.guard is not None and outcome.hold is not None:
-            outcome = self._guarded(self.guard, outcome, outcome.hold, state.newest, now_ns)
+            outcome = self._guarded(self.guard, outcome, outcome.hold, state, now_ns)
         decision = self._conclude(state, inputs, now_ns, outcome)
-        return self._remember(state, outcome), decision
+        return self._remember(state, outcome, self._told(state, decision)), decision
+
+    def _moving(self, state: State, now_ns: int) -> Speeds | None:
+        """How the body is believed to move; None where nobody asks. At first it stands."""
+        braking = None if self.guard is None else self.guard.settings.follows_mps2
+        if braking is None:
+            return None
+        if state.moving is None:
+            return STILL
+        return state.moving.later(now_ns, self.contract.max_input_age_ns, braking)
+
+    def _told(self, state: State, decision: Decision) -> Moving | None:
+        """How it is believed to move, and what it is told now."""
+        twist, command = self._moving(state, decision.now_ns), decision.command
+        if twist is None:
+            return None
+        commanded = command.linear_mps, command.lateral_mps, command.angular_radps
+        return Moving(twist, commanded, decision.now_ns)
 
     def _receive(self, state: State, message: Message) -> State:
         topic = topic_of(message.key)
@@ -94,7 +115,22 @@ class Controller:
             return replace(state, streak=0, stopped="") if is_reset(message) else state
         if topic is OVERRUN:
             return replace(state, streak=0, overrun=lateness_of(message))
+        if topic is not None and topic is self.ranges_topic and self.guard is not None:
+            oldest_ns = self.guard.settings.ranges_oldest_ns
+            settings = self.sense.settings or DEFAULT
+            return replace(state, ranges=heard(state.ranges, message, oldest_ns, settings))
         return self._accept(state, message)
+
+    @property
+    def ranges_topic(self) -> Topic | None:
+        """From where the guard has its ranges, if not from what the policy sees."""
+        return None if self.guard is None else SENSORS.get(self.guard.settings.ranges)
+
+    def lack_of_ranges(self, state: State, now_ns: int) -> str:
+        """Why the guard has no ranges of a topic of their own, in words; empty if it has."""
+        if self.guard is None or self.ranges_topic is None:
+            return ""
+        return lack_of(state.ranges, now_ns, self.guard.settings.ranges_oldest_ns)
 
     def _accept(self, state: State, message: Message) -> State:
         try:
@@ -122,16 +158,14 @@ class Controller:
             stopped=state.stopped,
             source=source,
             overrun=state.overrun,
+            moving=state.moving,
+            ranges=state.ranges,
         )
 
     def _source(self, bound: BoundBody | None, sensed: Sensed) -> BoundBody:
         """The source after a good message: another one only after this one's silence."""
-        sender, now_ns = sensed.stamp.sender, sensed.received_ns
-        if bound is None or now_ns - bound.heard_ns > self.contract.max_input_age_ns:
-            return BoundBody(sender, now_ns)
-        if bound.sender == sender:
-            return BoundBody(sender, now_ns, bound.stranger_ns)
-        return BoundBody(bound.sender, bound.heard_ns, now_ns)
+        silence_ns = self.contract.max_input_age_ns
+        return bound_after(bound, sensed.stamp.sender, sensed.received_ns, silence_ns)
 
     def _push(self, frames: tuple[Retina, ...], retina: Retina) -> tuple[Retina, ...]:
         depth = self.contract.retina.frames
@@ -146,9 +180,9 @@ class Controller:
             return Verdict.OVERRUN, state.overrun
         if state.fault:
             return Verdict.INVALID_INPUT, state.fault
-        stranger_ns = None if state.source is None else state.source.stranger_ns
-        if stranger_ns is not None and now_ns - stranger_ns <= self.contract.max_input_age_ns:
-            return Verdict.TWO_SOURCES, "another body sends as well"
+        stranger = self._stranger(state, now_ns)
+        if stranger:
+            return Verdict.TWO_SOURCES, f"another {stranger} sends as well"
         if state.newest is None:
             return Verdict.NO_INPUT, "nothing has arrived"
         age_ns, limit_ns = now_ns - state.newest.received_ns, self.contract.max_input_age_ns
@@ -158,6 +192,15 @@ class Controller:
         if state.streak < wanted:
             return Verdict.RECOVERING, f"{state.streak} of {wanted} good inputs in a row"
         return Verdict.OK, ""
+
+    def _stranger(self, state: State, now_ns: int) -> str:
+        """What spoke beside the sender that it is bound to; empty if nothing did."""
+        if _was_answered(state.source, now_ns, self.contract.max_input_age_ns):
+            return "body"
+        if self.guard is None:
+            return ""
+        silence_ns = self.guard.settings.ranges_oldest_ns
+        return "range sensor" * _was_answered(state.ranges.source, now_ns, silence_ns)
 
     def _ask(self, state: State, slot: int) -> Outcome:
         stack: RetinaStack = np.stack(state.frames)
@@ -175,17 +218,18 @@ class Controller:
         return Outcome(Verdict.OK, "", *given, values, winner, hold, following, hold.action)
 
     def _guarded(
-        self, guard: Guard, wanted: Outcome, hold: Hold, newest: Sensed | None, now_ns: int
+        self, guard: Guard, wanted: Outcome, hold: Hold, state: State, now_ns: int
     ) -> Outcome:
         """What is done of what the policy wants: whatever else it is ends the hold."""
-        beams = None if newest is None else self.sense.beams(newest)
-        age_s = 0.0 if newest is None else max(0, now_ns - newest.received_ns) * 1e-9
-        answer = guard.answer(hold.action, wanted.q_values, beams, age_s)
+        beams, age_s = self._measured(guard, state, now_ns)
+        moving = self._moving(state, now_ns)
+        answer = guard.answer(hold.action, wanted.q_values, beams, age_s, moving)
         if answer.action == hold.action and answer.share == 1.0:
             return wanted
         wish = self.contract.actions[hold.action].name
         if answer.action is None:
-            reason = f"{wish} is not free, nor is anything else"
+            lack = self.lack_of_ranges(state, now_ns)
+            reason = lack or f"{wish} is not free, nor is anything else"
             return replace(
                 wanted, verdict=Verdict.STUCK, reason=reason, hold=None, action=SAFE_ACTION
             )
@@ -199,6 +243,17 @@ class Controller:
             action=answer.action,
             share=answer.share,
         )
+
+    def _measured(self, guard: Guard, state: State, now_ns: int) -> tuple[Beams | None, float]:
+        """What was measured last, and how long ago, in seconds."""
+        if guard.settings.ranges:
+            ranged = state.ranges.newest
+            beams = beams_of(state.ranges, now_ns, guard.settings.ranges_oldest_ns)
+            return beams, 0.0 if ranged is None else max(0, now_ns - ranged.received_ns) * 1e-9
+        newest = state.newest
+        if newest is None:
+            return None, 0.0
+        return self.sense.beams(newest), max(0, now_ns - newest.received_ns) * 1e-9
 
     def _memory(self, state: State) -> Memories | None:
         spec = self.contract.state
@@ -223,7 +278,7 @@ class Controller:
         contract = self.contract
         return choose(held, q_values, winner, slot, contract.hold_slots, contract.margin)
 
-    def _remember(self, state: State, outcome: Outcome) -> State:
+    def _remember(self, state: State, outcome: Outcome, moving: Moving | None) -> State:
         """The state after a tick. Any verdict but OK ends a hold.
 
         Where the policy was not asked, or failed, its memory begins anew.
@@ -240,6 +295,8 @@ class Controller:
             hold=outcome.hold,
             stopped=state.stopped,
             source=state.source,
+            moving=moving,
+            ranges=state.ranges,
         )
 
     def _conclude(self, state: State, inputs: Inputs, now_ns: int, outcome: Outcome) -> Decision:
@@ -281,6 +338,12 @@ def _is_newer(stamp: Stamp, newest: Sensed | None) -> bool:
     if newest is None:
         return True
     return stamp.sequence > newest.stamp.sequence or stamp.time_ns > newest.stamp.time_ns
+
+
+def _was_answered(bound: BoundBody | None, now_ns: int, silence_ns: int) -> bool:
+    """Whether somebody else spoke on the topic of a bound sender a short while ago."""
+    stranger_ns = None if bound is None else bound.stranger_ns
+    return stranger_ns is not None and now_ns - stranger_ns <= silence_ns
 
 
 def _is_finite(q_values: tuple[float, ...], following: Memories | None) -> bool:

@@ -4,7 +4,9 @@ from dataclasses import dataclass
 
 from reflexarc_runtime.arrays import Memories, Retina
 from reflexarc_runtime.choice import Hold
+from reflexarc_runtime.inertia import Moving
 from reflexarc_runtime.messages.wire import Message
+from reflexarc_runtime.sensing.ranges import Ranged
 from reflexarc_runtime.sensing.senses import Sensed
 
 
@@ -31,6 +33,36 @@ class BoundBody:
     """When another one was heard last, while this one spoke."""
 
 
+def bound_after(bound: BoundBody | None, sender: bytes, now_ns: int, silence_ns: int) -> BoundBody:
+    """Who counts after a good message: another sender only after this one's silence.
+
+    Args:
+        bound: who counted before; None: nobody.
+        sender: of the message.
+        now_ns: when it came.
+        silence_ns: whoever was not heard for longer has gone.
+    """
+    if bound is None or now_ns - bound.heard_ns > silence_ns:
+        return BoundBody(sender, now_ns)
+    if bound.sender == sender:
+        return BoundBody(sender, now_ns, bound.stranger_ns)
+    return BoundBody(bound.sender, bound.heard_ns, now_ns)
+
+
+@dataclass(frozen=True, slots=True)
+class RangeState:
+    """What a guard knows of ranges from a topic of their own."""
+
+    newest: Ranged | None = None
+    source: BoundBody | None = None
+    """The sender whose ranges count; None before the first ones."""
+    fault: str = ""
+    """Why the newest message cannot be used; empty if it can."""
+
+
+NO_RANGES = RangeState()
+
+
 @dataclass(frozen=True, slots=True)
 class State:
     """What the controller remembers from one tick to the next."""
@@ -55,3 +87,7 @@ class State:
     """The body whose messages count; None before the first one."""
     overrun: str = ""
     """Why the tick before this one was late; it is forgotten at the end of this one."""
+    moving: Moving | None = None
+    """How the body is believed to move, where a guard asks; None: not known yet."""
+    ranges: RangeState = NO_RANGES
+    """What came on the topic of the guard's own ranges, where it has one."""

@@ -29,6 +29,8 @@ from reflexarc_runtime.beams import Beams, Fan
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.motion import Action
 from reflexarc_runtime.guard_settings import GuardSettings
+from reflexarc_runtime.inertia import Order, is_same, path, touches
+from reflexarc_runtime.reach import Reaches, reaches_m
 from reflexarc_runtime.sweep import Floats, Speeds, swept_speed_mps, touch_times_s
 
 SHARES = (1.0, 0.75, 0.5, 0.25)
@@ -39,6 +41,14 @@ VERY_NEAR_M = 1e-6
 """Where a beam that says nothing, or less than its sensor can measure, sees something."""
 VERY_FAR_M = 1e6
 """Where a beam ends that meets nothing: infinity has no place."""
+
+
+AGE_STEPS = 8
+"""Into how many steps the age of ranges is divided, up to the oldest that a command may rest on:
+what is surely free for the end of a step is free for all of it."""
+
+
+_HAIR_S = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +78,12 @@ class Guard:
         return cls(settings, contract.actions, contract.max_input_age_s)
 
     def answer(
-        self, wanted: int, q_values: Sequence[float], beams: Beams | None, age_s: float
+        self,
+        wanted: int,
+        q_values: Sequence[float],
+        beams: Beams | None,
+        age_s: float,
+        moving: Speeds | None = None,
     ) -> Answer:
         """What is done at this tick.
 
@@ -77,40 +92,123 @@ class Guard:
             q_values: of all actions.
             beams: what was measured last; None: nothing was.
             age_s: how old that is.
+            moving: how the body moves now; None: as it will be told.
         """
         if beams is None:
             return STAND
+        if self._is_surely_free(wanted, beams, age_s) and self._gets_there(
+            self._twists[wanted], beams, age_s, moving, in_time=True
+        ):
+            return self._as_wanted[wanted]
         late_s, touched_s = age_s + self.settings.evade_s, dict[int, float]()
         for action in in_order(wanted, q_values):
             twist = self._twists[action]
             way = self._way(twist, late_s)
-            touched_s[action] = self._touch_s(twist, beams, way.limit_m)
-            if _share(twist, beams.fan, way, touched_s[action]) == 1.0:
-                return Answer(action, 1.0)
-        return self._least_evil(touched_s, beams.fan, age_s)
+            if action == wanted or not self._is_surely_free(action, beams, age_s):
+                touched_s[action] = self._touch_s(twist, beams, way.limit_m)
+            else:
+                touched_s[action] = math.inf
+            is_free = _share(twist, beams.fan, way, touched_s[action]) == 1.0
+            if is_free and self._gets_there(twist, beams, age_s, moving, in_time=True):
+                return self._as_wanted[action]
+        return self._least_evil(touched_s, beams, age_s, moving)
 
-    def _least_evil(self, touched_s: dict[int, float], fan: Fan, age_s: float) -> Answer:
+    def prepare(self, fan: Fan) -> None:
+        """Work out beforehand what checks along these beams will use."""
+        self._reaches.prepare(fan, len(self.actions))
+
+    def _is_surely_free(self, action: int, beams: Beams, age_s: float) -> bool:
+        """Whether an action is free in good time, as far as one comparison tells.
+
+        True only where the geometry finds the same; mostly, where it does.
+        """
+        steps = age_s * self._steps_per_s
+        if not steps < AGE_STEPS:
+            return False
+        reaches = self._reaches.of(beams.fan, action)
+        if reaches is None:
+            return False
+        # `all`, in a third of its time: a byte for each beam, 0 where it is too near or no number.
+        return 0 not in (beams.ranges_m >= reaches[int(steps)]).tobytes()
+
+    def _work_out(self, fan: Fan, action: int) -> Floats:
+        """How far along each beam an action may touch something, for each step of age."""
+        twist, mine = self._twists[action], self.settings
+        ages_s = [step / self._steps_per_s + mine.evade_s for step in range(AGE_STEPS + 1)]
+        ways_s = [self._way(twist, age_s).full_s for age_s in ages_s]
+        ends_s = [way_s + _HAIR_S for way_s in ways_s[1:]]
+        reaches = reaches_m(fan, mine.footprint, mine.margin_m, twist, ends_s)
+        for step, end_s in enumerate(ends_s):
+            if not _surely_in_sight(fan, twist, ways_s[step] - _HAIR_S, end_s):
+                reaches[step] = math.nan
+        return reaches
+
+    def _least_evil(
+        self, touched_s: dict[int, float], beams: Beams, age_s: float, moving: Speeds | None
+    ) -> Answer:
         """Where nothing is free in good time: what is free now, or free when it goes slower.
 
         Args:
             touched_s: when each action touches something, in the order in which they are tried.
-            fan: the directions that were measured.
+            beams: what was measured.
             age_s: how long ago.
+            moving: how the body moves now.
         """
         best = STAND
         for action, time_s in touched_s.items():
             twist = self._twists[action]
-            share = _share(twist, fan, self._way(twist, age_s), time_s)
+            share = _share(twist, beams.fan, self._way(twist, age_s), time_s)
+            share = self._reached(share, twist, beams, age_s, moving)
             if share == 1.0:
                 return Answer(action, share)
             if self.settings.may_slow and share > best.share:
                 best = Answer(action, share)
         return best
 
-    def share(self, twist: Speeds, beams: Beams, age_s: float) -> float:
+    def share(
+        self, twist: Speeds, beams: Beams, age_s: float, moving: Speeds | None = None
+    ) -> float:
         """The largest of `SHARES` at which a motion's way is free; 0.0: none."""
         way = self._way(twist, age_s)
-        return _share(twist, beams.fan, way, self._touch_s(twist, beams, way.limit_m))
+        share = _share(twist, beams.fan, way, self._touch_s(twist, beams, way.limit_m))
+        return self._reached(share, twist, beams, age_s, moving)
+
+    def _reached(
+        self, share: float, twist: Speeds, beams: Beams, age_s: float, moving: Speeds | None
+    ) -> float:
+        """The largest share, up to this one, that the body comes to without touching anything."""
+        for less in SHARES:
+            slower = less * twist[0], less * twist[1], less * twist[2]
+            if less <= share and self._gets_there(slower, beams, age_s, moving):
+                return less
+        return 0.0
+
+    def _gets_there(
+        self,
+        twist: Speeds,
+        beams: Beams,
+        age_s: float,
+        moving: Speeds | None,
+        *,
+        in_time: bool = False,
+    ) -> bool:
+        """Whether the path from the body's motion to another one is free as well.
+
+        A body that does already what it is told goes the straight way, which is looked at anyhow.
+        """
+        mine = self.settings
+        braking = mine.follows_mps2
+        if moving is None or braking is None or is_same(moving, twist):
+            return True
+        held_s = self.valid_for_s + (mine.evade_s if in_time else 0.0)
+        places = path(moving, Order(twist, age_s + mine.delay_s, held_s), braking)
+        limit_m = self._outline_m + float(np.abs(places[:, :2]).max()) * math.sqrt(2.0) + 0.1
+        near = (~(beams.ranges_m >= limit_m)).nonzero()[0]
+        if not len(near):
+            return True
+        known_m = _known_m(beams.ranges_m[near])
+        x_m, y_m = known_m * beams.fan.cos[near], known_m * beams.fan.sin[near]
+        return not touches(x_m, y_m, mine.footprint, mine.margin_m, places)
 
     def _touch_s(self, twist: Speeds, beams: Beams, limit_m: float) -> float:
         """When a motion touches the first thing that is nearer than a limit; +inf: never."""
@@ -140,8 +238,7 @@ class Guard:
 
     def _touched_s(self, ranges_m: Floats, cos: Floats, sin: Floats, twist: Speeds) -> Floats:
         """When the first of the beams' points is touched: of (…, beams), (…)."""
-        known_m = np.fmax(np.minimum(ranges_m, VERY_FAR_M), VERY_NEAR_M)  # NaN is very near
-        mine = self.settings
+        known_m, mine = _known_m(ranges_m), self.settings
         times_s = touch_times_s(known_m * cos, known_m * sin, mine.footprint, mine.margin_m, twist)
         first_s: Floats = np.minimum.reduce(times_s, axis=-1)
         return first_s
@@ -159,6 +256,19 @@ class Guard:
     def _outline_m(self) -> float:
         """No point of the widened outline is farther from the origin."""
         return self.settings.footprint.reach_m + math.sqrt(2.0) * self.settings.margin_m
+
+    @cached_property
+    def _reaches(self) -> Reaches:
+        return Reaches(self._work_out)
+
+    @cached_property
+    def _steps_per_s(self) -> float:
+        own_s = self.settings.ranges_oldest_s if self.settings.ranges else 0.0
+        return AGE_STEPS / max(self.valid_for_s, own_s, _HAIR_S)
+
+    @cached_property
+    def _as_wanted(self) -> tuple[Answer, ...]:
+        return tuple(Answer(action, 1.0) for action in range(len(self.actions)))
 
     @cached_property
     def _twists(self) -> tuple[Speeds, ...]:
@@ -186,6 +296,17 @@ class GroundNeeded:
         return share * self.obeyed_s + share * share * self.braking_s
 
 
+def _known_m(ranges_m: Floats) -> Floats:
+    """Where each beam ends: what was not measured is very near."""
+    known_m: Floats = np.fmax(np.minimum(ranges_m, VERY_FAR_M), VERY_NEAR_M)  # so is NaN
+    return known_m
+
+
+def asks_the_input(guard: Guard | None) -> bool:
+    """Whether there is a guard, and it has its ranges from what the policy sees."""
+    return guard is not None and not guard.settings.ranges
+
+
 def in_order(wanted: int, q_values: Sequence[float]) -> Iterator[int]:
     """The actions as they are tried: the wanted one, then the others from the best on."""
     yield wanted  # mostly it is free, and nothing needs to be sorted
@@ -208,8 +329,14 @@ def answers(
     q_values: npt.NDArray[np.float32],
     beams: Beams,
     age_s: float,
+    moving: Floats | None = None,
 ) -> tuple[npt.NDArray[np.int64], Floats]:
-    """`Guard.answer` for many agents: the action of each, and its share; 0.0 where it stands."""
+    """`Guard.answer` for many agents: the action of each, and its share; 0.0 where it stands.
+
+    Where it counts how they move, (agents, 3), each is asked for itself.
+    """
+    if moving is not None and guard.settings.follows_mps2 is not None:
+        return _one_by_one(guard, wanted, q_values, beams, age_s, moving)
     in_time = guard.shares(beams, age_s + guard.settings.evade_s) == 1.0
     shares = guard.shares(beams, age_s)
     if not guard.settings.may_slow:
@@ -217,6 +344,25 @@ def answers(
     worth = 1000.0 * np.where(in_time, 2.0, shares)
     best: npt.NDArray[np.int64] = np.argmax(worth - ranks(wanted, q_values), axis=1)
     return best, shares[np.arange(len(best)), best]
+
+
+def _one_by_one(
+    guard: Guard,
+    wanted: npt.NDArray[np.int64],
+    q_values: npt.NDArray[np.float32],
+    beams: Beams,
+    age_s: float,
+    moving: Floats,
+) -> tuple[npt.NDArray[np.int64], Floats]:
+    actions, shares = wanted.copy(), np.zeros(len(wanted))
+    rows = zip(wanted.tolist(), q_values.tolist(), beams.ranges_m, moving.tolist(), strict=True)
+    for i, (wish, values, ranges_m, (linear, lateral, angular)) in enumerate(rows):
+        twist = linear, lateral, angular
+        answer = guard.answer(wish, values, Beams(beams.fan, ranges_m), age_s, twist)
+        shares[i] = answer.share
+        if answer.action is not None:
+            actions[i] = answer.action
+    return actions, shares
 
 
 def _share(twist: Speeds, fan: Fan, way: GroundNeeded, touched_s: float) -> float:
@@ -233,3 +379,13 @@ def _stays_in_sight(fan: Fan, twist: Speeds, full_s: float) -> bool:
         return True
     begins_rad = math.atan2(lateral, linear)
     return fan.sees(begins_rad) and fan.sees(begins_rad + 0.5 * angular * full_s)
+
+
+def _surely_in_sight(fan: Fan, twist: Speeds, least_s: float, most_s: float) -> bool:
+    """`_stays_in_sight`, for all that lies between two lengths of the way."""
+    linear, lateral, angular = twist
+    if linear == lateral == 0.0:
+        return True
+    begins_rad = math.atan2(lateral, linear)
+    ends_rad = begins_rad + 0.5 * angular * least_s, begins_rad + 0.5 * angular * most_s
+    return fan.sees(begins_rad) and fan.sees_arc(*ends_rad)

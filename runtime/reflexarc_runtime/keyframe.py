@@ -12,9 +12,11 @@ from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.arrays import Memories, Retina
 from reflexarc_runtime.choice import Hold
 from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_runtime.controller_state import BoundBody, State
+from reflexarc_runtime.controller_state import BoundBody, RangeState, State
 from reflexarc_runtime.errors import LogError
+from reflexarc_runtime.inertia import STILL, Moving
 from reflexarc_runtime.messages.wire import Stamp
+from reflexarc_runtime.sensing.ranges import Ranged
 from reflexarc_runtime.sensing.scan import Scan
 from reflexarc_runtime.sensing.senses import Sensed
 
@@ -35,6 +37,7 @@ class Keyframe:
 
 def encode_state(state: State, policy_hash: str) -> bytes:
     """A controller's state as `reflexarc.Keyframe`."""
+    ranges = state.ranges
     return pb.Keyframe(
         index=state.index,
         policy_hash=policy_hash,
@@ -46,6 +49,10 @@ def encode_state(state: State, policy_hash: str) -> bytes:
         hold=None if state.hold is None else _hold(state.hold),
         stopped=state.stopped or None,
         source=None if state.source is None else _source(state.source),
+        ranges=None if ranges.newest is None else _ranged(ranges.newest),
+        ranges_source=None if ranges.source is None else _source(ranges.source),
+        ranges_fault=ranges.fault,
+        moving=None if state.moving is None else _told(state.moving),
     ).SerializeToString()
 
 
@@ -72,6 +79,8 @@ def decode_state(message: pb.Keyframe, contract: PolicyContract) -> State:
         hold=_held(message.hold, contract) if message.HasField("hold") else None,
         stopped=message.stopped,
         source=_bound(message.source) if message.HasField("source") else None,
+        ranges=_ranges(message),
+        moving=_moving(message.moving) if message.HasField("moving") else None,
     )
 
 
@@ -85,6 +94,27 @@ def _accepted(newest: Sensed | None) -> pb.Accepted | None:
         received_ns=newest.received_ns,
         scan=None if newest.scan is None else _swept(newest.scan),
     )
+
+
+def _ranged(newest: Ranged) -> pb.Accepted:
+    return pb.Accepted(
+        sequence=newest.stamp.sequence,
+        source_time_ns=newest.stamp.time_ns,
+        sender=newest.stamp.sender,
+        received_ns=newest.received_ns,
+        scan=_swept(newest.scan),
+    )
+
+
+def _told(moving: Moving) -> pb.Moving:
+    return pb.Moving(twist=moving.twist, commanded=moving.commanded, at_ns=moving.at_ns)
+
+
+def _moving(moving: pb.Moving) -> Moving:
+    if not len(moving.twist) == len(moving.commanded) == len(STILL):
+        raise LogError(_unfit("speeds of a motion", len(STILL), len(moving.twist)))
+    (linear, lateral, angular), told = moving.twist, moving.commanded
+    return Moving((linear, lateral, angular), (told[0], told[1], told[2]), moving.at_ns)
 
 
 def _swept(scan: Scan) -> pb.AcceptedScan:
@@ -123,6 +153,16 @@ def _sensed(newest: pb.Accepted, frames: tuple[Retina, ...]) -> Sensed:
     stamp = Stamp(newest.sequence, newest.source_time_ns, newest.sender)
     scan = _scan(newest.scan) if newest.HasField("scan") else None
     return Sensed(stamp, newest.received_ns, frames[-1], scan)
+
+
+def _ranges(message: pb.Keyframe) -> RangeState:
+    newest = None
+    if message.HasField("ranges"):
+        was = message.ranges
+        stamp = Stamp(was.sequence, was.source_time_ns, was.sender)
+        newest = Ranged(stamp, was.received_ns, _scan(was.scan))
+    source = _bound(message.ranges_source) if message.HasField("ranges_source") else None
+    return RangeState(newest, source, message.ranges_fault)
 
 
 def _scan(swept: pb.AcceptedScan) -> Scan:

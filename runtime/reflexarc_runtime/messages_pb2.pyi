@@ -102,7 +102,7 @@ class Decision(_message.Message):
     def __init__(self, index: _Optional[int] = ..., slot: _Optional[int] = ..., now_ns: _Optional[int] = ..., inputs: _Optional[int] = ..., input: _Optional[_Union[Input, _Mapping]] = ..., retina: _Optional[bytes] = ..., q_values: _Optional[_Iterable[float]] = ..., action: _Optional[int] = ..., verdict: _Optional[_Union[Verdict, str]] = ..., reason: _Optional[str] = ..., command: _Optional[_Union[Command, _Mapping]] = ..., policy_hash: _Optional[str] = ..., winner: _Optional[int] = ..., state: _Optional[_Iterable[float]] = ...) -> None: ...
 
 class Keyframe(_message.Message):
-    __slots__ = ("index", "policy_hash", "streak", "newest", "frames", "fault", "memory", "hold", "stopped", "source")
+    __slots__ = ("index", "policy_hash", "streak", "newest", "frames", "fault", "memory", "hold", "stopped", "source", "ranges", "ranges_source", "moving", "ranges_fault")
     INDEX_FIELD_NUMBER: _ClassVar[int]
     POLICY_HASH_FIELD_NUMBER: _ClassVar[int]
     STREAK_FIELD_NUMBER: _ClassVar[int]
@@ -113,6 +113,10 @@ class Keyframe(_message.Message):
     HOLD_FIELD_NUMBER: _ClassVar[int]
     STOPPED_FIELD_NUMBER: _ClassVar[int]
     SOURCE_FIELD_NUMBER: _ClassVar[int]
+    RANGES_FIELD_NUMBER: _ClassVar[int]
+    RANGES_SOURCE_FIELD_NUMBER: _ClassVar[int]
+    MOVING_FIELD_NUMBER: _ClassVar[int]
+    RANGES_FAULT_FIELD_NUMBER: _ClassVar[int]
     index: int
     policy_hash: str
     streak: int
@@ -123,7 +127,21 @@ class Keyframe(_message.Message):
     hold: Hold
     stopped: str
     source: Source
-    def __init__(self, index: _Optional[int] = ..., policy_hash: _Optional[str] = ..., streak: _Optional[int] = ..., newest: _Optional[_Union[Accepted, _Mapping]] = ..., frames: _Optional[_Iterable[bytes]] = ..., fault: _Optional[str] = ..., memory: _Optional[_Union[Memory, _Mapping]] = ..., hold: _Optional[_Union[Hold, _Mapping]] = ..., stopped: _Optional[str] = ..., source: _Optional[_Union[Source, _Mapping]] = ...) -> None: ...
+    ranges: Accepted
+    ranges_source: Source
+    moving: Moving
+    ranges_fault: str
+    def __init__(self, index: _Optional[int] = ..., policy_hash: _Optional[str] = ..., streak: _Optional[int] = ..., newest: _Optional[_Union[Accepted, _Mapping]] = ..., frames: _Optional[_Iterable[bytes]] = ..., fault: _Optional[str] = ..., memory: _Optional[_Union[Memory, _Mapping]] = ..., hold: _Optional[_Union[Hold, _Mapping]] = ..., stopped: _Optional[str] = ..., source: _Optional[_Union[Source, _Mapping]] = ..., ranges: _Optional[_Union[Accepted, _Mapping]] = ..., ranges_source: _Optional[_Union[Source, _Mapping]] = ..., moving: _Optional[_Union[Moving, _Mapping]] = ..., ranges_fault: _Optional[str] = ...) -> None: ...
+
+class Moving(_message.Message):
+    __slots__ = ("twist", "commanded", "at_ns")
+    TWIST_FIELD_NUMBER: _ClassVar[int]
+    COMMANDED_FIELD_NUMBER: _ClassVar[int]
+    AT_NS_FIELD_NUMBER: _ClassVar[int]
+    twist: _containers.RepeatedScalarFieldContainer[float]
+    commanded: _containers.RepeatedScalarFieldContainer[float]
+    at_ns: int
+    def __init__(self, twist: _Optional[_Iterable[float]] = ..., commanded: _Optional[_Iterable[float]] = ..., at_ns: _Optional[int] = ...) -> None: ...
 
 class Source(_message.Message):
     __slots__ = ("sender", "heard_ns", "stranger_ns")

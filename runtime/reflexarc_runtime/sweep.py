@@ -49,7 +49,7 @@ def touch_times_s(
     linear, lateral, angular = twist
     speed = math.hypot(linear, lateral)
     straight = speed >= STRAIGHT_RADIUS_M * abs(angular)
-    if _is_rectangle(footprint):
+    if is_rectangle(footprint):
         sides = _sides_m(footprint, margin_m)
         reached = (_straight_box if straight else _turning_box)(x_m, y_m, sides, twist)
         return _leaving_box(x_m, y_m, footprint, sides, twist, reached)
@@ -62,11 +62,12 @@ def touch_times_s(
 def swept_speed_mps(footprint: Footprint, twist: Speeds) -> float:
     """Speed of the fastest point of the outline: what has to be braked."""
     linear, lateral, angular = twist
-    turning = abs(angular) * footprint.reach_m if _is_rectangle(footprint) else 0.0
+    turning = abs(angular) * footprint.reach_m if is_rectangle(footprint) else 0.0
     return math.hypot(linear, lateral) + turning
 
 
-def _is_rectangle(footprint: Footprint) -> bool:
+def is_rectangle(footprint: Footprint) -> bool:
+    """Whether an outline is a rectangle, no disc or point."""
     return bool(footprint.ahead_m or footprint.behind_m or footprint.half_width_m)
 
 

@@ -1,17 +1,21 @@
 """A video ↔ `reflexarc camera` ↔ `reflexarc run`."""
 
 import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 from foxglove_schemas_protobuf.RawImage_pb2 import RawImage
 
 from reflexarc_logs.reading.reader import read_log
+from reflexarc_logs.replaying.replay import replay
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.eye import RetinaSpec, Shading
+from reflexarc_runtime.messages_pb2 import Status
 from support.images import bar, write_video
 from support.policies import exported
-from support.processes import finished, said_line, started
+from support.processes import finished, said_line, started, wait_for_records
 
 COLOURS = PolicyContract(retina=RetinaSpec(rays=4, shading=Shading.COLOUR))
 
@@ -22,6 +26,50 @@ def policy(tmp_path: Path) -> Path:
     path = tmp_path / "colours.onnx"
     path.write_bytes(exported(COLOURS, seed=5))
     return path
+
+
+def bumper_script(port: int) -> str:
+    """The bumper of the documentation: free for a second and a half, pressed for one, gone."""
+    page = (Path(__file__).parents[2] / "docs" / "guard.md").read_text(encoding="utf-8")
+    block = page.split("```python\n")[1].split("```")[0]
+    assert 'BusConfig(robot="robot0")' in block
+    switches = """
+import time
+BEGAN_S = time.monotonic()
+
+def switches():
+    since_s = time.monotonic() - BEGAN_S
+    if since_s > 2.5:
+        raise SystemExit
+    return [since_s > 1.5] * 8
+"""
+    return switches + block.replace('robot="robot0"', f'robot="robot0", port={port}')
+
+
+def test_a_camera_is_guarded_by_the_bumper_of_the_documentation(
+    policy: Path, port: int, tmp_path: Path
+):
+    video, log = tmp_path / "drive.avi", tmp_path / "drive.mcap"
+    write_video(video, [bar(16 * (number % 4)) for number in range(300)], rate_hz=50.0)
+    with (
+        started("camera", video, "--port", port, "--json") as camera,
+        started(
+            *("run", policy, "--guard-ranges", "scan", "--port", port, "--record", log, "--json")
+        ) as runtime,
+    ):
+        wait_for_records(log, "tick", 20)
+        subprocess.run([sys.executable, "-c", bumper_script(port)], check=True, timeout=60)
+        finished(camera)
+        finished(runtime, signal.SIGINT)
+    reasons = [tick.decision.reason for tick in read_log(log).ticks()]
+    kinds = ["no ranges yet", "", "is not free, nor is anything else", "no ranges for 0.3 s"]
+    first = [next(i for i, r in enumerate(reasons) if r == k or (k and k in r)) for k in kinds]
+    assert first == sorted(first)
+    said = [status.guard for _, status in read_log(log).messages("/robot0/status", Status)]
+    assert any("on: no ranges" in words for words in said)
+    report = replay(log)
+    assert report.exit_status == 0, report.lines()
+    assert report.levels[-1].level == "node"
 
 
 def test_a_video_drives_a_policy(policy: Path, port: int, tmp_path: Path):

@@ -12,7 +12,7 @@ from reflexarc_logs.recording.recorder import Recorder
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.controller import Controller
-from reflexarc_runtime.guard import Guard
+from reflexarc_runtime.guard import Guard, asks_the_input
 from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_runtime.loop.clock import ManualClock
 from reflexarc_runtime.loop.inbox import Inbox
@@ -87,7 +87,7 @@ def drive(
     guard = None
     if run.guard:
         guard = Guard.for_contract(GuardSettings.from_json(run.guard), loaded.contract)
-    sense = sense_for(run.input, loaded.contract.retina, guarded=guard is not None)
+    sense = sense_for(run.input, loaded.contract.retina, guarded=asks_the_input(guard))
     controller = Controller(loaded, loaded.contract, sense, loaded.policy_hash, guard=guard)
     outlets = Outlets(Nowhere(), Nowhere(), Nowhere())
     config = {"rate_hz": 50.0, "input": run.input}

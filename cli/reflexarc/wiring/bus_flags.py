@@ -85,13 +85,13 @@ def contract_of(
     Raises:
         ContractError: it asks for more than the bounds allow, or cannot be read.
     """
-    from reflexarc_runtime.policy.policy import load_policy
+    from reflexarc_runtime.policy.policy import load_contract
 
     if policy is not None:
-        return load_policy(policy, verify=False, bounds=bounds).contract
+        return load_contract(policy, bounds=bounds)
     aside.print(f"{who}: waiting for a runtime to say what it wants to see …")
     found = _first_policy(bus, stop, who)
-    return None if found is None else load_policy(found, verify=False, bounds=bounds).contract
+    return None if found is None else load_contract(found, bounds=bounds)
 
 
 def _first_policy(bus: "Bus", stop: Callable[[], bool], who: str) -> bytes | None:

@@ -1,7 +1,7 @@
 """The flags of the guard, and the guard that they make for a policy."""
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from reflexarc_runtime.errors import UsageError
 
@@ -34,6 +34,25 @@ class GuardFlags:
     """How much earlier it takes another action that is free."""
     guard_only_stops: bool = False
     """Never go slower than the policy wants: a motion of the policy's, or standstill."""
+    guard_ranges: Literal["", "scan"] = ""
+    """Topic of a range sensor or a bumper beside what the policy sees; by default none."""
+    guard_ranges_oldest_s: float = 0.25
+    """How old its ranges may be; without younger ones the robot stands."""
+
+    def check(self, sensor: str, *, lockstep: bool) -> None:
+        """Refuse ranges of a topic of their own where there can be none.
+
+        Raises:
+            UsageError: why.
+        """
+        if not self.guard_ranges:
+            return
+        if self.no_guard:
+            raise UsageError("--guard-ranges: nobody looks at them with --no-guard")
+        if self.guard_ranges == sensor:
+            raise UsageError("--guard-ranges scan: the input is the scan already; leave it out")
+        if lockstep:
+            raise UsageError("--guard-ranges: not in lockstep, where every input is a tick")
 
     @property
     def state(self) -> str:
@@ -61,6 +80,8 @@ class GuardFlags:
             "deceleration_mps2": self.guard_deceleration_mps2,
             "evade_s": self.guard_evade_s,
             "may_slow": not self.guard_only_stops,
+            "ranges": self.guard_ranges,
+            "ranges_oldest_s": self.guard_ranges_oldest_s,
         }
         known = {name: value for name, value in given.items() if value is not None}
         return replace(GuardSettings.of(contract), **known)  # type: ignore[arg-type]  # each its own

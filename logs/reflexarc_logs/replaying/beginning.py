@@ -19,6 +19,7 @@ from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.controller_state import BoundBody, State
 from reflexarc_runtime.decision import Verdict
 from reflexarc_runtime.errors import LogError
+from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_runtime.keyframe import decode_state
 from reflexarc_runtime.loop.inbox import DEFAULT_CAPACITY
 from reflexarc_runtime.messages.topics import SCAN
@@ -43,8 +44,8 @@ class Beginning:
     is_exact: bool = True
     """Whether the state is the whole one, so that later keyframes can be compared with it."""
 
-    looks_at_scans: bool = False
-    """Whether a guard looks at whole scans, which no tick holds."""
+    guard_knows_more: bool = False
+    """Whether a guard looks at whole scans, or at how the body moves, which no tick holds."""
 
     @property
     def note(self) -> str:
@@ -68,7 +69,7 @@ def begin(
     Raises:
         LogError: a keyframe is not of this policy's contract, or no loop recorded the log.
     """
-    start = Beginning(looks_at_scans=bool(log.run.guard) and log.run.input == SCAN.name)
+    start = Beginning(guard_knows_more=_guard_knows_more(log))
     for event in events:
         if isinstance(event, Message):
             keep(start.waiting, event, log)
@@ -84,6 +85,13 @@ def begin(
         elif _skip(start, event, policy.contract):
             return start, events
     return start, events
+
+
+def _guard_knows_more(log: Log) -> bool:
+    if not log.run.guard:
+        return False
+    settings = GuardSettings.from_json(log.run.guard)
+    return SCAN.name in (log.run.input, settings.ranges) or settings.follows_mps2 is not None
 
 
 def keep(waiting: deque[Message], message: Message, log: Log) -> None:
@@ -126,7 +134,7 @@ def _skip(start: Beginning, tick: Tick, contract: PolicyContract) -> bool:
         start.waiting.popleft()
     if contract.state.size or contract.hold_s or not _tells_all(tick.decision, contract):
         return False
-    if start.looks_at_scans:
+    if start.guard_knows_more:
         return False
     start.state, start.is_exact = state_behind(tick.decision, contract), False
     return True

@@ -5,7 +5,8 @@ from typing import TypeAlias
 
 from reflexarc_logs.container.rejected import accepted_message, rejected_message
 from reflexarc_logs.reading.reader import Log, Record, decode
-from reflexarc_runtime.messages.topics import CONTROLS, KEYFRAME, REJECTED, SENSORS, TICK
+from reflexarc_runtime.guard_settings import GuardSettings
+from reflexarc_runtime.messages.topics import CONTROLS, KEYFRAME, REJECTED, SENSORS, TICK, Topic
 from reflexarc_runtime.messages.wire import NO_SENDER, Message, Stamp
 from reflexarc_runtime.messages_pb2 import Keyframe, Rejected, Tick
 
@@ -22,27 +23,44 @@ def loop_events(log: Log) -> Iterator[LoopEvent]:
         LogError: the log cannot be read.
     """
     robot = log.run.robot
-    keys = {topic.key(robot) for topic in (SENSORS[log.run.input], *CONTROLS)}
+    keys = {topic.key(robot) for topic in (SENSORS[log.run.input], *beside_the_sensor(log))}
     tick, keyframe = log.topic(TICK.name), log.topic(KEYFRAME.name)
     rejected = log.topic(REJECTED.name)
-    unnamed = NO_SENDER if log.names_senders else _usual_sender(log)
+    unnamed = {} if log.names_senders else _usual_senders(log)
     for record in log.records(*(f"/{key}" for key in keys), tick, keyframe, rejected):
         if record.topic == tick:
             yield decode(log, record, Tick)
         elif record.topic == keyframe:
             yield decode(log, record, Keyframe)
         else:
-            message = _message(log, record, record.topic == rejected, unnamed)
+            usual = unnamed.get(record.topic, NO_SENDER)
+            message = _message(log, record, record.topic == rejected, usual)
             if message.key in keys:
                 yield message
 
 
-def _usual_sender(log: Log) -> bytes:
-    """Who sent the sensor's messages, where another tool dropped that: as a keyframe remembers."""
+def beside_the_sensor(log: Log) -> tuple[Topic, ...]:
+    """The topics that reached the loop beside the one on which it decided.
+
+    Raises:
+        LogError: the settings of the log's guard are none.
+    """
+    ranges = GuardSettings.from_json(log.run.guard).ranges if log.run.guard else ""
+    return (*CONTROLS, SENSORS[ranges]) if ranges else CONTROLS
+
+
+def _usual_senders(log: Log) -> dict[str, bytes]:
+    """Who sent on each topic, where another tool dropped that: as keyframes remember."""
+    usual: dict[str, bytes] = {}
+    ranges = [log.topic(topic.name) for topic in beside_the_sensor(log) if topic not in CONTROLS]
     for _, keyframe in log.messages(log.topic(KEYFRAME.name), Keyframe):
         if keyframe.HasField("newest"):
-            return keyframe.newest.sender
-    return NO_SENDER
+            usual.setdefault(log.topic(SENSORS[log.run.input].name), keyframe.newest.sender)
+        for topic in ranges if keyframe.HasField("ranges") else ():
+            usual.setdefault(topic, keyframe.ranges.sender)
+        if len(usual) > len(ranges):
+            break
+    return usual
 
 
 def _message(log: Log, record: Record, was_rejected: bool, unnamed: bytes) -> Message:

@@ -8,10 +8,10 @@ never compared.
 from reflexarc_logs.reading.reader import Log
 from reflexarc_logs.replaying.beginning import begin, keep
 from reflexarc_logs.replaying.comparison import EqualityRules, LevelResult, Tally
-from reflexarc_logs.replaying.loop_events import loop_events
+from reflexarc_logs.replaying.loop_events import beside_the_sensor, loop_events
 from reflexarc_logs.replaying.stepping import Stepping
 from reflexarc_runtime import messages_pb2 as pb
-from reflexarc_runtime.messages.topics import CONTROLS, REJECTED, SENSORS
+from reflexarc_runtime.messages.topics import REJECTED, SENSORS
 from reflexarc_runtime.messages.wire import Message
 from reflexarc_runtime.policy.policy import LoadedPolicy
 
@@ -54,7 +54,7 @@ def why_not(log: Log) -> str:
         return f"{log.dropped} records or chunks are missing in its middle"
     sensor = log.topic(SENSORS[log.run.input].name)
     stream = next(log.records(sensor, log.topic(REJECTED.name)), None)
-    if stream is None and _inputs_taken(log) > _controls(log):
+    if stream is None and _inputs_taken(log) > _others(log):
         return f"it has no sensor stream ({sensor})"
     return ""
 
@@ -63,6 +63,7 @@ def _inputs_taken(log: Log) -> int:
     return sum(tick.decision.inputs for tick in log.ticks())
 
 
-def _controls(log: Log) -> int:
-    """Stops and resets: inputs that no sensor sent."""
-    return sum(1 for _ in log.records(*(log.topic(topic.name) for topic in CONTROLS)))
+def _others(log: Log) -> int:
+    """Stops, resets, a guard's own ranges: inputs that are not what it decided on."""
+    topics = (log.topic(topic.name) for topic in beside_the_sensor(log))
+    return sum(1 for _ in log.records(*topics))

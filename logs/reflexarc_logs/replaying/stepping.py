@@ -26,7 +26,7 @@ from reflexarc_runtime.arrays import Memories
 from reflexarc_runtime.controller import Controller
 from reflexarc_runtime.controller_state import Inputs, State
 from reflexarc_runtime.decision import Decision, Verdict
-from reflexarc_runtime.guard import Guard
+from reflexarc_runtime.guard import Guard, asks_the_input
 from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_runtime.keyframe import encode_state
 from reflexarc_runtime.messages.codec import decision_to_protobuf
@@ -55,7 +55,7 @@ def controller_of(log: Log, policy: LoadedPolicy) -> Controller:
         guard = Guard.for_contract(GuardSettings.from_json(log.run.guard), contract)
     rules = rules_of(log.run.rules)
     senses = _senses(log, rules)
-    sense = sense_for(log.run.input, contract.retina, senses, guarded=guard is not None)
+    sense = sense_for(log.run.input, contract.retina, senses, guarded=asks_the_input(guard))
     return Controller(policy, contract, sense, policy.policy_hash, rules, guard)
 
 
@@ -134,7 +134,12 @@ class Stepping:
 
     def _lean_on(self, recorded: pb.Decision) -> None:
         """Go on from what was recorded, not from what rounding made of it here."""
-        self.state = replace(self.state, hold=self._holds.held)
+        told = recorded.command
+        commanded = told.linear_mps, told.lateral_mps, told.angular_radps
+        moving = self.state.moving
+        if moving is not None:
+            moving = replace(moving, commanded=commanded)
+        self.state = replace(self.state, hold=self._holds.held, moving=moving)
         contract = self.controller.contract
         if len(recorded.state) == contract.state.size > 0:
             memory: Memories = np.array([recorded.state], np.float32)

@@ -34,7 +34,7 @@ from reflexarc_runtime.contract.eye import RetinaSpec, Shading
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages.topics import CONTACT, SCENE, TICK
 from reflexarc_runtime.messages_pb2 import Tick
-from reflexarc_runtime.policy.policy import load_policy
+from reflexarc_runtime.policy.policy import load_contract
 from reflexarc_runtime.sensing.ray_values import FULL_SCALE, ray_bearing_rad
 
 PERIOD_S = 0.1
@@ -68,7 +68,7 @@ def course_of(log: Log, duration_s: float) -> Course:
     """
     if log.policy is None:
         raise LogError(f"{log.path}: expected the policy of `reflexarc run --record`, found none")
-    contract = load_policy(log.policy, verify=False, bounds=None).contract
+    contract = load_contract(log.policy, bounds=None)
     _, posed_ns, poses = poses_of(log)
     if not len(poses):
         raise LogError(f"{log.path}: a film needs poses, found none; draw it as a picture, *.png")

@@ -22,7 +22,7 @@ from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.eye import Shading
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages_pb2 import Decision
-from reflexarc_runtime.policy.policy import load_policy
+from reflexarc_runtime.policy.policy import load_contract
 
 INK, SAFE_COLOUR = "#22313f", "#b4bcc4"
 ACTION_COLOURS = (
@@ -134,7 +134,7 @@ def decisions_of(log: Log) -> Decisions:
             f"{log.path}: expected the ticks and the policy of `reflexarc run --record`, found "
             f"{'no ticks' if not made else 'no policy'}; play it into a runtime that records"
         )
-    contract = load_policy(log.policy, verify=False, bounds=None).contract
+    contract = load_contract(log.policy, bounds=None)
     return Decisions(
         time_s=np.array([decision.now_ns - made[0].now_ns for decision in made]) * 1e-9,
         retinas=_retinas(made, contract),

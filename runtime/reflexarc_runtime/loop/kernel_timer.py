@@ -2,7 +2,8 @@
 
 A thread of Python's cannot run while another one holds the interpreter's lock. The kernel needs no
 lock: when the timer runs out it sends SIGALRM, whose default action ends the process. Before that,
-`faulthandler`, which is C and needs no lock either, writes where each thread was.
+`faulthandler`, which is C and needs no lock either, writes where the main thread was. Of that one
+alone: others may run meanwhile, and looking at their frames without the lock can crash.
 
 The clock goes on while a process is stopped (SIGSTOP): one that is continued later than that ends.
 """
@@ -31,7 +32,7 @@ class KernelTimer:
     def __enter__(self) -> Self:
         self._before = signal.signal(signal.SIGALRM, signal.SIG_DFL)
         with contextlib.suppress(OSError, ValueError, AttributeError, RuntimeError):  # no stderr
-            faulthandler.register(signal.SIGALRM, all_threads=True, chain=True)
+            faulthandler.register(signal.SIGALRM, all_threads=False, chain=True)
         return self
 
     def __exit__(

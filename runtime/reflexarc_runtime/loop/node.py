@@ -12,6 +12,7 @@ from reflexarc_runtime.controller_state import Inputs, State
 from reflexarc_runtime.decision import Decision, Timing, Verdict, safe_command
 from reflexarc_runtime.errors import DecisionEndedError
 from reflexarc_runtime.keyframe import Keyframe
+from reflexarc_runtime.loop.flood_notice import FloodNotice
 from reflexarc_runtime.loop.monitor import Monitor, Summary
 from reflexarc_runtime.loop.outlets import Outlets
 from reflexarc_runtime.loop.pacer import Pacer, Wakeup
@@ -64,6 +65,7 @@ class Node:
         self._guard = guard or ("off" if controller.guard is None else "on")
         self._watch: Watch = watch or NoWatch()
         self._saw = saw
+        self._flood = FloodNotice(f"the runtime of {robot}")
         self._monitor = Monitor()
         self._state = State()
         self._record_ns = 0
@@ -187,7 +189,9 @@ class Node:
     def _report(self, now_ns: int, policy_hash: str) -> None:
         if not self._every_second.is_due(now_ns):
             return
+        self._flood.look(self._overflows())
         period = self._monitor.period()
+        lack = self._controller.lack_of_ranges(self._state, now_ns)
         status = Status(
             node="runtime",
             run_id=self._run_id,
@@ -201,7 +205,7 @@ class Node:
             inbox_overflows=self._overflows(),
             verdicts=tuple(period.verdicts.items()),
             recording=self._sink.state,
-            guard=self._guard,
+            guard=f"{self._guard}: {lack}" if lack else self._guard,
             watchdog=self._watch.state,
         )
         self._outlets.status.put(encode_status(status), now_ns)

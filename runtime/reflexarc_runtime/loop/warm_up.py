@@ -15,7 +15,8 @@ from reflexarc_runtime.loop.monitor import Monitor
 from reflexarc_runtime.messages.codec import Status, encode_command, encode_status, encode_tick
 from reflexarc_runtime.messages.controls import encode_overrun, encode_stop
 from reflexarc_runtime.messages.topics import OVERRUN, RESET, STOP
-from reflexarc_runtime.messages.wire import Message, protobuf_encoding
+from reflexarc_runtime.messages.wire import Message, Stamp, protobuf_encoding
+from reflexarc_runtime.sensing.senses import Sensed
 
 _NO_TIME = Timing(0, 0, 0, 0, 0, 0)
 
@@ -24,6 +25,7 @@ def warm_up(controller: Controller) -> None:
     """Decide, judge good and bad messages, encode one of each message, compute percentiles."""
     with contextlib.suppress(Exception):  # what fails here has its verdict in the loop
         _decide_on_darkness(controller)
+        _guard_darkness(controller)
     topics = (controller.sense.topic, OVERRUN, RESET, STOP)
     bad = tuple(Message(topic.name, b"\xff", "", b"", 0) for topic in topics)
     controls = (
@@ -49,6 +51,14 @@ def _decide_on_darkness(controller: Controller) -> None:
         controller.policy.decide(stack, memory)  # type: ignore[call-arg]  # it has a memory
     else:
         controller.policy.decide(stack)  # type: ignore[call-arg]  # it has none
+
+
+def _guard_darkness(controller: Controller) -> None:
+    """Let the guard work out what it can; the angles of a scan are not known before the first."""
+    retina = np.zeros(controller.contract.retina.shape, np.uint8)
+    beams = controller.sense.beams(Sensed(Stamp(0, 0), 0, retina))
+    if controller.guard is not None and beams is not None:
+        controller.guard.prepare(beams.fan)
 
 
 def _message(name: str, payload: bytes, schema: str) -> Message:

@@ -8,6 +8,11 @@ import struct
 from dataclasses import dataclass, replace
 
 MAX_PAYLOAD_BYTES = 1 << 20
+TOO_LARGE = bytes(MAX_PAYLOAD_BYTES + 1)
+"""Stands for every payload that is larger, which is not even copied: all are refused alike."""
+MAX_ATTACHMENT_BYTES = 1024
+"""What is kept of an attachment: far more than one has."""
+MAX_ENCODING_CHARACTERS = 256
 MAX_SEQUENCE = (1 << 32) - 1
 """The largest sequence number that a log can keep, in 32 bits."""
 

@@ -139,27 +139,60 @@ def load_policy(
         ContractError: the contract in it is missing, malformed, newer than this package, or asks
             for more than the bounds allow.
     """
-    where = "policy" if isinstance(source, bytes) else str(source)
-    data = source if isinstance(source, bytes) else read_model(Path(source))
+    where, data = _read(source)
     try:
         return _load(data, Backend(backend), verify, bounds)
     except ReflexarcError as error:
         raise type(error)(f"{where}: {error}") from None
 
 
+def load_contract(
+    source: Path | str | bytes, *, bounds: Bounds | None = USUAL_BOUNDS
+) -> PolicyContract:
+    """Load the contract of a policy alone, for whoever moves or draws by it and decides nothing.
+
+    Its graph is not built: it may need operators that only the deciding process has.
+
+    Args:
+        source: path of the ONNX file, or its bytes.
+        bounds: what it may ask for at most; None where nothing will move by it.
+
+    Raises:
+        PolicyError: the file is missing or is not ONNX, or does not fit its contract.
+        ContractError: see `load_policy`.
+    """
+    where, data = _read(source)
+    try:
+        return _contract_of(parse_model(data), bounds)
+    except ReflexarcError as error:
+        raise type(error)(f"{where}: {error}") from None
+
+
+def _read(source: Path | str | bytes) -> tuple[str, bytes]:
+    """What to call the file, and its bytes."""
+    if isinstance(source, bytes):
+        return "policy", source
+    return str(source), read_model(Path(source))
+
+
 def _load(data: bytes, backend: Backend, verify: bool, bounds: Bounds | None) -> LoadedPolicy:
     model = parse_model(data)
+    contract = _contract_of(model, bounds)
+    graph = _build(model, data, backend)
+    if verify:
+        reproduce_golden_vectors(graph, contract)
     text = contract_text(model)
-    contract = PolicyContract.from_json(text)
+    notes = tuple(filter(None, [why_unsealed(text)]))
+    return LoadedPolicy(contract, policy_hash(data), data, graph, notes, digest_in(text))
+
+
+def _contract_of(model: onnx.ModelProto, bounds: Bounds | None) -> PolicyContract:
+    contract = PolicyContract.from_json(contract_text(model))
     _check_reserved(contract)
     if bounds is not None:
         check_bounds(contract, bounds)
     check_names(model, contract)
-    graph = _build(model, data, backend)
-    if verify:
-        reproduce_golden_vectors(graph, contract)
-    notes = tuple(filter(None, [why_unsealed(text)]))
-    return LoadedPolicy(contract, policy_hash(data), data, graph, notes, digest_in(text))
+    return contract
 
 
 def _check_reserved(contract: PolicyContract) -> None:

@@ -4,6 +4,7 @@ A ray of `nearness` with value v means something of unknown colour at range · (
 a dark thing looks as if it were farther away. 0 means nothing within the range.
 """
 
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -27,7 +28,7 @@ def check_tells_ranges(spec: RetinaSpec) -> None:
     if why:
         raise ContractError(
             f"guard: expected retinas that tell distances, got {why}; give it scans "
-            "(--input scan), or --no-guard"
+            "(--input scan), a range sensor beside it (--guard-ranges scan), or --no-guard"
         )
 
 
@@ -53,8 +54,21 @@ def beams_of_retina(retina: Retina, spec: RetinaSpec) -> Beams:
 
 
 def beams_of_scan(scan: Scan) -> Beams:
-    """The beams as they were measured."""
-    return Beams(fan_of(scan.start_rad, scan.step_rad, len(scan.ranges_m)), scan.ranges_m)
+    """The beams as they were measured, seen from the point about which the robot turns."""
+    fan = fan_of(scan.start_rad, scan.step_rad, len(scan.ranges_m))
+    if scan.is_centred:
+        return Beams(fan, scan.ranges_m)
+    ranges_m = scan.ranges_m
+    met = np.isfinite(ranges_m) & (ranges_m > 0.0)
+    lengths_m = np.where(met, ranges_m, 0.0)
+    x_m, y_m = scan.x_m + lengths_m * fan.cos, scan.y_m + lengths_m * fan.sin
+    away_m = np.hypot(x_m, y_m)
+    met &= away_m > 0.0
+    per_m = 1.0 / np.where(met, away_m, 1.0)
+    shifted = replace(
+        fan, cos=np.where(met, x_m * per_m, fan.cos), sin=np.where(met, y_m * per_m, fan.sin)
+    )
+    return Beams(shifted, np.where(met, away_m, np.where(lengths_m > 0.0, 0.0, ranges_m)))
 
 
 @lru_cache(maxsize=16)

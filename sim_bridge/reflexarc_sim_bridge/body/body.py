@@ -128,7 +128,9 @@ class Body:
         rays = spec.rays * spec.samples
         first_rad = ray_bearing_rad(0, rays, spec.fov_rad)
         beams = Beams(fan_of(first_rad, -spec.fov_rad / rays, rays), ranges_m)
-        share = check.share(twist, beams, 0.0)
+        state = self.simulation.params.agents.state[0]
+        ahead, left, turn = state["linear_mps"], state["lateral_mps"], state["angular_radps"]
+        share = check.share(twist, beams, 0.0, (float(ahead), float(left), float(turn)))
         self.held_back += share < 1.0
         return share * twist[0], share * twist[1], share * twist[2]
 

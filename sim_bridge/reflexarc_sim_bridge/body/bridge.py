@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
+from reflexarc_runtime.loop.flood_notice import FloodNotice
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.lockstep import await_command, wait_for_runtime
 from reflexarc_runtime.loop.pacer import RatePacer
@@ -103,12 +104,19 @@ class StatePublisher:
     """Publishes what a body sees and where it is."""
 
     def __init__(
-        self, bus: "Bus", body: Body, robot: str, retinas: RetinaOutlet | None = None
+        self,
+        bus: "Bus",
+        body: Body,
+        robot: str,
+        retinas: RetinaOutlet | None = None,
+        overflows: Callable[[], int] = lambda: 0,
     ) -> None:
         self._publishers = {topic: bus.publisher(topic) for topic in _PUBLISHED}
         self._retinas = self._publishers[RETINA] if retinas is None else retinas
         self._body = body
         self._robot = robot
+        self._overflows = overflows
+        self._flood = FloodNotice(f"the body of {robot}")
         self._info = encode_body(body.info)
         self._steps = 0
         self._every_second = Throttle()
@@ -150,10 +158,12 @@ class StatePublisher:
         status = Status(
             node=BODY_NODE,
             ticks=self._steps,
+            inbox_overflows=self._overflows(),
             verdicts=account.refused,
             guard=self._body.guard_state,
         )
         self._publishers[STATUS].put(encode_status(status), now_ns)
+        self._flood.look(self._overflows())
 
 
 class Bridge:
@@ -187,7 +197,7 @@ class Bridge:
         self._latch = latch
         self._retinas = retinas
         self._gate = Gate.closed(bus.sender, settings, latch.stopped if latch else "")
-        self._publisher = StatePublisher(bus, body, robot, retinas)
+        self._publisher = StatePublisher(bus, body, robot, retinas, self._overflows)
         bus.subscribe([COMMAND], inbox.put)
         bus.subscribe([topic for topic in HEARD if topic is not COMMAND], self._controls.put)
         bus.announce(BODY_NODE)
@@ -226,6 +236,9 @@ class Bridge:
             contact = self._move(now_ns, period_ns / 1e9)
             done += 1
         return self._journey(done)
+
+    def _overflows(self) -> int:
+        return self._inbox.overflows + self._controls.overflows
 
     def _hear(self, now_ns: int, message: Message) -> None:
         self._gate = self._gate.hear(message, now_ns)

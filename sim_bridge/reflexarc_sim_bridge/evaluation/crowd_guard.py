@@ -4,6 +4,7 @@ A simulation moves its agents by actions out of a table, so each action stands i
 share of its speed that a guard may leave, and standstill is its last row.
 """
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -58,6 +59,12 @@ class CrowdGuard:
         self._guard = Guard(settings, contract.actions, valid_for_s)
         self._contract = contract
         self._age_s = age_s
+        self._period_s = period_s
+        self._moving: npt.NDArray[np.float64] | None = None
+        """How each agent is believed to move, (agents, 3), as a robot's controller believes."""
+        self._speeds = np.array(
+            [(a.linear_mps, a.lateral_mps, a.angular_radps) for a in self.contract.actions]
+        )
         self.did = Interventions()
 
     @property
@@ -68,12 +75,25 @@ class CrowdGuard:
     def act(self, stacks: RetinaBatch, wanted: Actions, q_values: QValues) -> Actions:
         """Rows of the table of motions, (agents,), by what the agents see and want."""
         beams = beams_of_retina(stacks[:, -1], self._contract.retina)
-        actions, shares = answers(self._guard, wanted, q_values, beams, self._age_s)
+        if self._moving is None:
+            self._moving = np.zeros((len(wanted), 3))
+        actions, shares = answers(self._guard, wanted, q_values, beams, self._age_s, self._moving)
         rows = _rows(actions, shares, len(self._contract.actions))
+        self._moving = self._later(self._moving, self._speeds[rows])
         self.did.decisions += len(rows)
         self.did.stuck += int((shares == 0.0).sum())
         self.did.guarded += int(((rows != wanted) & (shares > 0.0)).sum())
         return rows
+
+    def _later(
+        self, moving: npt.NDArray[np.float64], told: npt.NDArray[np.float64]
+    ) -> npt.NDArray[np.float64]:
+        """`followed`, for all agents."""
+        braking = self._guard.settings.follows_mps2
+        most_mps = math.inf if braking is None else braking * self._period_s
+        later = moving + np.clip(told - moving, -most_mps, most_mps)
+        later[:, 2] = told[:, 2]
+        return later
 
 
 def slowed(contract: PolicyContract) -> PolicyContract:

@@ -17,7 +17,8 @@ from reflexarc_runtime.decision import Verdict
 from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp, protobuf_encoding
 from support.policies import exported
-from support.recordings import CONTRACT, MS, PERIOD_NS, RUN, START_NS, drive, retina_at
+from support.recordings import CONTRACT, MS, PERIOD_NS, RUN, START_NS, drive, nominal, retina_at
+from support.slices import slice_by_time, times_ns
 
 TICKS = 200
 GUARD = GuardSettings(footprint=Footprint(radius_m=0.1), deceleration_mps2=2.0)
@@ -51,10 +52,22 @@ def scans(seed: int) -> dict[int, list[Message]]:
     return schedule
 
 
-@pytest.fixture(params=["retina", "scan"])
+def both(seed: int) -> dict[int, list[Message]]:
+    """Retinas that say nothing of ranges, and scans of a sensor of its own, which rests a while."""
+    schedule = dict(nominal(TICKS, seed))
+    for slot, (message,) in scans(seed).items():
+        stamp = pack_stamp(Stamp(slot, message.received_ns - MS, b"lidar".ljust(16)))
+        if not 80 < slot < 110:
+            schedule[slot] = [*schedule[slot], replace(message, attachment=stamp)]
+    return schedule
+
+
+@pytest.fixture(params=["retina", "scan", "both"])
 def guarded(request, tmp_path) -> Path:
-    run = replace(GUARDED_RUN, input=request.param)
-    schedule = retinas(3) if request.param == "retina" else scans(3)
+    run = replace(GUARDED_RUN, input="retina" if request.param == "both" else request.param)
+    if request.param == "both":
+        run = replace(run, guard=replace(GUARD, ranges="scan").to_json())
+    schedule = {"retina": retinas, "scan": scans, "both": both}[request.param](3)
     path = tmp_path / "guarded.mcap"
     verdicts = drive(path, exported(CONTRACT, 2), schedule, TICKS, run=run)
     assert min(verdicts[name] for name in ASKED) > 5
@@ -70,7 +83,7 @@ def test_a_guarded_drive_replays_identically_at_both_levels(guarded):
 
 def test_other_settings_than_the_recorded_ones_show_at_level_node(guarded, monkeypatch):
     log = read_log(guarded)
-    wider = replace(GUARD, margin_m=0.4)
+    wider = replace(GuardSettings.from_json(log.run.guard), margin_m=0.4)
     changed = replace(log, run=replace(log.run, guard=wider.to_json()))
     report = replay(changed)
     policy, node = report.levels
@@ -94,6 +107,15 @@ def test_a_part_cut_out_of_a_guarded_drive_replays(guarded, tmp_path):
     assert report.exit_status == 0, report.lines()
     assert report.levels[-1].level == "node"
     assert report.levels[-1].compared > 20
+
+
+def test_a_slice_of_another_tool_replays_behind_its_keyframe(guarded, tmp_path):
+    first_ns, end_ns = times_ns(guarded)
+    middle_ns = first_ns + (end_ns - first_ns) // 4
+    report = replay(slice_by_time(guarded, tmp_path / "slice.mcap", middle_ns, end_ns))
+    assert report.exit_status == 0, report.lines()
+    assert report.levels[-1].level == "node"
+    assert report.levels[-1].compared > 90
 
 
 def test_a_log_of_before_has_no_guard():

@@ -10,6 +10,7 @@ from onnx import helper, numpy_helper
 from onnx.reference import ReferenceEvaluator
 
 from reflexarc_runtime.contract.contract import METADATA_KEY, PolicyContract
+from reflexarc_runtime.contract.motion import Action
 from reflexarc_runtime.errors import (
     ContractError,
     DecisionEndedError,
@@ -19,7 +20,7 @@ from reflexarc_runtime.errors import (
 from reflexarc_runtime.policy.agreement import flips, within_tolerance
 from reflexarc_runtime.policy.model_file import policy_hash, with_contract
 from reflexarc_runtime.policy.numpy_backend import supported_operators
-from reflexarc_runtime.policy.policy import load_policy
+from reflexarc_runtime.policy.policy import load_contract, load_policy
 from support.looping_policies import FOR_EVER, looping
 from support.policies import SMALL, exported, network
 
@@ -283,3 +284,19 @@ def test_a_run_of_onnxruntime_is_ended_from_another_thread_and_the_next_one_goes
     ended.set()
     ending.join()
     assert policy.decide(np.zeros((1, *SMALL.retina.stack_shape), np.uint8))[1].tolist() == [1]
+
+
+def test_a_contract_is_read_without_building_a_graph_that_only_onnxruntime_can_compute():
+    contract = PolicyContract()
+    data = looping(contract, FOR_EVER)
+    with pytest.raises(PolicyError, match="not in the NumPy backend"):
+        load_policy(data, verify=False)
+    assert load_contract(data).actions == contract.actions
+
+
+def test_a_contract_that_asks_for_too_much_is_refused_without_its_graph_too():
+    fast = dataclasses.replace(SMALL, actions=(Action("a", 1e300, 0.0), Action("b", 0.0, 0.0)))
+    with pytest.raises(ContractError, match="a"):
+        load_contract(with_contract(network(fast), fast))
+    with pytest.raises(PolicyError, match="ONNX"):
+        load_contract(b"no model")

@@ -42,9 +42,9 @@ class RunCommand:
     and fresh, the contract's safe command otherwise. A policy that asks for more speed or patience
     than is usual, or whose safe command moves, is refused unless flags allow it; so is one that
     takes longer than a period to decide. A guard, which has learned nothing, lets only pass what is
-    free by the ranges that were measured; where the input tells none, it must be left out:
-    --no-guard. SIGINT, SIGTERM, SIGQUIT and SIGHUP end in a safe command and a finished log. A loop
-    that hangs is stopped by its watchdog.
+    free by the ranges that were measured; where the input tells none, it needs a range sensor
+    beside it, --guard-ranges scan, or must be left out: --no-guard. SIGINT, SIGTERM, SIGQUIT and
+    SIGHUP end in a safe command and a finished log. A loop that hangs is stopped by its watchdog.
 
     Examples:
       reflexarc run runs/reflex-0/policy.onnx
@@ -79,6 +79,7 @@ class RunCommand:
     def run(self) -> int:
         """Tick until the end, then say how it went."""
         from reflexarc_runtime.controller import Controller
+        from reflexarc_runtime.guard import asks_the_input
         from reflexarc_runtime.messages.topics import RUNTIME_NODE
         from reflexarc_runtime.sensing.senses import sense_for
 
@@ -88,7 +89,7 @@ class RunCommand:
             aside.print(f"reflexarc run: {note}", soft_wrap=True)
         guard = self.guarding.guard_for(policy.contract)
         eye, settings = policy.contract.retina, self.sensing.settings
-        sense = sense_for(self.input, eye, settings, guarded=guard is not None)
+        sense = sense_for(self.input, eye, settings, guarded=asks_the_input(guard))
         identity = policy.policy_hash
         controller = Controller(policy, policy.contract, sense, identity, guard=guard)
         run_id = uuid.uuid4().hex
@@ -115,6 +116,7 @@ class RunCommand:
 
     def _check_flags(self) -> None:
         self.watching.check()
+        self.guarding.check(self.input, lockstep=self.lockstep)
         if self.ticks is not None and self.ticks < 1:
             raise UsageError(f"--ticks: expected 1 or more, got {self.ticks}")
         if not 0 <= self.fifo <= 99:
@@ -144,7 +146,8 @@ class RunCommand:
             self._wait_for_body(command, stop)
         came = Arrival(inbox.put)
         bus.subscribe([controller.sense.topic], came.hear)
-        bus.subscribe([STOP, RESET], inbox.put)
+        ranges = [topic for topic in (controller.ranges_topic,) if topic is not None]
+        bus.subscribe([*ranges, STOP, RESET], inbox.put)
         robot, lockstep = self.joining.robot, self.lockstep
         watching = self.watching.watch(
             bus, inbox, policy, robot=robot, run_id=run_id, lockstep=lockstep

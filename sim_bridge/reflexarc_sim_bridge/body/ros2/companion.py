@@ -113,7 +113,7 @@ class Companion:
         self._period_ns = watched.period_ns
         self._silence = BridgeSilence(watched.period_ns)
         self._now_ns = now_ns
-        self._speaks = False
+        self._speaks = self._overslept = False
         bus.subscribe_to_key(watched.command_key, self.hear)
 
     @property
@@ -134,7 +134,7 @@ class Companion:
         """Watch until the bridge says farewell, or is gone and the robot was told to stand."""
         is_gone = False
         while not is_gone or self._silence.must_speak(self._now_ns(), is_gone):
-            look_ns = self._silence.look_ns(self._now_ns())
+            look_ns = self._next_look_ns()
             said = None if is_gone else door.wait(look_ns)
             if said == FAREWELL:
                 return
@@ -143,10 +143,17 @@ class Companion:
             if is_gone:
                 door.wait(self._now_ns() + self._period_ns)
 
+    def _next_look_ns(self) -> int:
+        """When to look; soon after an oversleep, as the bridge may be silent for longer already."""
+        now_ns = self._now_ns()
+        return now_ns + self._period_ns // 4 if self._overslept else self._silence.look_ns(now_ns)
+
     def _look(self, planned_ns: int, is_gone: bool) -> None:
         """Say standstill if the bridge does not speak."""
-        if self._now_ns() - planned_ns > self._period_ns and not is_gone:
-            return  # it overslept itself: what the bridge said meanwhile may still be on its way
+        late_ns = self._now_ns() - planned_ns
+        self._overslept = late_ns > self._period_ns and not is_gone and not self._overslept
+        if self._overslept:
+            return  # what the bridge said meanwhile may still be on its way
         must_speak = self._silence.must_speak(self._now_ns(), is_gone)
         if must_speak:
             self._twists.send(STANDSTILL, self._now_ns())

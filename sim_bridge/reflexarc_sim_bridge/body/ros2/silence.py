@@ -42,8 +42,9 @@ class BridgeSilence:
         return is_gone or now_ns - self.heard_ns >= PERIODS * self.period_ns
 
     def look_ns(self, now_ns: int) -> int:
-        """When to look again: when the next silence would begin, or in a period."""
-        soon_ns = now_ns + self.period_ns
-        if self.heard_ns is None:
-            return soon_ns
-        return max(soon_ns, self.heard_ns + PERIODS * self.period_ns)
+        """When to look again: when the next silence would begin; in one already, in a period."""
+        if self.heard_ns is not None:
+            silent_ns = self.heard_ns + PERIODS * self.period_ns
+            if silent_ns > now_ns:  # not a period later: that would be a third one in silence
+                return silent_ns
+        return now_ns + self.period_ns

@@ -4,6 +4,8 @@ from collections.abc import Callable
 from itertools import pairwise
 from typing import Any
 
+import pytest
+
 from reflexarc_runtime.config.fill import fill
 from reflexarc_runtime.config.source import MappingSource
 from reflexarc_runtime.loop.clock import ManualClock
@@ -22,15 +24,21 @@ Event = tuple[float, Callable[[], bytes | None]]
 
 
 class Play:
-    """A bridge on a manual clock: at given times it says a twist, a farewell, or ends."""
+    """A bridge on a manual clock: at given times it says a twist, a farewell, or ends.
 
-    def __init__(self, oversleeps_ms: float = 0.0) -> None:
+    Args:
+        oversleeps_ms: how much later than asked its companion is woken.
+        every: at the first, and then at every so-manieth waiting.
+    """
+
+    def __init__(self, oversleeps_ms: float = 0.0, every: int = 1) -> None:
         self.clock = ManualClock()
         bus: Any = FakeBus()
         self.companion = Companion(bus, WATCHED, self.clock.now_ns)
         self._said = bus.publishers["cmd_vel"]
         self._events: list[Event] = []
-        self._oversleeps_ms = oversleeps_ms
+        self._oversleeps_ms, self._every = oversleeps_ms, every
+        self._waited = 0
         self.spoken_ms: list[float] = []
 
     def twist(self, time_ms: float, motion: Motion = GO, sender: bytes = BODY) -> "Play":
@@ -68,7 +76,9 @@ class Play:
             said = act()
             if said is not None:
                 return said
-        self.clock.sleep_until_ns(until_ns + round(self._oversleeps_ms * MS))
+        late_ms = 0.0 if self._waited % self._every else self._oversleeps_ms
+        self._waited += 1
+        self.clock.sleep_until_ns(until_ns + round(late_ms * MS))
         return None
 
     def _note(self) -> None:
@@ -124,7 +134,19 @@ def test_others_alone_are_none_of_its_business():
 
 
 def test_who_overslept_first_listens_to_what_was_said_meanwhile():
-    assert Play(oversleeps_ms=200.0).twists(0, 3000).run(3001) == []
+    assert Play(oversleeps_ms=200.0, every=2).twists(0, 3000).run(3001) == []
+
+
+@pytest.mark.parametrize("every", [1, 2, 3])
+def test_an_oversleep_delays_its_word_by_no_more_than_itself_and_a_quarter_period(every: int):
+    spoken_ms = Play(oversleeps_ms=30.0, every=every).twists(0, 1000).run(5000)
+    woken_twice_ms = 30.0 if every == 1 else 0.0
+    assert spoken_ms[0] <= 1000 + 40 + 30 + 5 + woken_twice_ms
+
+
+def test_one_that_is_always_woken_too_late_speaks_nevertheless():
+    spoken_ms = Play(oversleeps_ms=200.0).twists(0, 1000).run(5000)
+    assert len(spoken_ms) > 3
 
 
 def test_the_pipe_tells_nothing_from_a_word_and_from_its_end():

@@ -45,5 +45,6 @@ def test_a_bridge_that_speaks_again_is_watched_again():
 
 def test_the_next_look_is_when_a_silence_would_begin_and_then_every_period():
     assert DRIVING.look_ns(110 * MS) == 140 * MS
+    assert DRIVING.look_ns(139 * MS) == 140 * MS
     assert DRIVING.look_ns(140 * MS) == 160 * MS
     assert NEW.look_ns(0) == PERIOD_NS

@@ -1,0 +1,25 @@
+"""From a scan as it came to one in the robot's frame, by the standard of ranges."""
+
+import math
+
+import numpy as np
+from foxglove_schemas_protobuf.LaserScan_pb2 import LaserScan
+
+from reflexarc_runtime.sensing.mounting import mount_of, mounted, without
+from reflexarc_runtime.sensing.scan import Scan, UnusableScanError
+from reflexarc_runtime.sensing.sense_settings import SenseSettings
+
+
+def read_scan(scan: LaserScan, settings: SenseSettings) -> Scan:
+    """A scan in the robot's frame: turned as its scanner sits, and read as its driver means it.
+
+    Raises:
+        UnusableScanError: angles or a pose that are none, or ranges that contradict the settings.
+    """
+    if not (math.isfinite(scan.start_angle) and math.isfinite(scan.end_angle)):
+        raise UnusableScanError("expected finite angles")
+    meaning = settings.meaning
+    start_rad, end_rad = meaning.radians(scan.start_angle), meaning.radians(scan.end_angle)
+    own = Scan(start_rad, end_rad, meaning.read(np.array(scan.ranges, np.float64)))
+    mount = mount_of(scan.pose) if settings.mount is None else settings.mount
+    return without(mounted(own, mount), settings.ignored)

@@ -1,0 +1,59 @@
+import logging
+
+import pytest
+
+from reflexarc_runtime.loop.flood_notice import FloodNotice
+from reflexarc_runtime.loop.inbox import Inbox
+from reflexarc_runtime.messages.topics import COMMAND, RETINA, STOP, Topic
+from reflexarc_runtime.messages.wire import Message
+
+
+def message(topic: Topic, number: int = 0, size: int = 0) -> Message:
+    return Message(topic.key("robot0"), bytes(size), str(number), b"", number)
+
+
+def drained(inbox: Inbox) -> tuple[Message, ...]:
+    return inbox.drain(lambda: 10**9)[0]
+
+
+def test_a_flood_of_inputs_does_not_push_a_stop_out():
+    inbox = Inbox(capacity=8)
+    inbox.put(message(STOP))
+    for number in range(100):
+        inbox.put(message(RETINA, number))
+    kept = drained(inbox)
+    assert [m.key for m in kept] == ["robot0/stop"] + 7 * ["robot0/retina"]
+    assert [m.encoding for m in kept[1:]] == [str(n) for n in range(93, 100)]  # the newest
+    assert inbox.overflows == 93
+
+
+def test_a_flood_of_stops_leaves_the_newest():
+    inbox = Inbox(capacity=8)
+    for number in range(20):
+        inbox.put(message(STOP, number))
+    assert [m.encoding for m in drained(inbox)] == [str(n) for n in range(12, 20)]
+
+
+def test_its_bytes_are_bounded_and_free_again_when_they_are_taken():
+    inbox = Inbox(capacity_bytes=1000)
+    for _ in range(2):
+        for number in range(50):
+            inbox.put(message(COMMAND, number, 300))
+        assert sum(len(m.payload) for m in drained(inbox)) == 900
+    assert inbox.overflows == 94
+    for number in range(3):
+        inbox.put(message(COMMAND, number, 300))
+        assert inbox.take(0.0) is not None
+    inbox.put(message(COMMAND, 1, 1000))
+    assert len(drained(inbox)) == 1
+
+
+def test_a_flood_is_said_once_and_again_only_when_it_goes_on(caplog: pytest.LogCaptureFixture):
+    notice = FloodNotice("the body of robot0")
+    with caplog.at_level(logging.WARNING):
+        for overflows in (0, 5, 5, 9):
+            notice.look(overflows)
+    assert [record.getMessage() for record in caplog.records] == [
+        "the body of robot0: flooded: 5 messages dropped since the last notice, 5 in all",
+        "the body of robot0: flooded: 4 messages dropped since the last notice, 9 in all",
+    ]
