@@ -100,7 +100,7 @@ def test_ranges_are_as_old_as_their_scan_whenever_the_retina_came():
         ({"payload": LaserScan(ranges=[1.0]).SerializeToString()}, "1 beams"),
         (
             {"payload": LaserScan(end_angle=math.nan, ranges=[1.0] * 9).SerializeToString()},
-            "to nan rad",
+            "finite angles",
         ),
         ({"payload": LaserScan(end_angle=7.5, ranges=[1.0] * 9).SerializeToString()}, "to 7.5"),
         ({"payload": LaserScan(end_angle=-1.0, ranges=[1.0] * 9).SerializeToString()}, "to -1"),

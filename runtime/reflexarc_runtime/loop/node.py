@@ -12,8 +12,8 @@ from reflexarc_runtime.controller_state import Inputs, State
 from reflexarc_runtime.decision import Decision, Timing, Verdict, safe_command
 from reflexarc_runtime.errors import DecisionEndedError
 from reflexarc_runtime.keyframe import Keyframe
-from reflexarc_runtime.loop.flood_notice import FloodNotice
 from reflexarc_runtime.loop.monitor import Monitor, Summary
+from reflexarc_runtime.loop.notices.flood_notice import FloodNotice
 from reflexarc_runtime.loop.outlets import Outlets
 from reflexarc_runtime.loop.pacer import Pacer, Wakeup
 from reflexarc_runtime.loop.sink import NoSink, Sink

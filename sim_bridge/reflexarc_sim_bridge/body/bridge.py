@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
-from reflexarc_runtime.loop.flood_notice import FloodNotice
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.lockstep import await_command, wait_for_runtime
+from reflexarc_runtime.loop.notices.flood_notice import FloodNotice
 from reflexarc_runtime.loop.pacer import RatePacer
 from reflexarc_runtime.loop.throttle import Throttle
 from reflexarc_runtime.messages.body_info import encode_body

@@ -2,8 +2,8 @@ import logging
 
 import pytest
 
-from reflexarc_runtime.loop.flood_notice import FloodNotice
 from reflexarc_runtime.loop.inbox import Inbox
+from reflexarc_runtime.loop.notices.flood_notice import FloodNotice
 from reflexarc_runtime.messages.topics import COMMAND, RETINA, STOP, Topic
 from reflexarc_runtime.messages.wire import Message
 

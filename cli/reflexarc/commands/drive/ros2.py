@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from reflexarc_sim_bridge.body.latch import StopLatch
     from reflexarc_sim_bridge.body.ros2.bridge import RosBridgeReport, Route
     from reflexarc_sim_bridge.body.ros2.companion_link import CompanionLink
-    from reflexarc_sim_bridge.body.ros2.messages import Scanner
+    from reflexarc_sim_bridge.body.ros2.messages import RosScanner
 
 MAX_RATE_HZ = 1000.0
 SILENCE_S = 0.2
@@ -105,12 +105,12 @@ class Ros2Command:
                 )
         return route
 
-    def _scanner(self) -> "Scanner":
+    def _scanner(self) -> "RosScanner":
         from reflexarc_runtime.sensing.mounting import CENTRED
-        from reflexarc_sim_bridge.body.ros2.messages import Scanner
+        from reflexarc_sim_bridge.body.ros2.messages import RosScanner
 
         flags = self.scanner
-        return Scanner(flags.meaning, flags.known_mount or CENTRED, flags.ignored)
+        return RosScanner(flags.meaning, flags.known_mount or CENTRED, flags.ignored)
 
     def _serve(
         self, bus: "Bus", route: "Route", settings: "GateSettings", stop: StopFlag

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from reflexarc_runtime.loop.inbox import Inbox
     from reflexarc_runtime.loop.monitor import Summary
     from reflexarc_runtime.loop.node import Node
-    from reflexarc_runtime.loop.notices import Notices
+    from reflexarc_runtime.loop.notices.input_notices import Notices
     from reflexarc_runtime.loop.outlets import Outlets
     from reflexarc_runtime.loop.pacer import Pacer
     from reflexarc_runtime.loop.sink import Sink
@@ -134,7 +134,7 @@ class RunCommand:
         from reflexarc.wiring.waiting import Arrival, Waiting, Wish
         from reflexarc_runtime.loop import realtime
         from reflexarc_runtime.loop.inbox import Inbox
-        from reflexarc_runtime.loop.notices import Notices
+        from reflexarc_runtime.loop.notices.input_notices import Notices
         from reflexarc_runtime.loop.outlets import Outlets
         from reflexarc_runtime.messages.topics import COMMAND, RESET, STATUS, STOP, TICK
 

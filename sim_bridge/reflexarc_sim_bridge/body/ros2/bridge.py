@@ -33,7 +33,7 @@ from reflexarc_sim_bridge.body.gate.gate import HEARD, Gate, GateSettings, encod
 from reflexarc_sim_bridge.body.latch import StopLatch
 from reflexarc_sim_bridge.body.ros2.command_relay import CommandRelay
 from reflexarc_sim_bridge.body.ros2.key_expressions import LASER_SCAN, TWIST, TWIST_STAMPED, RosType
-from reflexarc_sim_bridge.body.ros2.messages import STANDARD, Scanner
+from reflexarc_sim_bridge.body.ros2.messages import STANDARD, RosScanner
 from reflexarc_sim_bridge.body.ros2.scan_relay import ScanRelay
 from reflexarc_sim_bridge.body.ros2.turns import Turns
 from reflexarc_sim_bridge.body.ros2.twists import CDR, TwistPublisher
@@ -61,7 +61,7 @@ class Route:
     """Full name of the topic that the robot drives by."""
     stamped: bool = False
     """Whether that one takes `geometry_msgs/TwistStamped`, or `Twist`."""
-    scanner: Scanner = STANDARD
+    scanner: RosScanner = STANDARD
     """What is known of the scanner beside what its messages say."""
 
     @property

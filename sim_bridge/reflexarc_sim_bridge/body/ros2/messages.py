@@ -52,7 +52,7 @@ class RosScan:
 
 
 @dataclass(frozen=True)
-class Scanner:
+class RosScanner:
     """What is known of a robot's scanner beside what its messages say."""
 
     meaning: RangeMeaning = field(default_factory=RangeMeaning)
@@ -63,11 +63,11 @@ class Scanner:
     """Sectors in which it sees its own robot, as seen from the scanner, in the robot's axes."""
 
 
-STANDARD = Scanner()
+STANDARD = RosScanner()
 """A scanner after the standard, in the middle of its robot."""
 
 
-def decode_scan(payload: bytes, scanner: Scanner = STANDARD) -> RosScan:
+def decode_scan(payload: bytes, scanner: RosScanner = STANDARD) -> RosScan:
     """Read `sensor_msgs/LaserScan`.
 
     Args:
@@ -158,7 +158,7 @@ def _sweep(message: Any, meaning: RangeMeaning) -> Scan:
     return Scan(start_rad, last_rad, ranges_m)
 
 
-def _own_parts_left_out(scan: Scan, scanner: Scanner) -> Scan:
+def _own_parts_left_out(scan: Scan, scanner: RosScanner) -> Scan:
     """The scan, still in the scanner's frame, without what it sees of its own robot."""
     if not scanner.ignored:
         return scan

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from reflexarc_runtime.messages.wire import Message
 from reflexarc_sim_bridge.body.ros2.messages import (
     STANDARD,
-    Scanner,
+    RosScanner,
     UnusableMessageError,
     decode_scan,
     encode_scan,
@@ -30,7 +30,7 @@ class ScanRelay:
         scanner: what is known of the robot's scanner.
     """
 
-    def __init__(self, publisher: "Publisher", scanner: Scanner = STANDARD) -> None:
+    def __init__(self, publisher: "Publisher", scanner: RosScanner = STANDARD) -> None:
         self._publisher, self._scanner = publisher, scanner
         self.scans = 0
         self.refused: Counter[str] = Counter()

@@ -7,8 +7,8 @@ import pytest
 
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.decision import Command, Decision, Input, Verdict
-from reflexarc_runtime.loop.notices import Notices
-from reflexarc_runtime.loop.sensor_period import SensorPeriod, misfit
+from reflexarc_runtime.loop.notices.input_notices import Notices
+from reflexarc_runtime.loop.notices.sensor_period import SensorPeriod, misfit
 from support.processes import wait_until
 
 CONTRACT = PolicyContract()

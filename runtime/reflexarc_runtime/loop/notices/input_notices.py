@@ -9,7 +9,7 @@ from typing import Self
 
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.decision import Decision, Verdict
-from reflexarc_runtime.loop.sensor_period import SensorPeriod, misfit
+from reflexarc_runtime.loop.notices.sensor_period import SensorPeriod, misfit
 
 TOLD = (Verdict.INVALID_INPUT, Verdict.TWO_SOURCES)
 """Verdicts whose reasons a person should read."""
