@@ -14,6 +14,7 @@ from reflexarc_runtime.bus_config import BusConfig
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.messages.codec import encode_retina
 from reflexarc_runtime.messages.topics import RETINA, STATUS
+from reflexarc_runtime.messages.wire import MAX_SEQUENCE, Stamp, pack_stamp, protobuf_encoding
 from reflexarc_runtime.messages_pb2 import Status
 from support.plain_body import plain_body
 from support.processes import Process, started, wait_until
@@ -90,6 +91,27 @@ def a_stranger_shows_retinas(stage: Stage) -> Iterator[Outcome]:
                     yield _shown_as_the_body(scene, stranger)
 
 
+def a_retina_of_a_time_to_come(stage: Stage) -> Iterator[Outcome]:
+    """One retina under the body's identifier, newer than all that the body will ever send."""
+    with stage.driving() as scene:
+        seen, verdicts = scene.seen, _verdicts(scene)
+        with Bus(BusConfig("robot0", scene.port), time.monotonic_ns, seen.body) as stranger:
+            forged = Stamp(MAX_SEQUENCE, 2**62, seen.body)
+            _Retinas(stranger).forge(forged)
+            wait_until(lambda: _is_told(seen, pb.STALE_INPUT), "a pause", 10.0)
+            begin_s, begun_m = time.monotonic(), seen.way_m
+            wait_until(lambda: _is_told(seen, pb.OK), "a drive", 10.0)
+            pause_s, rolled_m = time.monotonic() - begin_s, seen.way_m - begun_m
+            time.sleep(1.0)
+    yield Outcome(
+        "one retina under the body's identifier, of the year 2116",
+        "sequence 2³² − 1, time 2⁶² ns",
+        rolled_m,
+        f"a pause of {pause_s:.1f} s at most, then on; {_most(verdicts)}; {counts(seen.refused)}",
+        held_if(rolled_m < 0.3),
+    )
+
+
 def a_lone_stranger(stage: Stage) -> Iterator[Outcome]:
     """To a runtime, whoever sends proper retinas is a body; nothing that moves obeys its echo."""
     port, folder = stage.place()
@@ -164,6 +186,12 @@ class _Retinas:
         self._publisher = bus.publisher(RETINA)
         wait_until(lambda: self._publisher.has_listener, "a listener")
 
+    def forge(self, stamp: Stamp) -> None:
+        """One, whose attachment says what it likes."""
+        spec = PolicyContract().retina
+        payload = encode_retina(np.zeros(spec.shape, np.uint8), spec, stamp.time_ns, "robot0")
+        self._publisher.put_raw(payload, pack_stamp(stamp), protobuf_encoding(RETINA.schema))
+
     def show(self, count: int) -> None:
         spec = PolicyContract().retina
         for _ in range(count):
@@ -195,4 +223,11 @@ def _lease(scene: Scene) -> tuple[bytes, int]:
     return scene.seen.lease.holder, scene.seen.lease.epoch
 
 
-ATTACKS = (two_runtimes, two_bodies, a_log_played, a_stranger_shows_retinas, a_lone_stranger)
+ATTACKS = (
+    two_runtimes,
+    two_bodies,
+    a_log_played,
+    a_stranger_shows_retinas,
+    a_retina_of_a_time_to_come,
+    a_lone_stranger,
+)

@@ -1,13 +1,15 @@
 """A stranger's commands to a robot that a runtime drives ahead: can it drive it back?"""
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from threading import Thread
 
 from campaigns.attacks.lies import Lie, Spoken, anonymous, command
 from campaigns.attacks.outcome import Outcome, counts, held_if, known_if
 from campaigns.attacks.stage import Scene, Stage
 from campaigns.attacks.strangers import put, settle
 from reflexarc_runtime import messages_pb2 as pb
+from reflexarc_runtime.bus import Publisher
 from reflexarc_runtime.messages.topics import COMMAND, RELEASE
 from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp
 
@@ -25,16 +27,18 @@ def at_500_hz(stage: Stage) -> Iterator[Outcome]:
     }
     with stage.driving() as scene:
         for name, lie in floods.items():
-            before, holder = scene.seen.refused, scene.seen.lease.holder
+            before, lease = scene.seen.refused, scene.seen.lease
             back_m, ahead_m, sent = _flood(scene, lie)
-            kept = scene.seen.lease.holder == holder
+            # On a busy machine a runtime is silent for 100 ms, and then the lease is free for all.
+            silent = scene.seen.lease.epoch - lease.epoch
+            said = f"its epoch grew by {silent}, as the runtime was silent" if silent else "held"
             yield Outcome(
                 f"a runtime drives; a stranger's commands, {name}",
                 f"{sent} in {FLOOD_S:g} s",
                 back_m,
-                f"{ahead_m:.2f} m ahead meanwhile; {'the same' if kept else 'another'} holder; "
+                f"{ahead_m:.2f} m ahead meanwhile; the lease: {said}; "
                 f"{counts(scene.seen.refused, before)}",
-                held_if(back_m == 0.0 and kept and ahead_m > 0.7 * FLOOD_S),
+                known_if(back_m > 0.0) if silent else held_if(back_m == 0.0 and ahead_m > 1.0),
             )
 
 
@@ -50,6 +54,35 @@ def impersonated(stage: Stage) -> Iterator[Outcome]:
             f"{ahead_m:.2f} m ahead meanwhile; {scene.seen.lease.state}",
             known_if(back_m > 0.0),
         )
+
+
+def squatted(stage: Stage) -> Iterator[Outcome]:
+    """A stranger who got the lease first, by safe commands: the robot stands, and says why."""
+    with stage.standing() as scene:
+        publisher, ended = scene.seen.publisher(COMMAND), time.monotonic() + 60.0
+        stranger = Thread(target=lambda: _hold(publisher, lambda: time.monotonic() > ended))
+        stranger.start()
+        scene.seen.wait_for(lambda lease: bool(lease.holder), "a holder")
+        with scene.runtime():
+            reason = "another one holds the lease"
+            scene.seen.wait_for(lambda lease: lease.refused[reason] > 100, "a runtime that waits")
+            rolled_m, said = scene.seen.way_m, counts(scene.seen.refused)
+            ended = 0.0
+            stranger.join()
+            scene.seen.wait_for(lambda lease: lease.state == "driving", "a drive")
+    yield Outcome(
+        "a stranger holds the lease first, by safe commands; a runtime comes",
+        "100 a second",
+        rolled_m,
+        f"{said}; the runtime drives once the stranger is silent",
+        held_if(rolled_m == 0.0),
+    )
+
+
+def _hold(publisher: Publisher, is_over: Callable[[], bool]) -> None:
+    while not is_over():
+        publisher.put(SAFE, 0)
+        time.sleep(0.01)
 
 
 def taken_over(stage: Stage) -> Iterator[Outcome]:
@@ -114,4 +147,4 @@ def _flood(scene: Scene, lie: Lie) -> tuple[float, float, int]:
     return back_m, ahead_m - back_m, sent
 
 
-ATTACKS = (at_500_hz, impersonated, taken_over, recorded)
+ATTACKS = (at_500_hz, impersonated, squatted, taken_over, recorded)
