@@ -27,6 +27,7 @@ from campaigns.attacks import (
     operators,
     overriding,
     posts,
+    retinas,
     strangers,
 )
 from campaigns.attacks.outcome import Held, Outcome, held_if, row, table
@@ -36,7 +37,18 @@ from support.policies import exported
 
 Attack = Callable[[Stage], Iterator[Outcome]]
 
-FAMILIES = (strangers, overriding, brains, operators, files, hangs, endings, bridge, posts)
+FAMILIES = (
+    strangers,
+    overriding,
+    brains,
+    retinas,
+    operators,
+    files,
+    hangs,
+    endings,
+    bridge,
+    posts,
+)
 
 
 def main() -> int:

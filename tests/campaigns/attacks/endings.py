@@ -25,6 +25,7 @@ from support.ros2_base import HOLDS_FOR_EVER, rolled
 from support.ros2_drives import driving
 
 MOST_M = 0.3
+SETTLED_S = 1.0
 DESCRIPTORS = (30, 45)
 """Each peer on the bus takes some: among three others 30 are too few to begin, 45 enough."""
 WATCHED_S = 2.0
@@ -138,7 +139,7 @@ def _ended(scene: Scene, loop: Process, attack: str, number: signal.Signals) -> 
     begun_m, log = scene.seen.way_m, scene.folder / "drive.mcap"
     loop.send_signal(number)
     loop.wait(30.0)
-    time.sleep(0.3)
+    time.sleep(SETTLED_S)  # a busy bus is late
     rolled_m, last = scene.seen.way_m - begun_m, scene.seen.last_command
     is_safe = last is not None and last.verdict == pb.STOPPED and not last.linear_mps
     is_whole = log.exists() and read_log(log).complete
