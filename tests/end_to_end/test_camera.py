@@ -13,7 +13,7 @@ from reflexarc_logs.replaying.replay import replay
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.eye import RetinaSpec, Shading
 from reflexarc_runtime.messages_pb2 import Status
-from support.images import bar, write_video
+from support.images import bar, write_image, write_video
 from support.policies import exported
 from support.processes import finished, said_line, started, wait_for_records
 
@@ -91,3 +91,27 @@ def test_a_video_drives_a_policy(policy: Path, port: int, tmp_path: Path):
         2,
         3,
     ] * 10
+
+
+def test_a_folder_is_shown_in_the_order_of_its_numbers_and_what_is_broken_is_counted(
+    policy: Path, port: int, tmp_path: Path
+):
+    folder, log = tmp_path / "frames", tmp_path / "drive.mcap"
+    folder.mkdir()
+    for number in range(1, 13):
+        write_image(folder / f"frame{number}.png", bar(0 if number <= 6 else 48))
+    cut = folder / "frame9.png"
+    cut.write_bytes(cut.read_bytes()[:-20])
+    (folder / "._frame1.png").write_bytes(b"left over")
+    with started("camera", folder, "--rate", 50, "--port", port, "--json") as camera:
+        said_line(camera, "waiting for a runtime")
+        with started(
+            "run", policy, "--no-guard", "--port", port, "--record", log, "--json"
+        ) as runtime:
+            assert "frame9.png is cut" in said_line(camera, "frame9")
+            account = finished(camera)
+            finished(runtime, signal.SIGINT)
+    assert account == {"retinas": 11, "undecodable": 1}
+    images = [image for _, image in read_log(log).messages("/robot0/retina", RawImage)]
+    brightest = [max(range(4), key=list(image.data).__getitem__) for image in images]
+    assert brightest == [0] * 6 + [3] * 5

@@ -1,7 +1,7 @@
 """`reflexarc run` with a fault in its loop: `python -m support.hanging_runtime FAULT run …`.
 
-A policy file cannot hold Python, so the fault is put where the loop asks its policy. It happens
-once, at the decision of a number that is long after the start.
+A policy file cannot hold Python, so the fault is put where the loop asks its policy. It begins
+at the decision of a number that is long after the start; most happen once.
 """
 
 import sys
@@ -12,7 +12,10 @@ from typing import Any
 import numpy as np
 
 from reflexarc.main import main
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.policy.onnxruntime_backend import OnnxruntimeGraph
 from reflexarc_runtime.policy.policy import LoadedPolicy
+from support.looping_policies import FOR_EVER, looping
 
 AT_DECISION = 60
 """Number of the decision in which the fault happens."""
@@ -54,13 +57,36 @@ FAULTS: dict[str, Callable[[], None]] = {
 }
 
 
-def harm(fault: Callable[[], None]) -> None:
-    """Make the policy of this process do it once."""
+def three_times_a_second() -> None:
+    """Every tick from now on is late."""
+    time.sleep(0.33)
+
+
+LASTING: dict[str, Callable[[], None]] = {"drowsy": three_times_a_second}
+"""These happen at every decision from that number on."""
+
+
+def loop_in_the_graph() -> None:
+    """From that number on, the policy's graph never returns: only its runtime can end it."""
+    endless = OnnxruntimeGraph(looping(PolicyContract(), FOR_EVER))
+    decide, asked = LoadedPolicy.decide, [0]
+
+    def looped(self: LoadedPolicy, *retinas: Any) -> Any:
+        asked[0] += 1
+        if asked[0] == AT_DECISION:
+            object.__setattr__(self, "graph", endless)
+        return decide(self, *retinas)
+
+    LoadedPolicy.decide = looped  # type: ignore[method-assign]
+
+
+def harm(fault: Callable[[], None], lasts: bool = False) -> None:
+    """Make the policy of this process do it, once or from then on."""
     decide, asked = LoadedPolicy.decide, [0]
 
     def harmed(self: LoadedPolicy, *retinas: Any) -> Any:
         asked[0] += 1
-        if asked[0] == AT_DECISION:
+        if asked[0] == AT_DECISION or (lasts and asked[0] > AT_DECISION):
             fault()
         return decide(self, *retinas)
 
@@ -68,5 +94,8 @@ def harm(fault: Callable[[], None]) -> None:
 
 
 if __name__ == "__main__":
-    harm(FAULTS[sys.argv[1]])
+    if sys.argv[1] == "graph":
+        loop_in_the_graph()
+    else:
+        harm({**FAULTS, **LASTING}[sys.argv[1]], lasts=sys.argv[1] in LASTING)
     sys.exit(main(sys.argv[2:]))

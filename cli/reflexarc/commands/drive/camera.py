@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import tyro
 
-from reflexarc.terminal.output import aside, console, facts, print_json, progress_bar
+from reflexarc.terminal.output import aside, console, facts, plain, print_json, progress_bar
 from reflexarc.terminal.signals import StopFlag
 from reflexarc.wiring.bus_flags import Joining, contract_of
 from reflexarc_runtime.contract.bounds import Bounds
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from reflexarc_sim_bridge.body.camera.sources import ImageSource
 
 MAX_RATE_HZ = 1000.0
+MAX_NOTICES = 10
 
 
 @dataclass(frozen=True)
@@ -40,11 +41,12 @@ class CameraCommand:
       reflexarc camera drive.avi --policy runs/paper/policy.onnx
       reflexarc camera 0 --right 1
       reflexarc camera "frames/*.png" --rate 10
+      reflexarc camera deep/ --bits 12
       reflexarc camera 0 --policy racer.onnx --max-speed-mps 30
     """
 
     source: tyro.conf.Positional[str]
-    """A camera's number, a video, an image, a folder of images, or a glob of them."""
+    """A camera's number or path, a video, an image, a folder of images, or a glob of them."""
     right: str | None = None
     """The right eye's source; `source` is then the left one's."""
     calibration: Path | None = None
@@ -53,6 +55,8 @@ class CameraCommand:
     """Build the eye from this policy; by default, ask the runtime on the bus."""
     rate: float | None = None
     """Images a second; by default the video's own, or the contract's. A camera may give another."""
+    bits: int | None = None
+    """Bits that the camera gives in images of 16 bits; by default the images must show it."""
     bounds: Bounds = field(default_factory=Bounds)
     joining: Joining = field(default_factory=Joining)
     json: bool = False
@@ -64,6 +68,8 @@ class CameraCommand:
 
         if self.rate is not None and not 0.0 < self.rate <= MAX_RATE_HZ:
             raise UsageError(f"--rate: expected 0 to {MAX_RATE_HZ:g} Hz, got {self.rate}")
+        if self.bits is not None and not 9 <= self.bits <= 16:
+            raise UsageError(f"--bits: expected 9 to 16, got {self.bits}")
         sources, calibration = self._sources(), self._calibration()
         with StopFlag() as stop, self.joining.bus(BODY_NODE, listens=True) as bus:
             contract = contract_of(self.policy, bus, stop, "reflexarc camera", self.bounds)
@@ -78,7 +84,10 @@ class CameraCommand:
         from reflexarc_sim_bridge.body.camera.sources import source_named
 
         names = (self.source,) if self.right is None else (self.source, self.right)
-        return tuple(source_named(name, self.rate) for name in names)
+        notices = _Notices()
+        sources = tuple(source_named(name, self.rate, self.bits, notices.say) for name in names)
+        _check_pairs(sources)
+        return sources
 
     def _calibration(self) -> "Calibration":
         from reflexarc_sim_bridge.body.camera.calibration import Calibration, read_calibration
@@ -105,7 +114,7 @@ class CameraCommand:
         bridge = CameraBridge(bus, eye, contract.retina, self.joining.robot, clock)
         moments: Iterable[Moment] = zip(*(source.frames() for source in sources), strict=False)
         totals = [source.total for source in sources if source.total is not None]
-        aside.print(f"reflexarc camera: {self.source}, {contract.retina.rays} rays")
+        aside.print(f"reflexarc camera: {plain(self.source)}, {contract.retina.rays} rays")
         if len(totals) < len(sources):  # a camera among them paces by itself
             return bridge.show(moments, stop)
         rate_hz = self.rate or sources[0].rate_hz or contract.rate_hz
@@ -114,10 +123,39 @@ class CameraCommand:
             return bridge.show(moments, stop, RatePacer(rate_hz, clock, Inbox()), progress)
 
     def _tell(self, account: "CameraBridgeReport") -> None:
+        if account.undecodable and not account.retinas:
+            raise UsageError(
+                f"{plain(self.source)}: expected images, got {account.undecodable} "
+                "of which none could be read"
+            )
         if self.json:
             print_json(account)
             return
         console.print(facts({"retinas": account.retinas, "not decoded": account.undecodable}))
+
+
+class _Notices:
+    """Says what happens to single images, as long as a person would read it."""
+
+    def __init__(self) -> None:
+        self._left = MAX_NOTICES
+
+    def say(self, line: str) -> None:
+        """One line on standard error; nothing after too many."""
+        if self._left > 0:
+            aside.print(plain(line), soft_wrap=True)
+        if self._left == 0:
+            aside.print("further such lines are left out; the end counts the images")
+        self._left -= 1
+
+
+def _check_pairs(sources: "tuple[ImageSource, ...]") -> None:
+    """Two eyes' image files must be pairs: where one is missing, all later ones are mixed up."""
+    from reflexarc_sim_bridge.body.camera.image_files import Images
+
+    totals = [source.total for source in sources if isinstance(source, Images)]
+    if len(set(totals)) > 1:
+        raise UsageError(f"--right: expected {totals[0]} images as on the left, got {totals[1]}")
 
 
 @contextmanager

@@ -1,20 +1,23 @@
-"""Sources of images: a device, a video file, or image files. Only this module imports cv2."""
+"""Sources of images: a device, a video file, or image files."""
 
-import glob
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Protocol
 
 import cv2
-import numpy as np
 
-from reflexarc_runtime.errors import UsageError, WorldError
+from reflexarc_runtime.errors import UsageError
+from reflexarc_sim_bridge.body.camera.device import device_named
 from reflexarc_sim_bridge.body.camera.eye import Image
-
-IMAGE_SUFFIXES = frozenset(
-    (".png", ".jpg", ".jpeg", ".bmp", ".ppm", ".pgm", ".tif", ".tiff", ".webp")
+from reflexarc_sim_bridge.body.camera.formats.inspect import is_image
+from reflexarc_sim_bridge.body.camera.image_files import (
+    has_image_suffix,
+    images_in,
+    images_of_folder,
+    images_of_glob,
 )
+from reflexarc_sim_bridge.body.camera.names import shown
+from reflexarc_sim_bridge.body.camera.video import video_in
 
 _GLOB_SIGNS = "*?["
 
@@ -33,134 +36,67 @@ class ImageSource(Protocol):
         ...
 
     def frames(self) -> Iterator[Image | None]:
-        """One image after another; None for one that cannot be decoded."""
+        """One image after another; None for one that cannot be read."""
         ...
 
 
-@dataclass(frozen=True)
-class Device:
-    """A camera of this machine. Iterating over its frames waits for each of them."""
+def source_named(
+    name: str,
+    wanted_hz: float | None = None,
+    bits: int | None = None,
+    say: Callable[[str], None] = lambda line: None,
+) -> ImageSource:
+    """A device by its number or path, a video file, an image, a folder of images, or a glob.
 
-    number: int
-    wanted_hz: float | None = None
-    """The rate that is asked for; the device may have another."""
-    rate_hz = None
-    total = None
-
-    def frames(self) -> Iterator[Image | None]:
-        """See `ImageSource.frames`.
-
-        Raises:
-            WorldError: the camera gives no more images.
-        """
-        capture = cv2.VideoCapture(self.number)
-        capture.set(cv2.CAP_PROP_BUFFERSIZE, 1)  # the newest image, not one from a queue
-        if self.wanted_hz is not None:
-            capture.set(cv2.CAP_PROP_FPS, self.wanted_hz)
-        try:
-            yield from _captured(capture)
-        finally:
-            capture.release()
-        raise WorldError(f"camera {self.number}: gives no more images; is it still plugged in?")
-
-
-@dataclass(frozen=True)
-class Video:
-    """A video file."""
-
-    path: Path
-    rate_hz: float | None
-    total: int
-    """As the file says; some estimate it."""
-
-    def frames(self) -> Iterator[Image | None]:
-        """See `ImageSource.frames`."""
-        capture = cv2.VideoCapture(str(self.path))
-        try:
-            yield from _captured(capture)
-        finally:
-            capture.release()
-
-
-@dataclass(frozen=True)
-class Images:
-    """Image files, in the order of their names."""
-
-    paths: tuple[Path, ...]
-    rate_hz = None
-
-    @property
-    def total(self) -> int:
-        """See `ImageSource.total`."""
-        return len(self.paths)
-
-    def frames(self) -> Iterator[Image | None]:
-        """See `ImageSource.frames`."""
-        for path in self.paths:
-            image = cv2.imread(str(path), cv2.IMREAD_COLOR)
-            yield None if image is None else _red_first(image)
-
-
-def source_named(name: str, wanted_hz: float | None = None) -> ImageSource:
-    """A device by its number, a video file, an image, a folder of images, or a glob of them.
+    Args:
+        name: of the source.
+        wanted_hz: the rate that a device is asked for.
+        bits: how many of 16 bits the camera of deep pictures gives; None: they must show it.
+        say: is told, a line each, which images are left out.
 
     Raises:
-        UsageError: none of these.
+        UsageError: none of these, or one that gives no image.
         WorldError: the device cannot be opened.
     """
     # OpenCV prints a line for every file and device that it cannot open; the errors here say it.
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
-    if name.isdecimal():
-        return _device(int(name), wanted_hz)
+    stream = _stream_named(name, wanted_hz, say)
+    if stream is None:
+        return _images_named(name, bits, say)
+    if bits is not None:
+        raise UsageError(f"--bits: expected image files, got {shown(name)}")
+    return stream
+
+
+def _stream_named(
+    name: str, wanted_hz: float | None, say: Callable[[str], None]
+) -> ImageSource | None:
+    device = device_named(name, wanted_hz)
+    if device is not None:
+        return device
+    path = Path(name)
+    if path.is_file() and not has_image_suffix(path) and not _holds_image(path):
+        return video_in(path, say)
+    return None
+
+
+def _images_named(name: str, bits: int | None, say: Callable[[str], None]) -> ImageSource:
     path = Path(name)
     if path.is_dir():
-        return _images(name, path.iterdir())
+        return images_of_folder(path, bits, say)
     if path.is_file():
-        return _images(name, [path]) if _is_image(path) else _video(path)
+        return images_in(name, [path], bits, say)
     if any(sign in name for sign in _GLOB_SIGNS):
-        return _images(name, map(Path, glob.glob(name)))
-    raise UsageError(f"{name}: expected a camera's number, a video, a folder or a glob of images")
+        return images_of_glob(name, bits, say)
+    raise UsageError(
+        f"{shown(name)}: expected a camera's number, a video, a folder or a glob of images"
+    )
 
 
-def _device(number: int, wanted_hz: float | None) -> Device:
-    """A device that opens. It is closed again, as one that is not read keeps old images."""
-    capture = cv2.VideoCapture(number)
-    opens = capture.isOpened()
-    capture.release()
-    if not opens:
-        raise WorldError(f"camera {number}: cannot be opened; is it there, and free?")
-    return Device(number, wanted_hz)
-
-
-def _images(name: str, paths: Iterable[Path]) -> Images:
-    images = tuple(sorted(path for path in paths if _is_image(path)))
-    if not images:
-        known = " ".join(sorted(IMAGE_SUFFIXES))
-        raise UsageError(f"{name}: expected images ({known}), found none")
-    return Images(images)
-
-
-def _is_image(path: Path) -> bool:
-    return path.suffix.lower() in IMAGE_SUFFIXES
-
-
-def _video(path: Path) -> Video:
-    capture = cv2.VideoCapture(str(path))
+def _holds_image(path: Path) -> bool:
+    """Whether a file of any name holds an image: FFmpeg would choose a depth for it."""
     try:
-        if not capture.isOpened():
-            raise UsageError(f"{path}: expected a video or an image, got neither")
-        rate_hz, total = capture.get(cv2.CAP_PROP_FPS), capture.get(cv2.CAP_PROP_FRAME_COUNT)
-        return Video(path, rate_hz if rate_hz > 0.0 else None, max(int(total), 0))
-    finally:
-        capture.release()
-
-
-def _captured(capture: cv2.VideoCapture) -> Iterator[Image | None]:
-    while capture.grab():
-        decoded, image = capture.retrieve()
-        yield _red_first(image) if decoded else None
-
-
-def _red_first(image: cv2.typing.MatLike) -> Image:
-    """Reverse the order of the channels: OpenCV puts blue first."""
-    return np.asarray(image[:, :, ::-1], np.uint8)
+        with path.open("rb") as file:
+            return is_image(file.read(64))
+    except OSError:
+        return False  # told where it is opened as a video

@@ -1,0 +1,1 @@
+"""What the bytes of an image file say of it, before anything is decoded."""
