@@ -44,7 +44,7 @@ class GullibleBody:
         self.x_m += self.speed_mps * STEP_S
         now_ns, spec = time.monotonic_ns(), PolicyContract().retina
         retina = np.zeros(spec.shape, np.uint8)
-        self._publishers[RETINA].put(encode_retina(retina, spec, now_ns, "robot0"), now_ns)
+        self._publishers[RETINA].put(encode_retina(retina, spec, now_ns), now_ns)
         self._publishers[POSE].put(encode_pose(BodyPose(self.x_m, 0.0), now_ns), now_ns)
         lease = pb.Lease(armed=True, state="driving" if self.speed_mps else "standing")
         self._publishers[LEASE].put(lease.SerializeToString(), now_ns)

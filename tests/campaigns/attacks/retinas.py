@@ -109,7 +109,7 @@ class _Retinas:
     def forge(self, stamp: Stamp) -> None:
         """One, whose attachment says what it likes."""
         spec = PolicyContract().retina
-        payload = encode_retina(np.zeros(spec.shape, np.uint8), spec, stamp.time_ns, "robot0")
+        payload = encode_retina(np.zeros(spec.shape, np.uint8), spec, stamp.time_ns)
         self._publisher.put_raw(payload, pack_stamp(stamp), protobuf_encoding(RETINA.schema))
 
     def show(self, count: int) -> None:
@@ -117,7 +117,7 @@ class _Retinas:
         for _ in range(count):
             now_ns = time.monotonic_ns()
             bright = np.full(spec.shape, 200, np.uint8)
-            self._publisher.put(encode_retina(bright, spec, now_ns, "robot0"), now_ns)
+            self._publisher.put(encode_retina(bright, spec, now_ns), now_ns)
             time.sleep(0.02)
 
 
