@@ -21,6 +21,10 @@ def test_nothing_was_taken_out_of_the_museum():
     assert [name(path) for path in (*LOGS, *POLICIES)] == [
         "rules-2/faults.mcap",
         "rules-2/nominal.mcap",
+        "rules-3/drive.mcap",
+        "rules-3/faults.mcap",
+        "rules-3/guarded-scan.mcap",
+        "rules-3/nominal.mcap",
         "schema-1/nominal.mcap",
         "schema-2/binocular-onnxruntime.mcap",
         "schema-2/drive.mcap",
@@ -43,7 +47,8 @@ def test_an_old_log_replays_identically(path: Path):
     levels = ["policy"] if path.stem == "listener" else ["policy", "node"]
     assert [level.level for level in report.levels] == levels
     assert all(level.compared > 0 for level in report.levels)
-    assert read_log(path).run.rules == (2 if path.parent.name == "rules-2" else 1)
+    kind, _, version = path.parent.name.partition("-")
+    assert read_log(path).run.rules == (int(version) if kind == "rules" else 1)
 
 
 @pytest.mark.parametrize("path", POLICIES, ids=name)
