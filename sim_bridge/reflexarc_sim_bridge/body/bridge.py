@@ -41,7 +41,9 @@ from reflexarc_sim_bridge.body.faults.delayed_sender import DelayedSender
 from reflexarc_sim_bridge.body.faults.faulty_stream import Sending
 from reflexarc_sim_bridge.body.faults.script import FaultScript
 from reflexarc_sim_bridge.body.foxglove_messages import encode_pose, encode_scene, encode_transform
-from reflexarc_sim_bridge.body.gate.gate import HEARD, Account, Gate, GateSettings, encode_lease
+from reflexarc_sim_bridge.body.gate.account import SAID_EVERY_NS, Account, encode_lease
+from reflexarc_sim_bridge.body.gate.gate import HEARD, Gate
+from reflexarc_sim_bridge.body.gate.settings import GateSettings
 from reflexarc_sim_bridge.body.latch import StopLatch
 
 if TYPE_CHECKING:
@@ -59,18 +61,22 @@ class Journey:
     distance_m: float
 
 
-def gate_settings(body: Body, *, auto_arm: bool, lockstep: bool = False) -> GateSettings:
+def gate_settings(
+    body: Body, *, auto_arm: bool, hold_to_run: bool = False, lockstep: bool = False
+) -> GateSettings:
     """What a simulated body decides for itself: by its world, and by the eye that it was built for.
 
     Args:
         body: the robot.
         auto_arm: whether it is armed without being asked.
+        hold_to_run: whether only a held button arms it.
         lockstep: whether time is counted in steps.
     """
     return GateSettings(
         max_input_age_s=body.contract.max_input_age_s,
         limits=body.limits,
         auto_arm=auto_arm,
+        hold_to_run=hold_to_run,
         lockstep=lockstep,
         safe=body.safe,
     )
@@ -112,7 +118,8 @@ class StatePublisher:
         self._info = encode_body(body.info)
         self._steps = 0
         self._every_second = Throttle()
-        self._said_lease: tuple[bytes, int, bool, str] | None = None
+        self._lease_period = Throttle(SAID_EVERY_NS)
+        self._said_lease: object = None
 
     def has_listener(self, topic: Topic) -> bool:
         """Whether anyone listens to a topic."""
@@ -135,11 +142,10 @@ class StatePublisher:
             payload = encode_contact(self._body.contacts, contact.x_m, contact.y_m, now_ns)
             self._publishers[CONTACT].put(payload, now_ns)
         self._steps += 1
-        is_due = self._every_second.is_due(now_ns)
-        if is_due or account.news != self._said_lease:
+        if self._lease_period.is_due(now_ns) or account.news != self._said_lease:
             self._said_lease = account.news
             self._publishers[LEASE].put(encode_lease(account), now_ns)
-        if is_due:
+        if self._every_second.is_due(now_ns):
             self._publish_every_second(account, now_ns)
 
     def _publish_every_second(self, account: Account, now_ns: int) -> None:

@@ -13,7 +13,7 @@ from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:
     from reflexarc_runtime.bus import Bus
-    from reflexarc_sim_bridge.body.gate.gate import GateSettings
+    from reflexarc_sim_bridge.body.gate.settings import GateSettings
     from reflexarc_sim_bridge.body.latch import StopLatch
     from reflexarc_sim_bridge.body.ros2.bridge import RosBridgeReport, Route
     from reflexarc_sim_bridge.body.ros2.companion_link import CompanionLink
@@ -55,6 +55,8 @@ class Ros2Command:
     robot_limits: LimitFlags = field(default_factory=LimitFlags)
     auto_arm: bool = False
     """Drive as soon as a runtime says so, without `reflexarc arm`."""
+    hold_to_run: bool = False
+    """Drive only while somebody holds a button: `reflexarc arm --hold`."""
     no_companion: bool = False
     """Go without the process that stops the robot if this one is killed or hangs."""
     state: Path = Path("runs")
@@ -74,9 +76,10 @@ class Ros2Command:
         return 0
 
     def _settings(self) -> "GateSettings":
-        from reflexarc_sim_bridge.body.gate.gate import GateSettings
+        from reflexarc_sim_bridge.body.gate.settings import GateSettings
 
-        return GateSettings(SILENCE_S, self.robot_limits.body_limits(), self.auto_arm)
+        limits = self.robot_limits.body_limits()
+        return GateSettings(SILENCE_S, limits, self.auto_arm, self.hold_to_run)
 
     def _route(self) -> "Route":
         from reflexarc_runtime.messages.topics import COMMAND, SCAN

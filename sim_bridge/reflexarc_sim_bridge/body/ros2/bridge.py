@@ -29,7 +29,9 @@ from reflexarc_runtime.messages.topics import (
     Quality,
 )
 from reflexarc_runtime.messages.wire import Message
-from reflexarc_sim_bridge.body.gate.gate import HEARD, Gate, GateSettings, encode_lease
+from reflexarc_sim_bridge.body.gate.account import SAID_EVERY_NS, encode_lease
+from reflexarc_sim_bridge.body.gate.gate import HEARD, Gate
+from reflexarc_sim_bridge.body.gate.settings import GateSettings
 from reflexarc_sim_bridge.body.latch import StopLatch
 from reflexarc_sim_bridge.body.ros2.command_relay import CommandRelay
 from reflexarc_sim_bridge.body.ros2.key_expressions import LASER_SCAN, TWIST, TWIST_STAMPED, RosType
@@ -186,7 +188,7 @@ def _wake(now_ns: int) -> Message:
 
 
 class _Speaker:
-    """Says on our bus whom the robot obeys: at once when it changes, all of it once a second."""
+    """Says on our bus whom the robot obeys: at once when it changes, all of it again and again."""
 
     def __init__(self, bus: "Bus", settings: GateSettings, watcher: Watcher | None) -> None:
         self._status, self._info = bus.publisher(STATUS), bus.publisher(BODY)
@@ -194,17 +196,16 @@ class _Speaker:
         self._body = encode_body(BodyInfo(limits=settings.limits))
         self._watcher = watcher
         self._unwatched_s = 0
-        self._every_second = Throttle()
+        self._every_second, self._lease_period = Throttle(), Throttle(SAID_EVERY_NS)
         self._news: object = None
 
     def say(self, commands: CommandRelay, now_ns: int) -> None:
         """Say what is due."""
         account = commands.account
-        is_due = self._every_second.is_due(now_ns)
-        if is_due or account.news != self._news:
+        if self._lease_period.is_due(now_ns) or account.news != self._news:
             self._lease.put(encode_lease(account), now_ns)
             self._news = account.news
-        if is_due:
+        if self._every_second.is_due(now_ns):
             self._unwatched_s += self._watcher is None or not self._watcher.is_alive()
             counts = (*account.refused, (NO_COMPANION, self._unwatched_s))
             status = Status(node=BODY_NODE, ticks=commands.twists, verdicts=counts)

@@ -9,8 +9,11 @@ from reflexarc_runtime.errors import UsageError
 from reflexarc_runtime.messages.controls import encode_stop
 from reflexarc_runtime.messages.topics import ARM, COMMAND, RELEASE, RESET, RETINA, STOP
 from reflexarc_runtime.messages.wire import NO_SENDER, Message
-from reflexarc_sim_bridge.body.gate.gate import Gate, GateSettings, Refusal, encode_lease
+from reflexarc_sim_bridge.body.gate.account import encode_lease
+from reflexarc_sim_bridge.body.gate.gate import Gate
 from reflexarc_sim_bridge.body.gate.limits import STANDSTILL, Motion
+from reflexarc_sim_bridge.body.gate.refusal import Refusal
+from reflexarc_sim_bridge.body.gate.settings import GateSettings
 from support.gates import BODY, MS, ONE, OTHER, drive, message, safe
 
 SETTINGS = GateSettings(max_input_age_s=0.1, auto_arm=True)
@@ -164,7 +167,7 @@ def test_a_stopped_or_disarmed_body_stands_even_where_its_safe_motion_moves():
     rush = Gate.closed(BODY, replace(SETTINGS, safe=Motion(3.0)))
     assert does(rush) == Motion(3.0)
     assert does(after(rush, message(STOP))) == STANDSTILL
-    assert does(replace(rush, armed=False)) == STANDSTILL
+    assert does(replace(rush, allowed=False)) == STANDSTILL
 
 
 def test_a_stop_before_the_end_of_a_body_holds_after_its_start():
@@ -215,7 +218,7 @@ def test_the_lease_says_whom_it_obeys_and_what_it_refused():
     [
         (OPEN, "waiting for a command"),
         (after(OPEN, safe()), "standing"),
-        (replace(OPEN, armed=False), "waiting for an arm"),
+        (replace(OPEN, allowed=False), "waiting for an arm"),
         (after(OPEN, message(STOP)), "stopped: waiting for a reset"),
     ],
 )

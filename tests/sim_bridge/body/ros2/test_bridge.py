@@ -9,7 +9,7 @@ from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.messages.body_info import BodyInfo, decode_body
 from reflexarc_runtime.messages.topics import ARM, STOP, topic_of
 from reflexarc_runtime.messages.wire import Message
-from reflexarc_sim_bridge.body.gate.gate import GateSettings
+from reflexarc_sim_bridge.body.gate.settings import GateSettings
 from reflexarc_sim_bridge.body.ros2.bridge import FAREWELLS, RosBridge, RosBridgeReport, Route
 from reflexarc_sim_bridge.body.ros2.turns import Turn
 from reflexarc_sim_bridge.body.ros2.wires import RmwWire, Ros2DdsWire
