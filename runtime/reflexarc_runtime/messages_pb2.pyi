@@ -194,10 +194,12 @@ class Arm(_message.Message):
     def __init__(self, reason: _Optional[str] = ...) -> None: ...
 
 class Release(_message.Message):
-    __slots__ = ("reason",)
+    __slots__ = ("reason", "own")
     REASON_FIELD_NUMBER: _ClassVar[int]
+    OWN_FIELD_NUMBER: _ClassVar[int]
     reason: str
-    def __init__(self, reason: _Optional[str] = ...) -> None: ...
+    own: bool
+    def __init__(self, reason: _Optional[str] = ..., own: bool = ...) -> None: ...
 
 class HoldToRun(_message.Message):
     __slots__ = ("held", "body", "source_time_ns", "pressed_time_ns")

@@ -7,17 +7,23 @@ events, read from its beginning.
 import math
 from collections import Counter
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 SPEEDS = tuple[float, float, float]
 STILL = (0.0, 0.0, 0.0)
 
 
+Kind = Literal[
+    "drive", "safe", "stop", "reset", "arm", "release", "give back", "hold", "let go", "look"
+]
+
+
 @dataclass(frozen=True)
 class Event:
     """One thing that was heard, or a look at what the body does."""
 
-    kind: Literal["drive", "safe", "stop", "reset", "arm", "release", "look", "hold", "let go"]
+    kind: Kind
     at_ms: int
     sender: str = "a"
     """`?`: it gave none."""
@@ -62,7 +68,10 @@ class SlowGate:
                 holder = None
             if waiting is not None and event.at_ms > freed_ms + self.silence_ms:
                 waiting = None
-            if event.kind == "release" and self.counts(event) and holder is not None:
+            is_release = event.kind == "release" or (
+                event.kind == "give back" and event.sender == holder
+            )
+            if is_release and self.counts(event) and holder is not None:
                 holder, waiting, freed_ms = None, holder, event.at_ms
             if event.kind in ("drive", "safe") and self.counts(event):
                 if holder is None and event.sender != waiting:
@@ -72,6 +81,7 @@ class SlowGate:
             found.append((holder, grants))
         return found
 
+    @cached_property
     def buttons(self) -> list[ButtonAtEvent]:
         """The button at each event."""
         found = list[ButtonAtEvent]()
@@ -132,11 +142,11 @@ class SlowGate:
 
     def armed(self, until: int) -> bool:
         """Whether it is armed after the first `until` events."""
-        return self.allowed(until) or (until > 0 and self.buttons()[until - 1].after is not None)
+        return self.allowed(until) or (until > 0 and self.buttons[until - 1].after is not None)
 
     def armed_before(self, index: int) -> bool:
         """Whether it is armed when an event comes, and no button is too old at that time."""
-        return self.allowed(index) or self.buttons()[index].before is not None
+        return self.allowed(index) or self.buttons[index].before is not None
 
     def allowed(self, until: int) -> bool:
         """Whether an arm that counted came after the last reset, or none is needed."""
@@ -171,6 +181,10 @@ class SlowGate:
                 return STILL
             if event.kind in ("reset", "release"):
                 return STILL
+            if event.kind == "give back":
+                if index and holders[index - 1][0] == event.sender and not holders[index][0]:
+                    return STILL
+                continue
             if event.sender != holders[index][0]:
                 continue
             is_mine = holders[-1] == holders[index] and event.kind == "drive"
@@ -199,5 +213,5 @@ class SlowGate:
                 counts["stopped"] += 1
             elif event.kind == "drive" and not self.armed_before(index):
                 counts["disarmed"] += 1
-        counts.update(button.refused for button in self.buttons() if button.refused)
+        counts.update(button.refused for button in self.buttons if button.refused)
         return counts

@@ -39,7 +39,12 @@ from reflexarc_sim_bridge.body.gate.account import Account
 from reflexarc_sim_bridge.body.gate.hold import Button
 from reflexarc_sim_bridge.body.gate.lease import Lease
 from reflexarc_sim_bridge.body.gate.limits import STANDSTILL, Motion, eased, slowed
-from reflexarc_sim_bridge.body.gate.reading import fault_of_operator, read_command, read_grip
+from reflexarc_sim_bridge.body.gate.reading import (
+    fault_of_operator,
+    gives_back_other,
+    read_command,
+    read_grip,
+)
 from reflexarc_sim_bridge.body.gate.refusal import Refusal
 from reflexarc_sim_bridge.body.gate.settings import GateSettings
 
@@ -211,6 +216,8 @@ class Gate:
             return self._refuse(refusal)
         if topic is RESET:
             return self._reset(now_ns)
+        if topic is RELEASE and gives_back_other(message, self.holding.holder):
+            return self
         if topic is RELEASE:
             holding = self.holding.released(now_ns, self.settings.silence_ns)
             return replace(self, holding=holding, wanted=None)

@@ -52,6 +52,11 @@ def fault_of_operator(topic: Topic, message: Message) -> Refusal | None:
     return Refusal.UNSIGNED if _sender_of(message) is None else None
 
 
+def gives_back_other(message: Message, holder: bytes) -> bool:
+    """Whether a release in order is that of a runtime's own lease, which it does not have."""
+    return pb.Release.FromString(message.payload).own and _sender_of(message) != holder
+
+
 def _sender_of(message: Message) -> bytes | None:
     try:
         sender = unpack_stamp(message.attachment).sender

@@ -6,7 +6,7 @@ import pytest
 from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.contract.body_limits import BodyLimits
 from reflexarc_runtime.errors import UsageError
-from reflexarc_runtime.messages.controls import encode_stop
+from reflexarc_runtime.messages.controls import encode_own_release, encode_stop
 from reflexarc_runtime.messages.topics import ARM, COMMAND, RELEASE, RESET, RETINA, STOP
 from reflexarc_runtime.messages.wire import NO_SENDER, Message
 from reflexarc_sim_bridge.body.gate.account import encode_lease
@@ -128,6 +128,16 @@ def test_who_gave_the_lease_back_gets_it_again_if_nobody_else_came():
     gate = after(OPEN, drive(0), message(RELEASE))
     assert after(gate, drive(100 * MS), now_ns=100 * MS).lease.lease.is_free
     assert after(gate, drive(101 * MS), now_ns=101 * MS).lease.lease.epoch == 2
+
+
+def test_whoever_gives_its_own_lease_back_gives_nobody_else_s():
+    gate = after(OPEN, drive(0))
+    own = encode_own_release("the end of the run")
+    assert does(after(gate, message(RELEASE, own, OTHER))) == AHEAD
+    assert after(gate, message(RELEASE, own, OTHER)).lease.lease.holder == ONE
+    given = after(gate, message(RELEASE, own, ONE))
+    assert does(given) == STANDSTILL
+    assert does(after(given, drive(0, OTHER))) == AHEAD
 
 
 def test_the_release_of_a_lease_that_silence_had_ended_keeps_nobody_waiting():

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from reflexarc_runtime.contract.body_limits import BodyLimits
+from reflexarc_runtime.messages.controls import encode_own_release
 from reflexarc_runtime.messages.topics import ARM, RELEASE, RESET, STOP
 from reflexarc_runtime.messages.wire import Message
 from reflexarc_sim_bridge.body.gate.gate import Gate
@@ -19,7 +20,8 @@ from support.slow_gate import Event, SlowGate
 
 SENDERS = {"a": ONE, "b": OTHER, "o": OPERATOR, "?": None}
 TOPICS = {"stop": STOP, "reset": RESET, "arm": ARM, "release": RELEASE}
-KINDS = ["drive"] * 8 + ["safe"] * 2 + ["look"] * 4 + ["hold"] * 4 + ["let go", *TOPICS]
+RARE = ["let go", "give back", *TOPICS]
+KINDS = ["drive"] * 8 + ["safe"] * 2 + ["look"] * 4 + ["hold"] * 4 + RARE
 GROUPS = {
     Refusal.OTHER_SENDER: "not the holder",
     Refusal.RELEASED: "not the holder",
@@ -66,6 +68,8 @@ def message_of(event: Event) -> Message:
             lateral_mps=lateral,
             angular_radps=angular,
         )
+    elif event.kind == "give back":
+        said = message(RELEASE, encode_own_release("the end"), sender)
     elif event.kind in ("hold", "let go"):
         said = hold(
             event.source_ms * MS,
@@ -116,7 +120,7 @@ def _refused(gate: Gate, heard: tuple[Event, ...]) -> Counter[str]:
     for reason, count in gate.lease.refused:
         if reason not in (Refusal.TOO_FAST, Refusal.NEEDS_BUTTON):
             counts[GROUPS.get(Refusal(reason), "faulty")] += count
-    told = [e for e in heard if e.kind in ("reset", "arm", "release")]
+    told = [e for e in heard if e.kind in ("reset", "arm", "release", "give back")]
     counts["faulty"] -= sum(not e.is_in_order or e.sender == "?" for e in told)
     for index, event in enumerate(heard):
         in_order = event.is_in_order and event.sender != "?"
