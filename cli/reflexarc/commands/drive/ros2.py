@@ -44,6 +44,9 @@ class Ros2Command:
     """The robot's topic of sensor_msgs/LaserScan."""
     command: str = "cmd_vel"
     """The topic that the robot drives by."""
+    odometry: str | None = None
+    """A topic of nav_msgs/Odometry: the companion need not tell a robot to stand any longer that
+    says it stands."""
     stamped: bool = False
     """Send geometry_msgs/TwistStamped in place of geometry_msgs/Twist."""
     wire: Literal["ros2dds", "rmw"] = "ros2dds"
@@ -89,10 +92,13 @@ class Ros2Command:
 
         if not 0.0 < self.rate <= MAX_RATE_HZ:
             raise UsageError(f"--rate: expected 0 to {MAX_RATE_HZ:g} Hz, got {self.rate}")
+        if self.odometry is not None and self.no_companion:
+            raise UsageError("--odometry: the companion listens to it; leave --no-companion out")
         route = Route(
             wire_named(self.wire, self.domain),
             check_topic("--topic", self.topic),
             check_topic("--command", self.command),
+            check_topic("--odometry", self.odometry) if self.odometry is not None else "",
             self.stamped,
         )
         for key in (SCAN.key(self.joining.robot), COMMAND.key(self.joining.robot)):
@@ -146,6 +152,7 @@ class Ros2Command:
             stamped=self.stamped,
             sender=bus.sender.hex(),
             period_ns=period_ns,
+            odometry_key=route.odometry_key,
         )
         return CompanionLink(watched)
 

@@ -18,12 +18,13 @@ from reflexarc_runtime.loop.clock import wall_offset_ns
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.throttle import Throttle
 from reflexarc_runtime.messages.body_info import BodyInfo, encode_body
-from reflexarc_runtime.messages.codec import Status, encode_status
+from reflexarc_runtime.messages.codec import Status, encode_status, encode_warning
 from reflexarc_runtime.messages.topics import (
     BODY,
     BODY_NODE,
     COMMAND,
     LEASE,
+    LOG,
     SCAN,
     STATUS,
     Quality,
@@ -34,7 +35,13 @@ from reflexarc_sim_bridge.body.gate.gate import HEARD, Gate
 from reflexarc_sim_bridge.body.gate.settings import GateSettings
 from reflexarc_sim_bridge.body.latch import StopLatch
 from reflexarc_sim_bridge.body.ros2.command_relay import CommandRelay
-from reflexarc_sim_bridge.body.ros2.key_expressions import LASER_SCAN, TWIST, TWIST_STAMPED, RosType
+from reflexarc_sim_bridge.body.ros2.key_expressions import (
+    LASER_SCAN,
+    ODOMETRY,
+    TWIST,
+    TWIST_STAMPED,
+    RosType,
+)
 from reflexarc_sim_bridge.body.ros2.scan_relay import ScanRelay
 from reflexarc_sim_bridge.body.ros2.turns import Turns
 from reflexarc_sim_bridge.body.ros2.twists import CDR, TwistPublisher
@@ -47,6 +54,8 @@ FAREWELLS = 10
 """Standstills at the end."""
 FAREWELL_STEP_NS = 20_000_000
 """Time between two of them; the last one leaves the bus time to send it."""
+COMPANION_LOST = "the bridge's companion has ended: nobody watches the twists"
+"""What the robot's log says when it is missed first."""
 NO_COMPANION = "nobody watches the twists"
 """Under this name the status counts the seconds without a companion."""
 
@@ -60,6 +69,8 @@ class Route:
     """Full name of the topic of `sensor_msgs/LaserScan`."""
     command: str
     """Full name of the topic that the robot drives by."""
+    odometry: str = ""
+    """Full name of the topic of `nav_msgs/Odometry`; empty: none is listened to."""
     stamped: bool = False
     """Whether that one takes `geometry_msgs/TwistStamped`, or `Twist`."""
 
@@ -77,6 +88,11 @@ class Route:
     def command_key(self) -> str:
         """Key of the commands."""
         return self.wire.key(self.command, self.command_type)
+
+    @property
+    def odometry_key(self) -> str:
+        """Key of the odometry; empty without one."""
+        return self.wire.key(self.odometry, ODOMETRY) if self.odometry else ""
 
     def tokens(self, session_id: str) -> tuple[str, ...]:
         """Liveliness tokens by which we appear in the robot's ROS graph."""
@@ -194,8 +210,10 @@ class _Speaker:
         self._status, self._info = bus.publisher(STATUS), bus.publisher(BODY)
         self._lease = bus.publisher(LEASE)
         self._body = encode_body(BodyInfo(limits=settings.limits))
+        self._log = bus.publisher(LOG)
         self._watcher = watcher
         self._unwatched_s = 0
+        self._missed = False
         self._every_second, self._lease_period = Throttle(), Throttle(SAID_EVERY_NS)
         self._news: object = None
 
@@ -206,8 +224,18 @@ class _Speaker:
             self._lease.put(encode_lease(account), now_ns)
             self._news = account.news
         if self._every_second.is_due(now_ns):
-            self._unwatched_s += self._watcher is None or not self._watcher.is_alive()
+            self._look_for_watcher(now_ns)
             counts = (*account.refused, (NO_COMPANION, self._unwatched_s))
             status = Status(node=BODY_NODE, ticks=commands.twists, verdicts=counts)
             self._status.put(encode_status(status), now_ns)
             self._info.put(self._body, now_ns)
+
+    def _look_for_watcher(self, now_ns: int) -> None:
+        """Count a second without a companion; say on our bus, too, that it was lost."""
+        watcher = self._watcher
+        if watcher is not None and watcher.is_alive():
+            return
+        self._unwatched_s += 1
+        if watcher is not None and not self._missed:
+            self._missed = True
+            self._log.put(encode_warning(COMPANION_LOST, BODY_NODE, now_ns), now_ns)
