@@ -79,14 +79,14 @@ def contract_of(
     Raises:
         ContractError: it asks for more than the bounds allow, or cannot be read.
     """
-    from reflexarc_runtime.policy.policy import load_policy
+    from reflexarc_runtime.policy.policy import load_contract
 
     if policy is not None:
-        return load_policy(policy, verify=False, bounds=bounds).contract
+        return load_contract(policy, bounds=bounds)
     aside.print(f"{who}: waiting for a runtime to say what it wants to see …")
     while not stop():
         found = bus.fetch_policy(timeout_s=ASK_S)
         if found is not None:
-            return load_policy(found, verify=False, bounds=bounds).contract
+            return load_contract(found, bounds=bounds)
         time.sleep(ASK_AGAIN_S)  # without a runtime the query returns at once
     return None

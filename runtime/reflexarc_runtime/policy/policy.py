@@ -22,6 +22,7 @@ from reflexarc_runtime.errors import PolicyError, ReflexarcError, first_line
 from reflexarc_runtime.policy.golden_check import Graph, reproduce_golden_vectors, start_of
 from reflexarc_runtime.policy.model_file import (
     check_names,
+    check_size,
     contract_text,
     parse_model,
     policy_hash,
@@ -147,14 +148,43 @@ def load_policy(
         raise type(error)(f"{where}: {error}") from None
 
 
-def _load(data: bytes, backend: Backend, verify: bool, bounds: Bounds | None) -> LoadedPolicy:
-    model = parse_model(data)
-    text = contract_text(model)
-    contract = PolicyContract.from_json(text)
+def load_contract(
+    source: Path | str | bytes, *, bounds: Bounds | None = USUAL_BOUNDS
+) -> PolicyContract:
+    """Read what a policy wants to see and may ask for; nothing of its graph is built or computed.
+
+    So a policy that hangs, or that this backend does not know, is none of a body's business.
+
+    Args:
+        source: path of the ONNX file, or its bytes.
+        bounds: see `load_policy`.
+
+    Raises:
+        PolicyError: the file is missing, too large, or is not ONNX.
+        ContractError: see `load_policy`.
+    """
+    where = "policy" if isinstance(source, bytes) else str(source)
+    data = source if isinstance(source, bytes) else read_model(Path(source))
+    try:
+        check_size(len(data))
+        return _contract_in(parse_model(data), bounds)
+    except ReflexarcError as error:
+        raise type(error)(f"{where}: {error}") from None
+
+
+def _contract_in(model: onnx.ModelProto, bounds: Bounds | None) -> PolicyContract:
+    contract = PolicyContract.from_json(contract_text(model))
     _check_reserved(contract)
     if bounds is not None:
         check_bounds(contract, bounds)
     check_names(model, contract)
+    return contract
+
+
+def _load(data: bytes, backend: Backend, verify: bool, bounds: Bounds | None) -> LoadedPolicy:
+    model = parse_model(data)
+    text = contract_text(model)
+    contract = _contract_in(model, bounds)
     graph = _build(model, data, backend)
     if verify:
         reproduce_golden_vectors(graph, contract)
