@@ -15,6 +15,8 @@ from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.messages.topics import HOLD_TO_RUN
 from reflexarc_runtime.messages.wire import unpack_stamp
 from support.processes import Process, finished, reflexarc, said_line, started, wait_until
+from support.ros2_drives import FAST_ENOUGH, bridged, stands
+from support.ros2_robot import robot
 from support.witness import Witness, body, runtime, tell, witness
 
 
@@ -161,3 +163,17 @@ def test_a_button_that_nobody_feels_ends_with_1_and_one_line(port: int):
     done = reflexarc("arm", "--hold", "--port", port, "--patience", 0.5)
     assert done.returncode == 1
     assert done.stderr == "reflexarc arm: no body of robot0 answered within 0.5 s\n"
+
+
+def test_a_robot_that_speaks_ros_drives_while_the_button_is_held(policy: Path, port: int):
+    with (
+        robot(port, "scan", "cmd_vel", stamped=False) as base,
+        started("run", policy, "--input", "scan", "--no-guard", "--port", port),
+        started("arm", "--hold", "--patience", 200, "--port", port) as button,
+        bridged(base, port, *FAST_ENOUGH, "--hold-to-run"),  # it waits until the robot drives
+    ):
+        button.kill()
+        wait_until(lambda: stands(base.told), "the robot stands", 30.0)
+        told = len(base.told)
+        wait_until(lambda: len(base.told) > told + 25, "half a second more", 30.0)
+        assert all(word.is_standstill for word in base.told[told:])
