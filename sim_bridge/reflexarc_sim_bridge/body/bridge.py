@@ -32,6 +32,7 @@ from reflexarc_runtime.messages.topics import (
     RUNTIME_NODE,
     SCENE,
     STATUS,
+    STOP,
     TRANSFORM,
     Topic,
 )
@@ -188,14 +189,16 @@ class Bridge:
         self._bus = bus
         self._body = body
         self._inbox = inbox
-        # A flood of commands must not push a stop out of a full inbox.
-        self._controls = Inbox()
+        # A flood of commands, or of anything else, must not push a stop out of a full inbox.
+        self._controls, self._stops = Inbox(), Inbox()
         self._latch = latch
         self._retinas = retinas
         self._gate = Gate.closed(bus.sender, settings, latch.stopped if latch else "")
         self._publisher = StatePublisher(bus, body, robot, retinas)
         bus.subscribe([COMMAND], inbox.put)
-        bus.subscribe([topic for topic in HEARD if topic is not COMMAND], self._controls.put)
+        bus.subscribe([STOP], self._stops.put)
+        others = [topic for topic in HEARD if topic not in (COMMAND, STOP)]
+        bus.subscribe(others, self._controls.put)
         bus.announce(BODY_NODE)
 
     def drive(
@@ -240,8 +243,10 @@ class Bridge:
         """Take what operators said, then do what the gate lets through."""
         if self._retinas is not None:
             self._gate = self._gate.renamed(self._retinas.sender)
-        for message in self._controls.drain(lambda: now_ns)[0]:
-            self._hear(now_ns, message)
+        # Stops last: of a stop and a reset in one step the stop holds.
+        for inbox in (self._controls, self._stops):
+            for message in inbox.drain(lambda: now_ns)[0]:
+                self._hear(now_ns, message)
         if self._latch is not None:
             self._latch.keep(self._gate.stopped)
         motion, self._gate = self._gate.obey(now_ns, dt_s)

@@ -12,6 +12,7 @@ be lost on the way. What ends it from outside is its companion's business (compa
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
 from reflexarc_runtime.loop.clock import wall_offset_ns
@@ -27,6 +28,7 @@ from reflexarc_runtime.messages.topics import (
     LOG,
     SCAN,
     STATUS,
+    STOP,
     Quality,
 )
 from reflexarc_runtime.messages.wire import Message
@@ -146,8 +148,8 @@ class RosBridge:
         latch: StopLatch | None = None,
     ) -> None:
         self._inbox = inbox
-        # A flood of commands must not push a stop out of a full inbox.
-        self._controls = Inbox()
+        # A flood of commands, or of anything else, must not push a stop out of a full inbox.
+        self._controls, self._stops = Inbox(), Inbox()
         self._scans = ScanRelay(bus.publisher(SCAN))
         wheel = bus.publisher_of_key(route.command_key, CDR, Quality.CONTROL)
         twists = TwistPublisher(wheel, route.stamped, wall_offset_ns)
@@ -157,7 +159,9 @@ class RosBridge:
         for token in route.tokens(bus.session_id):
             bus.announce_key(token)
         bus.subscribe([COMMAND], inbox.put)
-        bus.subscribe([topic for topic in HEARD if topic is not COMMAND], self._hear_control)
+        bus.subscribe([STOP], partial(self._hear_control, self._stops))
+        others = [topic for topic in HEARD if topic not in (COMMAND, STOP)]
+        bus.subscribe(others, partial(self._hear_control, self._controls))
         bus.subscribe_to_key(route.scan_key, self._scans.hear)
         bus.announce(BODY_NODE)
 
@@ -166,7 +170,9 @@ class RosBridge:
         try:
             while (turn := turns.wait(should_stop)) is not None:
                 controls, _ = self._controls.drain(turns.now_ns)
-                has_news = self._commands.hear((*controls, *turn.messages))
+                stops, _ = self._stops.drain(turns.now_ns)
+                # Stops behind what else was said: of a stop and a reset in one turn the stop holds.
+                has_news = self._commands.hear((*controls, *stops, *turn.messages))
                 if has_news or turn.is_due:
                     self._commands.speak(turn.now_ns)
                     turns.spoke(turn.now_ns)
@@ -187,8 +193,8 @@ class RosBridge:
             standstills=self._commands.standstills,
         )
 
-    def _hear_control(self, message: Message) -> None:
-        self._controls.put(message)
+    def _hear_control(self, inbox: Inbox, message: Message) -> None:
+        inbox.put(message)
         self._inbox.put(_wake(message.received_ns))
 
     def _take_leave(self, turns: Turns) -> None:

@@ -14,7 +14,7 @@ from reflexarc_sim_bridge.body.gate.settings import GateSettings
 from reflexarc_sim_bridge.body.ros2.bridge import FAREWELLS, RosBridge, RosBridgeReport, Route
 from reflexarc_sim_bridge.body.ros2.turns import Turn
 from reflexarc_sim_bridge.body.ros2.wires import RmwWire, Ros2DdsWire
-from support.gates import drive, message
+from support.gates import drive, hold, message
 from support.sensing import MS
 from support.spoken import FakeBus
 
@@ -91,12 +91,16 @@ def test_a_stop_wakes_the_bridge_and_has_an_inbox_of_its_own():
     assert topic_of(woken.key) is None
 
 
-def test_a_flood_of_commands_does_not_push_a_stop_out():
+@pytest.mark.parametrize(
+    ("topic", "one"),
+    [("command", drive(30 * MS)), ("arm", message(ARM)), ("hold_to_run", hold(0))],
+)
+def test_a_flood_does_not_push_a_stop_out(topic: str, one: Message):
     turns = GivenTurns(turn(0, due=True), turn(31, drive(30 * MS, received_ns=31 * MS)))
     bus, serve = served(turns)
     bus.heard["stop"](message(STOP))
     for _ in range(3000):
-        bus.heard["command"](drive(30 * MS))
+        bus.heard[topic](one)
     serve()
     assert all(speeds == (0.0, 0.0, 0.0) for speeds in bus.publishers["cmd_vel"].speeds)
 
