@@ -216,10 +216,24 @@ class Arm(_message.Message):
     def __init__(self, reason: _Optional[str] = ...) -> None: ...
 
 class Release(_message.Message):
-    __slots__ = ("reason",)
+    __slots__ = ("reason", "own")
     REASON_FIELD_NUMBER: _ClassVar[int]
+    OWN_FIELD_NUMBER: _ClassVar[int]
     reason: str
-    def __init__(self, reason: _Optional[str] = ...) -> None: ...
+    own: bool
+    def __init__(self, reason: _Optional[str] = ..., own: bool = ...) -> None: ...
+
+class HoldToRun(_message.Message):
+    __slots__ = ("held", "body", "source_time_ns", "pressed_time_ns")
+    HELD_FIELD_NUMBER: _ClassVar[int]
+    BODY_FIELD_NUMBER: _ClassVar[int]
+    SOURCE_TIME_NS_FIELD_NUMBER: _ClassVar[int]
+    PRESSED_TIME_NS_FIELD_NUMBER: _ClassVar[int]
+    held: bool
+    body: bytes
+    source_time_ns: int
+    pressed_time_ns: int
+    def __init__(self, held: bool = ..., body: _Optional[bytes] = ..., source_time_ns: _Optional[int] = ..., pressed_time_ns: _Optional[int] = ...) -> None: ...
 
 class Overrun(_message.Message):
     __slots__ = ("since_ns", "late_ns")
@@ -230,7 +244,7 @@ class Overrun(_message.Message):
     def __init__(self, since_ns: _Optional[int] = ..., late_ns: _Optional[int] = ...) -> None: ...
 
 class Lease(_message.Message):
-    __slots__ = ("holder", "epoch", "armed", "stopped", "state", "refused")
+    __slots__ = ("holder", "epoch", "armed", "stopped", "state", "refused", "body", "held_by", "hold_to_run")
     class RefusedEntry(_message.Message):
         __slots__ = ("key", "value")
         KEY_FIELD_NUMBER: _ClassVar[int]
@@ -244,13 +258,19 @@ class Lease(_message.Message):
     STOPPED_FIELD_NUMBER: _ClassVar[int]
     STATE_FIELD_NUMBER: _ClassVar[int]
     REFUSED_FIELD_NUMBER: _ClassVar[int]
+    BODY_FIELD_NUMBER: _ClassVar[int]
+    HELD_BY_FIELD_NUMBER: _ClassVar[int]
+    HOLD_TO_RUN_FIELD_NUMBER: _ClassVar[int]
     holder: bytes
     epoch: int
     armed: bool
     stopped: str
     state: str
     refused: _containers.ScalarMap[str, int]
-    def __init__(self, holder: _Optional[bytes] = ..., epoch: _Optional[int] = ..., armed: bool = ..., stopped: _Optional[str] = ..., state: _Optional[str] = ..., refused: _Optional[_Mapping[str, int]] = ...) -> None: ...
+    body: bytes
+    held_by: bytes
+    hold_to_run: bool
+    def __init__(self, holder: _Optional[bytes] = ..., epoch: _Optional[int] = ..., armed: bool = ..., stopped: _Optional[str] = ..., state: _Optional[str] = ..., refused: _Optional[_Mapping[str, int]] = ..., body: _Optional[bytes] = ..., held_by: _Optional[bytes] = ..., hold_to_run: bool = ...) -> None: ...
 
 class Body(_message.Message):
     __slots__ = ("world", "world_text", "seed", "number", "step_s", "limits")

@@ -1,5 +1,6 @@
 """A loop that hangs, is late, or raises, in real processes: the body is told to stand."""
 
+import json
 import os
 import pty
 import resource
@@ -166,6 +167,15 @@ def test_a_policy_that_hangs_at_load_or_cannot_keep_its_period_is_refused(
         assert done.returncode == 2
         assert complaint in done.stderr
         assert len(done.stderr.splitlines()) == 1
+
+
+def test_a_policy_that_hangs_hangs_no_body(port: int, tmp_path: Path):
+    policy = tmp_path / "policy.onnx"
+    policy.write_bytes(looping(CONTRACT, FOR_EVER))
+    words = ("sim", "--policy", policy, "--port", port, "--steps", 3, "--json")
+    done = reflexarc(*words, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["steps"] == 3
 
 
 def test_without_a_watchdog_the_status_says_so(policy: Path, port: int):

@@ -9,8 +9,10 @@ import pytest
 from reflexarc_logs.reading.reader import read_log
 from reflexarc_logs.replaying.replay import replay
 from reflexarc_runtime import messages_pb2 as pb
-from reflexarc_runtime.messages.topics import COMMAND, STOP
-from reflexarc_runtime.messages.wire import protobuf_encoding, unpack_stamp
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.messages.topics import COMMAND, LEASE, STOP
+from reflexarc_runtime.messages.wire import Message, protobuf_encoding, unpack_stamp
+from support.policies import exported
 from support.processes import finished, reflexarc, said_line, started, wait_until
 from support.witness import FOR_EVER, ahead, body, joined, runtime, tell, witness
 
@@ -112,6 +114,41 @@ def test_a_release_hands_over(policy: Path, port: int, tmp_path: Path):
         assert tell(port, "release")[0] == 0
         seen.wait_for(lambda lease: lease.holder not in (b"", holder), "the other one")
         assert seen.rolled_m() > 0.3
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGHUP])
+def test_a_runtime_that_ends_gives_its_lease_back_and_the_next_one_need_not_wait(
+    port: int, tmp_path: Path, number: signal.Signals
+):
+    patient = tmp_path / "patient.onnx"  # without a release the lease would hold for 2 s more
+    patient.write_bytes(exported(PolicyContract(max_input_age_s=2.0), seed=5))
+    with (
+        body(patient, port, tmp_path),
+        witness(port) as seen,
+        runtime(patient, port, tmp_path) as first,
+    ):
+        heard = list[tuple[bytes, int]]()
+        seen.bus.subscribe([LEASE], lambda m: heard.append(holder_and_time(m)))
+        seen.wait_for(lambda lease: lease.state == "driving", "a drive")
+        holder = seen.lease.holder
+        with runtime(patient, port, tmp_path) as second:
+            seen.wait_for(lambda lease: lease.refused["another one holds the lease"] > 50, "two")
+            finished(second, signal.SIGTERM)  # it holds nothing, and takes nothing away
+            assert seen.rolled_m() > 0.3
+            assert (seen.lease.holder, seen.lease.epoch) == (holder, 1)
+        with runtime(patient, port, tmp_path):
+            wait_until(lambda: seen.lease.refused["another one holds the lease"] > 100, "two")
+            finished(first, number)
+            seen.wait_for(lambda lease: lease.holder not in (b"", holder), "the next one")
+    last_ns = max(time_ns for who, time_ns in heard if who == holder)
+    next_ns = min(time_ns for who, time_ns in heard if who not in (b"", holder))
+    assert 0 < next_ns - last_ns < 2_000_000_000
+
+
+def holder_and_time(message: Message) -> tuple[bytes, int]:
+    """Who held the lease when, on the body's own clock."""
+    stamp = unpack_stamp(message.attachment)
+    return pb.Lease.FromString(message.payload).holder, stamp.time_ns
 
 
 def test_a_disarmed_body_stands_until_it_is_armed_and_after_a_reset_again(

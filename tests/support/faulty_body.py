@@ -8,6 +8,7 @@ it sent (with the truth about it), what it heard and what it obeyed, all on its 
 
 import argparse
 import json
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,6 @@ from reflexarc_runtime.loop import realtime
 from reflexarc_runtime.loop.clock import MonotonicClock
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.pacer import RatePacer
-from reflexarc_runtime.loop.watchdog import Watchdog
 from reflexarc_runtime.messages.codec import decode_command, encode_retina
 from reflexarc_runtime.messages.topics import BODY_NODE, COMMAND, RETINA
 from reflexarc_runtime.messages.wire import Message
@@ -27,6 +27,9 @@ from reflexarc_sim_bridge.body.faults.delayed_sender import DelayedSender
 from reflexarc_sim_bridge.body.faults.faulty_stream import Sending
 from reflexarc_sim_bridge.body.faults.random_script import script_named
 from reflexarc_sim_bridge.body.faults.script import FaultScript
+
+sys.path.insert(0, str(Path(__file__).parents[1]))  # the tests' support package
+from support.body_watchdog import Watchdog  # it is found there
 
 POLL_HZ = 200.0
 POLLS_PER_RETINA = 4

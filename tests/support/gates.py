@@ -3,7 +3,7 @@
 from typing import Any
 
 from reflexarc_runtime import messages_pb2 as pb
-from reflexarc_runtime.messages.topics import COMMAND, Topic
+from reflexarc_runtime.messages.topics import COMMAND, HOLD_TO_RUN, Topic
 from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp, protobuf_encoding
 
 MS = 1_000_000
@@ -47,6 +47,20 @@ def drive(
         setattr(command, name, fields.pop(name, 0.0))
     payload = fields.pop("payload", command.SerializeToString())
     return message(COMMAND, payload, sender, **fields)
+
+
+def hold(
+    source_ns: int,
+    pressed_ns: int = 0,
+    sender: bytes | None = OPERATOR,
+    *,
+    held: bool = True,
+    body: bytes = BODY,
+    **fields: Any,
+) -> Message:
+    """A button that is held, or that was let go, as its holder says it."""
+    said = pb.HoldToRun(held=held, body=body, source_time_ns=source_ns, pressed_time_ns=pressed_ns)
+    return message(HOLD_TO_RUN, said.SerializeToString(), sender, **fields)
 
 
 def safe(sender: bytes | None = ONE, linear_mps: float = 0.0) -> Message:

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, field
 
 from pycdr2 import IdlStruct
-from pycdr2.types import float32, float64, int32, sequence, uint32
+from pycdr2.types import array, float32, float64, int32, sequence, uint32
 
 
 @dataclass
@@ -50,6 +50,58 @@ class Twist(IdlStruct, typename="geometry_msgs/Twist"):
 class TwistStamped(IdlStruct, typename="geometry_msgs/TwistStamped"):
     header: Header
     twist: Twist
+
+
+@dataclass
+class Quaternion(IdlStruct, typename="geometry_msgs/Quaternion"):
+    x: float64 = 0.0
+    y: float64 = 0.0
+    z: float64 = 0.0
+    w: float64 = 1.0
+
+
+@dataclass
+class Pose(IdlStruct, typename="geometry_msgs/Pose"):
+    position: Vector3
+    orientation: Quaternion
+
+
+@dataclass
+class PoseWithCovariance(IdlStruct, typename="geometry_msgs/PoseWithCovariance"):
+    pose: Pose
+    covariance: array[float64, 36]
+
+
+@dataclass
+class TwistWithCovariance(IdlStruct, typename="geometry_msgs/TwistWithCovariance"):
+    twist: Twist
+    covariance: array[float64, 36]
+
+
+@dataclass
+class Odometry(IdlStruct, typename="nav_msgs/Odometry"):
+    header: Header
+    child_frame_id: str
+    pose: PoseWithCovariance
+    twist: TwistWithCovariance
+
+
+def odometry(
+    linear_mps: float = 0.0,
+    lateral_mps: float = 0.0,
+    angular_radps: float = 0.0,
+    frame: str = "base_link",
+) -> bytes:
+    """`nav_msgs/Odometry` of a base that is somewhere, with covariances that are not 0."""
+    pose = Pose(Vector3(3.0, -4.0, 0.0), Quaternion())
+    twist = Twist(Vector3(linear_mps, lateral_mps, 0.0), Vector3(0.0, 0.0, angular_radps))
+    covariance = [0.5] * 36
+    return Odometry(
+        Header(),
+        frame,
+        PoseWithCovariance(pose, covariance),
+        TwistWithCovariance(twist, covariance),
+    ).serialize()
 
 
 def laser_scan(

@@ -7,17 +7,23 @@ events, read from its beginning.
 import math
 from collections import Counter
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 SPEEDS = tuple[float, float, float]
 STILL = (0.0, 0.0, 0.0)
 
 
+Kind = Literal[
+    "drive", "safe", "stop", "reset", "arm", "release", "give back", "hold", "let go", "look"
+]
+
+
 @dataclass(frozen=True)
 class Event:
     """One thing that was heard, or a look at what the body does."""
 
-    kind: Literal["drive", "safe", "stop", "reset", "arm", "release", "look"]
+    kind: Kind
     at_ms: int
     sender: str = "a"
     """`?`: it gave none."""
@@ -27,6 +33,17 @@ class Event:
     is_for_us: bool = True
     is_in_order: bool = True
     """Whether its encoding is what it should be."""
+    pressed_ms: int = 0
+    """When the button went down, of a hold."""
+
+
+@dataclass(frozen=True)
+class ButtonAtEvent:
+    """Who holds the button when an event comes and after it, and why it changed nothing."""
+
+    before: str | None
+    after: str | None
+    refused: str = ""
 
 
 @dataclass(frozen=True)
@@ -38,6 +55,7 @@ class SlowGate:
     valid_for_ms: int
     largest: SPEEDS
     auto_arm: bool
+    hold_to_run: bool = False
 
     def holders(self) -> list[tuple[str | None, int]]:
         """(holder, number of grants) after each event."""
@@ -50,7 +68,10 @@ class SlowGate:
                 holder = None
             if waiting is not None and event.at_ms > freed_ms + self.silence_ms:
                 waiting = None
-            if event.kind == "release" and self.counts(event) and holder is not None:
+            is_release = event.kind == "release" or (
+                event.kind == "give back" and event.sender == holder
+            )
+            if is_release and self.counts(event) and holder is not None:
                 holder, waiting, freed_ms = None, holder, event.at_ms
             if event.kind in ("drive", "safe") and self.counts(event):
                 if holder is None and event.sender != waiting:
@@ -59,6 +80,43 @@ class SlowGate:
                     spoke_ms = event.at_ms
             found.append((holder, grants))
         return found
+
+    @cached_property
+    def buttons(self) -> list[ButtonAtEvent]:
+        """The button at each event."""
+        found = list[ButtonAtEvent]()
+        freed_ms, heard_ms = 0, 0
+        for index, event in enumerate(self.events):
+            holder = found[-1].after if found else None
+            if holder is not None and event.at_ms - heard_ms >= 500:
+                holder, freed_ms = None, event.at_ms
+            after, refused = holder, ""
+            if event.kind == "stop" or (event.kind == "reset" and self.counts(event)):
+                after, freed_ms = None, event.at_ms
+            if event.kind in ("hold", "let go"):
+                refused = self._fault_of_grip(index, holder, freed_ms)
+                after = holder if refused else event.sender if event.kind == "hold" else None
+            if event.kind == "let go" and holder is not None and after is None:
+                freed_ms = event.at_ms
+            if event.kind == "hold" and not refused:
+                heard_ms = event.source_ms if holder is None else max(heard_ms, event.source_ms)
+            found.append(ButtonAtEvent(holder, after, refused))
+        return found
+
+    def _fault_of_grip(self, index: int, holder: str | None, freed_ms: int) -> str:
+        event = self.events[index]
+        is_hold = event.kind == "hold"
+        if not (event.is_in_order and event.sender != "?" and event.is_for_us):
+            return "faulty"
+        if is_hold and self.stopped(index):
+            return "stopped"
+        if holder not in (None, event.sender):
+            return "button"
+        if not is_hold:
+            return ""
+        if event.pressed_ms > event.at_ms or not 0 <= event.at_ms - event.source_ms < 500:
+            return "faulty"
+        return "button" if event.pressed_ms < freed_ms else ""
 
     def counts(self, event: Event) -> bool:
         """Whether an event is in order by itself, whoever sent it."""
@@ -83,9 +141,17 @@ class SlowGate:
         return bool(marks) and marks[-1] == "stop"
 
     def armed(self, until: int) -> bool:
+        """Whether it is armed after the first `until` events."""
+        return self.allowed(until) or (until > 0 and self.buttons[until - 1].after is not None)
+
+    def armed_before(self, index: int) -> bool:
+        """Whether it is armed when an event comes, and no button is too old at that time."""
+        return self.allowed(index) or self.buttons[index].before is not None
+
+    def allowed(self, until: int) -> bool:
         """Whether an arm that counted came after the last reset, or none is needed."""
-        if self.auto_arm:
-            return True
+        if self.auto_arm or self.hold_to_run:
+            return self.auto_arm
         for index in reversed(range(until)):
             event = self.events[index]
             if event.kind == "reset" and self.counts(event):
@@ -106,11 +172,19 @@ class SlowGate:
                     return STILL
                 continue
             if event.kind == "arm":
-                if self.stopped(index) or self.armed(index):
+                if self.hold_to_run or self.stopped(index) or self.armed_before(index):
+                    continue
+                return STILL
+            if event.kind in ("hold", "let go"):
+                if self.armed_before(index) == self.armed(index + 1):
                     continue
                 return STILL
             if event.kind in ("reset", "release"):
                 return STILL
+            if event.kind == "give back":
+                if index and holders[index - 1][0] == event.sender and not holders[index][0]:
+                    return STILL
+                continue
             if event.sender != holders[index][0]:
                 continue
             is_mine = holders[-1] == holders[index] and event.kind == "drive"
@@ -137,6 +211,7 @@ class SlowGate:
                 counts["not the holder"] += 1
             elif event.kind == "drive" and self.stopped(index):
                 counts["stopped"] += 1
-            elif event.kind == "drive" and not self.armed(index):
+            elif event.kind == "drive" and not self.armed_before(index):
                 counts["disarmed"] += 1
+        counts.update(button.refused for button in self.buttons if button.refused)
         return counts

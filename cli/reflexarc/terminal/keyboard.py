@@ -19,7 +19,7 @@ class Keys:
     def __init__(self) -> None:
         self._terminal: int | None = None
         self._before: list[Any] = []
-        self._paused = self._quit = False
+        self._paused = self._quit = self._pressed = False
 
     def __enter__(self) -> Self:
         self._terminal = _own_terminal()
@@ -47,11 +47,17 @@ class Keys:
         self._read()
         return self._quit
 
+    def was_pressed(self) -> bool:
+        """Whether any key was pressed."""
+        self._read()
+        return self._pressed
+
     def _read(self) -> None:
         while self._terminal is not None and select.select([self._terminal], [], [], 0.0)[0]:
             pressed = os.read(self._terminal, 1).decode("latin-1")
             if not pressed:  # the terminal has gone away
                 return
+            self._pressed = True
             self._paused ^= pressed == PAUSE
             self._quit |= pressed == QUIT
 

@@ -1,15 +1,18 @@
 """A log in words and tables: the run, where it was driven, and its streams."""
 
+from math import isfinite
 from pathlib import Path
 
 from rich import box
 from rich.console import Group
 from rich.table import Table
 
+from reflexarc.terminal.body_words import body_words
 from reflexarc.terminal.output import facts, kibibytes, plain
 from reflexarc_logs.container.run_info import RunInfo
 from reflexarc_logs.reading.summary import LogSummary, TopicSummary
 from reflexarc_runtime.contract.body_limits import BodyLimits
+from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_runtime.messages.body_info import BodyInfo
 
 NOT_RECORDED = "not recorded"
@@ -25,6 +28,7 @@ def describe_log(path: Path, summary: LogSummary) -> Group:
         "policy": plain(summary.policy_hash) or "none attached",
         "rules": _rules(run),
         **_place(summary.body),
+        **_watched(summary),
         "size": f"{kibibytes(summary.bytes)}, {summary.messages} messages, "
         f"{summary.duration_s:.1f} s",
     }
@@ -50,9 +54,34 @@ def _place(body: BodyInfo | None) -> dict[str, str]:
 def _limits(limits: BodyLimits | None) -> str:
     if limits is None:
         return "none of the body's own"
-    return (
+    said = (
         f"{limits.linear_mps:g} m/s ahead, {limits.lateral_mps:g} m/s sideways, "
         f"{limits.angular_radps:g} rad/s"
+    )
+    if isfinite(limits.acceleration_mps2):
+        said += f", faster by at most {limits.acceleration_mps2:g} m/s²"
+    if isfinite(limits.valid_for_s):
+        said += f", commands for at most {limits.valid_for_s:g} s"
+    return said
+
+
+def _watched(summary: LogSummary) -> dict[str, str]:
+    """What looked at the decisions and at the loop, if anything did."""
+    if summary.run.recorded_by == "import":
+        return {}
+    guard = summary.guard
+    return {
+        "guard": "none" if guard is None else _guard(guard),
+        "watchdog": plain(summary.watchdog) or NOT_RECORDED,
+    }
+
+
+def _guard(guard: GuardSettings) -> str:
+    body = body_words(guard.footprint, guard.delay_s, guard.deceleration_mps2)
+    slower = "slower or other actions" if guard.may_slow else "other actions"
+    return (
+        f"keeps {guard.margin_m:g} m, prefers what is free {guard.evade_s:g} s longer; {slower}; "
+        f"for {body.outline} that obeys {body.obeys} and stops {body.stops}"
     )
 
 

@@ -4,6 +4,7 @@ import dataclasses
 import json
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from math import isfinite
 from typing import Any
 
 from rich.console import Console
@@ -21,7 +22,18 @@ aside = Console(stderr=True, highlight=False)
 def print_json(value: Any) -> None:
     """One JSON object on one line; dataclasses become objects."""
     plain = dataclasses.asdict(value) if dataclasses.is_dataclass(value) else value  # type: ignore[arg-type]  # an instance
-    print(json.dumps(plain, default=str))
+    print(json.dumps(_finite(plain), default=str, allow_nan=False))
+
+
+def _finite(value: Any) -> Any:
+    """The same with null where a number is none, or without end: JSON has neither."""
+    if isinstance(value, float):
+        return value if isfinite(value) else None
+    if isinstance(value, Mapping):
+        return {key: _finite(each) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(each) for each in value]
+    return value
 
 
 def facts(rows: Mapping[str, object], title: str | None = None, name_width: int = 0) -> Table:

@@ -5,8 +5,9 @@ from pathlib import Path
 from rich.console import Group
 from rich.table import Table
 
+from reflexarc.terminal.body_words import body_words
 from reflexarc.terminal.output import facts, plain
-from reflexarc_runtime.contract.body_spec import BodySpec, Footprint
+from reflexarc_runtime.contract.body_spec import BodySpec
 from reflexarc_runtime.contract.bounds import excesses
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.eye import BeamRule, RetinaSpec
@@ -65,23 +66,8 @@ def _pace(contract: PolicyContract) -> dict[str, str]:
 
 
 def _body(body: BodySpec) -> dict[str, str]:
-    delay_s, braking = body.actuation_delay_s, body.deceleration_mps2
-    return {
-        "body": _outline(body.footprint),
-        "obeys": f"after {delay_s:g} s" if delay_s else "at once",
-        "stops": "at once" if braking is None else f"at {braking:g} m/s²",
-    }
-
-
-def _outline(footprint: Footprint) -> str:
-    if footprint.radius_m:
-        return f"a circle of {footprint.radius_m:g} m"
-    if not footprint.reach_m:
-        return "a point"
-    return (
-        f"a rectangle: {footprint.ahead_m:g} m ahead, {footprint.behind_m:g} m behind, "
-        f"{footprint.half_width_m:g} m to each side"
-    )
+    words = body_words(body.footprint, body.actuation_delay_s, body.deceleration_mps2)
+    return {"body": words.outline, "obeys": words.obeys, "stops": words.stops}
 
 
 def _motions(contract: PolicyContract) -> Table:

@@ -3,10 +3,14 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from google.protobuf.message import DecodeError
+
 from reflexarc_logs.container.run_info import RunInfo
 from reflexarc_logs.reading.reader import Log, Record, read_log
+from reflexarc_runtime import messages_pb2 as pb
+from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_runtime.messages.body_info import BodyInfo, decode_body
-from reflexarc_runtime.messages.topics import BODY
+from reflexarc_runtime.messages.topics import BODY, RUNTIME_NODE, STATUS
 from reflexarc_runtime.messages.wire import NO_SENDER
 
 
@@ -40,6 +44,10 @@ class LogSummary:
     run: RunInfo
     body: BodyInfo | None
     """Who drove, in which world, as its first message said it; None: not recorded."""
+    guard: GuardSettings | None
+    """What looked at each decision, and what it took for granted; None: nothing did."""
+    watchdog: str
+    """What the runtime said of its own watchdog first; empty: not recorded."""
     topics: tuple[TopicSummary, ...]
     """By name."""
 
@@ -92,6 +100,8 @@ def summarise(log: Log | Path | str) -> LogSummary:
         dropped=source.dropped,
         run=source.run,
         body=_body(counts.get(source.topic(BODY.name))),
+        guard=GuardSettings.from_json(source.run.guard) if source.run.guard else None,
+        watchdog=next(filter(None, map(_watchdog, source.records(source.topic(STATUS.name)))), ""),
         topics=tuple(_topic(name, counts[name]) for name in sorted(counts)),
     )
 
@@ -107,6 +117,17 @@ def _topic(name: str, count: _Count) -> TopicSummary:
         rate_hz=rate_hz,
         senders=len(count.senders - {NO_SENDER}),
     )
+
+
+def _watchdog(record: Record) -> str:
+    """What a runtime says of its watchdog; empty in what anybody else says."""
+    if record.schema != STATUS.schema:
+        return ""
+    try:
+        status = pb.Status.FromString(record.payload)
+    except DecodeError:
+        return ""
+    return status.watchdog if status.node == RUNTIME_NODE else ""
 
 
 def _body(count: _Count | None) -> BodyInfo | None:

@@ -21,7 +21,7 @@ from reflexarc_runtime.loop.throttle import Throttle
 from reflexarc_runtime.loop.warm_up import warm_up
 from reflexarc_runtime.loop.watch import NoWatch, Watch
 from reflexarc_runtime.messages.codec import Status, encode_command, encode_status, encode_tick
-from reflexarc_runtime.messages.controls import encode_stop
+from reflexarc_runtime.messages.controls import encode_own_release, encode_stop
 from reflexarc_runtime.messages.topics import COMMAND, DEFAULT_ROBOT, STOP, TICK, Topic
 from reflexarc_runtime.messages.wire import (
     NO_SENDER,
@@ -93,7 +93,10 @@ class Node:
         return self._monitor.summary()
 
     def _end(self) -> None:
-        """Make the last tick, which is a stop; where even that fails, send the safe command."""
+        """Make the last tick, which is a stop, and give the lease back.
+
+        Where even that tick fails, send the safe command.
+        """
         try:
             self._tick(self._stopped(self._pacer.farewell()))
         except BaseException:
@@ -101,6 +104,8 @@ class Node:
             last = safe_command(self._state.index, Verdict.STOPPED, safe)
             self._outlets.command.put(encode_command(last), self._pacer.now_ns())
             raise
+        finally:  # the next runtime need not wait until this one has been silent for long enough
+            self._outlets.release.put(encode_own_release(END_OF_RUN), self._pacer.now_ns())
 
     def _stopped(self, wakeup: Wakeup) -> Wakeup:
         """The wake-up with a stop behind its messages: what ends the run is in the log as well."""

@@ -1,6 +1,6 @@
 """Outlets: where a loop, and whoever speaks in its place, hands over what shall go on the bus."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 
@@ -12,6 +12,13 @@ class Outlet(Protocol):
         ...
 
 
+class NoOutlet:
+    """Says nothing."""
+
+    def put(self, payload: bytes, time_ns: int) -> None:
+        """See `Outlet.put`."""
+
+
 @dataclass(frozen=True)
 class Outlets:
     """The topics on which a runtime publishes."""
@@ -19,3 +26,5 @@ class Outlets:
     command: Outlet
     tick: Outlet
     status: Outlet
+    release: Outlet = field(default_factory=NoOutlet)
+    """In lockstep there is none: no lease expires, and the next runtime has the same name."""

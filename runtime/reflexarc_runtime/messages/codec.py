@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass
 
+from foxglove_schemas_protobuf.Log_pb2 import Log
 from foxglove_schemas_protobuf.RawImage_pb2 import RawImage
 from google.protobuf.message import DecodeError
 from google.protobuf.message import Message as ProtobufMessage
@@ -97,6 +98,12 @@ def encode_status(status: Status) -> bytes:
     """A status as `reflexarc.Status`."""
     fields = {name: getattr(status, name) for name in Status.__slots__ if name != "verdicts"}
     return pb.Status(**fields, verdicts=dict(status.verdicts)).SerializeToString()
+
+
+def encode_warning(words: str, node: str, time_ns: int) -> bytes:
+    """A warning of a node as `foxglove.Log`."""
+    log = Log(timestamp=timestamp(time_ns), level=Log.WARNING, message=words, name=node)
+    return log.SerializeToString()
 
 
 def encode_contact(count: int, x_m: float, y_m: float, time_ns: int) -> bytes:

@@ -21,6 +21,11 @@ def encode_stop(reason: str) -> bytes:
     return pb.Stop(reason=reason).SerializeToString()
 
 
+def encode_own_release(reason: str) -> bytes:
+    """`reflexarc.Release` of a runtime that gives its own lease back, and nobody else's."""
+    return pb.Release(reason=reason, own=True).SerializeToString()
+
+
 def stop_reason(message: Message) -> str:
     """Why to stop. Whatever comes on this key stops, even if it cannot be read."""
     if len(message.payload) > MAX_PAYLOAD_BYTES:

@@ -72,9 +72,10 @@ BODY = Topic("body", pb.Body, (BODY_NODE,), "1 Hz")
 STOP = Topic("stop", pb.Stop, (RUNTIME_NODE, OPERATOR), "event", Quality.CONTROL)
 RESET = Topic("reset", pb.Reset, (OPERATOR,), "event", Quality.CONTROL)
 ARM = Topic("arm", pb.Arm, (OPERATOR,), "event", Quality.CONTROL)
+HOLD_TO_RUN = Topic("hold_to_run", pb.HoldToRun, (OPERATOR,), "20 Hz", Quality.CONTROL)
 RELEASE = Topic("release", pb.Release, (RUNTIME_NODE, OPERATOR), "event", Quality.CONTROL)
 OVERRUN = Topic("overrun", pb.Overrun, (RUNTIME_NODE,), "event", Quality.CONTROL)
-LEASE = Topic("lease", pb.Lease, (BODY_NODE,), "event", Quality.CONTROL)
+LEASE = Topic("lease", pb.Lease, (BODY_NODE,), "10 Hz", Quality.CONTROL)
 KEYFRAME = Topic("keyframe", pb.Keyframe, (RECORDER_NODE,), "1 Hz")
 REJECTED = Topic("rejected", pb.Rejected, (RECORDER_NODE,), "event")
 
@@ -94,6 +95,7 @@ TOPICS: tuple[Topic, ...] = (
     STOP,
     RESET,
     ARM,
+    HOLD_TO_RUN,
     RELEASE,
     OVERRUN,
     LEASE,

@@ -19,11 +19,22 @@ def read_model(path: Path) -> bytes:
         PolicyError: it cannot be read, or is larger than 256 MiB.
     """
     try:
-        if path.stat().st_size > MAX_FILE_BYTES:
-            raise PolicyError(f"{path}: expected a policy of at most 256 MiB, got a larger file")
+        check_size(path.stat().st_size)
         return path.read_bytes()
+    except PolicyError as error:
+        raise PolicyError(f"{path}: {error}") from None
     except OSError as error:
         raise PolicyError(f"{path}: cannot be read: {error.strerror}; give a policy.onnx") from None
+
+
+def check_size(size_bytes: int) -> None:
+    """Check the size of a policy, from wherever it comes.
+
+    Raises:
+        PolicyError: it is larger than 256 MiB.
+    """
+    if size_bytes > MAX_FILE_BYTES:
+        raise PolicyError("expected a policy of at most 256 MiB, got a larger one")
 
 
 def parse_model(data: bytes) -> onnx.ModelProto:

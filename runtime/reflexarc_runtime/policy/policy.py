@@ -22,6 +22,7 @@ from reflexarc_runtime.errors import PolicyError, ReflexarcError, first_line
 from reflexarc_runtime.policy.golden_check import Graph, reproduce_golden_vectors, start_of
 from reflexarc_runtime.policy.model_file import (
     check_names,
+    check_size,
     contract_text,
     parse_model,
     policy_hash,
@@ -149,20 +150,21 @@ def load_policy(
 def load_contract(
     source: Path | str | bytes, *, bounds: Bounds | None = USUAL_BOUNDS
 ) -> PolicyContract:
-    """Load the contract of a policy alone, for whoever moves or draws by it and decides nothing.
+    """Read what a policy wants to see and may ask for; nothing of its graph is built or computed.
 
-    Its graph is not built: it may need operators that only the deciding process has.
+    So a policy that hangs, or that this backend does not know, is none of a body's business.
 
     Args:
         source: path of the ONNX file, or its bytes.
         bounds: what it may ask for at most; None where nothing will move by it.
 
     Raises:
-        PolicyError: the file is missing or is not ONNX, or does not fit its contract.
+        PolicyError: the file is missing, too large, is not ONNX, or does not fit its contract.
         ContractError: see `load_policy`.
     """
     where, data = _read(source)
     try:
+        check_size(len(data))
         return _contract_of(parse_model(data), bounds)
     except ReflexarcError as error:
         raise type(error)(f"{where}: {error}") from None

@@ -33,6 +33,7 @@ from reflexarc_runtime.messages.topics import (
     RUNTIME_NODE,
     SCENE,
     STATUS,
+    STOP,
     TRANSFORM,
     Topic,
 )
@@ -42,7 +43,9 @@ from reflexarc_sim_bridge.body.faults.delayed_sender import DelayedSender
 from reflexarc_sim_bridge.body.faults.faulty_stream import Sending
 from reflexarc_sim_bridge.body.faults.script import FaultScript
 from reflexarc_sim_bridge.body.foxglove_messages import encode_pose, encode_scene, encode_transform
-from reflexarc_sim_bridge.body.gate.gate import HEARD, Account, Gate, GateSettings, encode_lease
+from reflexarc_sim_bridge.body.gate.account import SAID_EVERY_NS, Account, encode_lease
+from reflexarc_sim_bridge.body.gate.gate import HEARD, Gate
+from reflexarc_sim_bridge.body.gate.settings import GateSettings
 from reflexarc_sim_bridge.body.latch import StopLatch
 
 if TYPE_CHECKING:
@@ -60,18 +63,22 @@ class Journey:
     distance_m: float
 
 
-def gate_settings(body: Body, *, auto_arm: bool, lockstep: bool = False) -> GateSettings:
+def gate_settings(
+    body: Body, *, auto_arm: bool, hold_to_run: bool = False, lockstep: bool = False
+) -> GateSettings:
     """What a simulated body decides for itself: by its world, and by the eye that it was built for.
 
     Args:
         body: the robot.
         auto_arm: whether it is armed without being asked.
+        hold_to_run: whether only a held button arms it.
         lockstep: whether time is counted in steps.
     """
     return GateSettings(
         max_input_age_s=body.contract.max_input_age_s,
         limits=body.limits,
         auto_arm=auto_arm,
+        hold_to_run=hold_to_run,
         lockstep=lockstep,
         safe=body.safe,
     )
@@ -120,7 +127,8 @@ class StatePublisher:
         self._info = encode_body(body.info)
         self._steps = 0
         self._every_second = Throttle()
-        self._said_lease: tuple[bytes, int, bool, str] | None = None
+        self._lease_period = Throttle(SAID_EVERY_NS)
+        self._said_lease: object = None
 
     def has_listener(self, topic: Topic) -> bool:
         """Whether anyone listens to a topic."""
@@ -143,11 +151,10 @@ class StatePublisher:
             payload = encode_contact(self._body.contacts, contact.x_m, contact.y_m, now_ns)
             self._publishers[CONTACT].put(payload, now_ns)
         self._steps += 1
-        is_due = self._every_second.is_due(now_ns)
-        if is_due or account.news != self._said_lease:
+        if self._lease_period.is_due(now_ns) or account.news != self._said_lease:
             self._said_lease = account.news
             self._publishers[LEASE].put(encode_lease(account), now_ns)
-        if is_due:
+        if self._every_second.is_due(now_ns):
             self._publish_every_second(account, now_ns)
 
     def _publish_every_second(self, account: Account, now_ns: int) -> None:
@@ -192,14 +199,16 @@ class Bridge:
         self._bus = bus
         self._body = body
         self._inbox = inbox
-        # A flood of commands must not push a stop out of a full inbox.
-        self._controls = Inbox()
+        # A flood of commands, or of anything else, must not push a stop out of a full inbox.
+        self._controls, self._stops = Inbox(), Inbox()
         self._latch = latch
         self._retinas = retinas
         self._gate = Gate.closed(bus.sender, settings, latch.stopped if latch else "")
         self._publisher = StatePublisher(bus, body, robot, retinas, self._overflows)
         bus.subscribe([COMMAND], inbox.put)
-        bus.subscribe([topic for topic in HEARD if topic is not COMMAND], self._controls.put)
+        bus.subscribe([STOP], self._stops.put)
+        others = [topic for topic in HEARD if topic not in (COMMAND, STOP)]
+        bus.subscribe(others, self._controls.put)
         bus.announce(BODY_NODE)
 
     def drive(
@@ -247,8 +256,10 @@ class Bridge:
         """Take what operators said, then do what the gate lets through."""
         if self._retinas is not None:
             self._gate = self._gate.renamed(self._retinas.sender)
-        for message in self._controls.drain(lambda: now_ns)[0]:
-            self._hear(now_ns, message)
+        # Stops last: of a stop and a reset in one step the stop holds.
+        for inbox in (self._controls, self._stops):
+            for message in inbox.drain(lambda: now_ns)[0]:
+                self._hear(now_ns, message)
         if self._latch is not None:
             self._latch.keep(self._gate.stopped)
         motion, self._gate = self._gate.obey(now_ns, dt_s)

@@ -4,7 +4,11 @@ from pathlib import Path
 from reflexarc_logs.reading.summary import LogSummary, summarise
 from reflexarc_logs.recording.recorder import Recorder
 from reflexarc_runtime.contract.body_limits import BodyLimits
+from reflexarc_runtime.contract.body_spec import Footprint
+from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_runtime.messages.body_info import BodyInfo, encode_body
+from reflexarc_runtime.messages.codec import Status, encode_status
+from reflexarc_runtime.messages.topics import BODY_NODE, RUNTIME_NODE
 from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp, protobuf_encoding
 from support.recordings import RUN
 
@@ -35,6 +39,34 @@ def test_a_log_without_a_body_says_nothing_of_a_world(tmp_path: Path):
     assert summarise(GOLDEN / "nominal.mcap").body is None
     unreadable = said(b"\xff", 0)
     assert summary_of(tmp_path / "b.mcap", unreadable).body is None
+
+
+def test_what_the_runtime_says_of_its_watchdog_is_told_and_not_what_a_body_says(tmp_path: Path):
+    statuses = [
+        Status(BODY_NODE, watchdog="a body has none"),
+        Status(RUNTIME_NODE, watchdog="on, 50 ms"),
+        Status(RUNTIME_NODE, watchdog="the loop is late: 90 ms"),
+    ]
+    messages = [
+        replace(
+            said(encode_status(status), number),
+            key="robot0/status",
+            encoding=protobuf_encoding("reflexarc.Status"),
+        )
+        for number, status in enumerate(statuses)
+    ]
+    assert summary_of(tmp_path / "a.mcap", *messages).watchdog == "on, 50 ms"
+    assert summary_of(tmp_path / "b.mcap", messages[0]).watchdog == ""
+
+
+def test_the_settings_of_the_guard_are_those_of_the_run(tmp_path: Path):
+    guard = GuardSettings(0.07, Footprint(radius_m=0.2))
+    with Recorder(
+        tmp_path / "a.mcap", replace(RUN, guard=guard.to_json()), b"", {}, wall_offset_ns=0
+    ):
+        pass
+    assert summarise(tmp_path / "a.mcap").guard == guard
+    assert summary_of(tmp_path / "b.mcap").guard is None
 
 
 def test_the_senders_of_a_topic_are_counted(tmp_path: Path):

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partialmethod
 from pathlib import Path
 
 import numpy as np
@@ -17,12 +18,15 @@ from reflexarc_logs.reading.reader import read_log
 from reflexarc_logs.recording.recorder import Recorder
 from reflexarc_logs.replaying.loop_events import loop_events
 from reflexarc_logs.replaying.replay import replay
+from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.errors import LogError, PolicyError, UsageError
+from reflexarc_runtime.loop.trial import Trial
 from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp, protobuf_encoding
 from reflexarc_runtime.messages_pb2 import Decision, Tick
 from reflexarc_runtime.policy.model_file import policy_hash
 from reflexarc_runtime.policy.policy import load_policy
+from support.looping_policies import FOR_EVER, looping
 from support.networks import with_honest_vectors, with_weights
 from support.policies import FailingPolicy, exported
 from support.recordings import (
@@ -400,6 +404,16 @@ def test_a_log_of_onnxruntime_replays_within_its_tolerance_on_any_backend(backen
     report = replay(onnxruntime_log, backend=backend)
     assert report.exit_status == 0
     assert report.backend == backend or backend is None
+
+
+def test_a_policy_that_hangs_hangs_no_replay(
+    log_path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    path = tmp_path / "policy.onnx"
+    path.write_bytes(looping(PolicyContract(), FOR_EVER))
+    monkeypatch.setattr(Trial, "__init__", partialmethod(Trial.__init__, loading_s=0.5))
+    with pytest.raises(PolicyError, match="it hangs"):
+        replay(log_path, policy=path, backend="onnxruntime")
 
 
 def test_a_rounding_error_is_excused_with_onnxruntime_and_nothing_larger(onnxruntime_log, tmp_path):

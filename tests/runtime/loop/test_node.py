@@ -77,6 +77,48 @@ def test_it_ticks_commands_and_ends_with_a_safe_command():
     assert abs(summary.rate_hz - 50.0) < 1e-9
 
 
+@dataclass
+class Ordered:
+    """Outlets that remember together what came after what."""
+
+    said: list[tuple[str, bytes]] = field(default_factory=list)
+
+    def outlet(self, name: str) -> Outlet:
+        return OrderedOutlet(name, self.said)
+
+
+@dataclass
+class OrderedOutlet:
+    name: str
+    said: list[tuple[str, bytes]]
+
+    def put(self, payload: bytes, time_ns: int) -> None:
+        self.said.append((self.name, payload))
+
+
+@pytest.mark.parametrize("fails", [False, True])
+def test_its_own_lease_is_given_back_after_the_last_command_whatever_ends_it(fails: bool):
+    heard, inbox = Ordered(), Inbox()
+    controller = Controller(ScriptedPolicy(), SMALL, RetinaSense(SMALL.retina), "hash")
+    outlets = Outlets(heard.outlet("command"), Heard(), Heard(), heard.outlet("release"))
+    node = Node(controller, RatePacer(50.0, FeedingClock(inbox), inbox), outlets)
+
+    def end() -> bool:
+        if len(heard.said) < 3:
+            return False
+        if fails:
+            raise MemoryError("broken on purpose")
+        return True
+
+    if fails:
+        with pytest.raises(MemoryError):
+            node.run(end)
+    else:
+        node.run(end)
+    assert [name for name, _ in heard.said] == ["command"] * 4 + ["release"]
+    assert pb.Release.FromString(heard.said[-1][1]).own
+
+
 def test_the_batch_is_recorded_before_the_tick_that_used_it():
     inbox, kept = Inbox(), Kept()
     node, _ = node_of(RatePacer(50.0, FeedingClock(inbox), inbox), kept)

@@ -13,6 +13,7 @@ def test_the_loop_records_what_others_say_beside_its_own_input_and_output() -> N
     assert names == {"pose", "tf", "odometry", "scene", "contact", "status", "log", "body"} | {
         "lease",
         "arm",
+        "hold_to_run",
         "release",
     }
 

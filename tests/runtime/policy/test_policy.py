@@ -17,6 +17,7 @@ from reflexarc_runtime.errors import (
     PolicyError,
     ReflexarcError,
 )
+from reflexarc_runtime.policy import model_file
 from reflexarc_runtime.policy.agreement import flips, within_tolerance
 from reflexarc_runtime.policy.model_file import policy_hash, with_contract
 from reflexarc_runtime.policy.numpy_backend import supported_operators
@@ -249,6 +250,25 @@ def test_bytes_that_are_no_policy_are_refused(data: bytes, backend: str):
 def test_a_model_without_a_contract_is_refused():
     with pytest.raises(ContractError, match="found none"):
         load_policy(network(SMALL))
+
+
+def test_a_body_reads_the_contract_of_a_graph_that_it_could_not_compute():
+    hangs = looping(PolicyContract(), FOR_EVER)
+    assert load_contract(hangs).actions == PolicyContract().actions
+    with pytest.raises(PolicyError, match="NumPy backend"):
+        load_policy(hangs)
+
+
+def test_a_contract_is_refused_as_its_policy_would_be(monkeypatch: pytest.MonkeyPatch):
+    fast = exported(PolicyContract(actions=(Action("fast", 1000.0, 0.0), Action("b", 0.0, 0.0))))
+    with pytest.raises(ContractError, match="--max-speed-mps"):
+        load_contract(fast)
+    assert load_contract(fast, bounds=None).actions[0].linear_mps == 1000.0
+    with pytest.raises(PolicyError, match="expected an ONNX model"):
+        load_contract(b"not a model")
+    monkeypatch.setattr(model_file, "MAX_FILE_BYTES", 100)
+    with pytest.raises(PolicyError, match="at most 256 MiB"):
+        load_contract(exported(SMALL))
 
 
 def test_a_missing_file_and_a_folder_are_refused(tmp_path: Path):

@@ -6,7 +6,7 @@ from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.messages.body_info import decode_body
 from reflexarc_sim_bridge.body.body import Body
 from reflexarc_sim_bridge.body.bridge import StatePublisher
-from reflexarc_sim_bridge.body.gate.gate import Account
+from reflexarc_sim_bridge.body.gate.account import Account
 from reflexarc_sim_bridge.body.gate.lease import Lease
 from reflexarc_sim_bridge.worlds.files import world_named
 
@@ -49,15 +49,15 @@ def test_a_body_says_where_it_is_when_it_begins_and_then_once_a_second():
     assert (body.info.seed, body.info.number, body.info.step_s) == (7, 2, 0.25)
 
 
-def test_the_lease_is_said_once_a_second_and_at_once_when_it_changes():
+def test_the_lease_is_said_ten_times_a_second_and_at_once_when_it_changes():
     bus: Any = FakeBus()
     body = Body(world_named("reference-1").drawn(7), PolicyContract(), 4.0, 7)
     state = StatePublisher(bus, body, "robot0")
     armed = [True, True, False, False, False, False, False, True]
     for step, is_armed in enumerate(armed):
-        state.publish(None, replace(ACCOUNT, armed=is_armed), step * STEP_NS)
+        state.publish(None, replace(ACCOUNT, armed=is_armed), step * 20_000_000)
     said = bus.publishers["lease"].said
-    assert [time_ns // STEP_NS for _, time_ns in said] == [0, 2, 4, 7]
+    assert [time_ns // 20_000_000 for _, time_ns in said] == [0, 2, 5, 7]
     assert [pb.Lease.FromString(payload).armed for payload, _ in said] == [True, False, False, True]
 
 

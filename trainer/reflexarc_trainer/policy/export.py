@@ -30,7 +30,6 @@ from reflexarc_runtime.policy.model_file import with_contract
 from reflexarc_runtime.policy.numpy_backend import NumpyGraph
 from reflexarc_runtime.sensing.ray_values import FULL_SCALE
 from reflexarc_trainer.policy.golden_vectors import golden_of
-from reflexarc_trainer.policy.onnx_graph import translate
 from reflexarc_trainer.policy.parity import check_model, check_module, check_parity
 from reflexarc_trainer.policy.probes import (
     Probes,
@@ -38,8 +37,9 @@ from reflexarc_trainer.policy.probes import (
     probe_retinas,
     reached_memories,
 )
-from reflexarc_trainer.policy.rounding_bound import tolerance_for
-from reflexarc_trainer.policy.translation import Translation
+from reflexarc_trainer.policy.rounding.rounding_bound import tolerance_for
+from reflexarc_trainer.policy.translation.graph_builder import Translation
+from reflexarc_trainer.policy.translation.onnx_graph import translate
 
 OPSET = 17
 IR_VERSION = 8

@@ -23,7 +23,7 @@ from reflexarc_runtime.policy.golden_check import start_of
 from reflexarc_runtime.policy.policy import load_policy
 from reflexarc_runtime.sensing.ray_values import FULL_SCALE
 from reflexarc_trainer.policy.probes import Probes, golden_sequences
-from reflexarc_trainer.policy.rounding_bound import LARGEST_TOLERANCE
+from reflexarc_trainer.policy.rounding.rounding_bound import LARGEST_TOLERANCE
 
 NUMPY_TOLERANCE = 1e-6
 SINGLES = 32

@@ -1,18 +1,18 @@
 """`reflexarc arm`, `stop`, `reset` and `release`: what an operator says to a body."""
 
 from collections.abc import Callable
-from contextlib import AbstractContextManager, contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
+from reflexarc.terminal.keyboard import Keys
 from reflexarc.terminal.output import aside, console, plain, print_json
+from reflexarc.terminal.signals import StopFlag
 from reflexarc.wiring.bus_flags import Joining
 from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from reflexarc.wiring.operator import Operator, OperatorAnswer
+    from reflexarc_runtime.bus import Bus
     from reflexarc_runtime.messages_pb2 import Lease
 
 MAX_PATIENCE_S = 3600.0
@@ -28,11 +28,13 @@ class Speaking:
     json: bool = False
     """Print what the body said as one JSON object."""
 
-    def operator(self) -> "AbstractContextManager[Operator]":
-        """An operator on the bus."""
+    def bus(self) -> "Bus":
+        """A session on the bus, as an operator; a context manager."""
+        from reflexarc_runtime.messages.topics import OPERATOR
+
         if not 0.0 < self.patience <= MAX_PATIENCE_S:
             raise UsageError(f"--patience: expected above 0 to 3600 s, got {self.patience}")
-        return _operator(self)
+        return self.joining.bus(OPERATOR)
 
     def tell(self, command: str, answer: "OperatorAnswer") -> int:
         """Print what the body said; the exit status."""
@@ -55,20 +57,27 @@ class Speaking:
 class ArmCommand:
     """Let a body take commands: after its start and after a reset it stands until then.
 
-    Ends with 1 if no body says that it is armed.
+    With --hold it may drive only for as long as this command lives: until a key is pressed, Ctrl-C,
+    or any end of this process, whatever its cause. Ends with 1 if no body says that it is armed, or
+    if the body no longer felt the button.
 
     Examples:
       reflexarc arm
+      reflexarc arm --hold
       reflexarc arm --robot rover1
     """
 
+    hold: bool = False
+    """Hold a button instead: let go, the body is disarmed, unless it was armed otherwise."""
     speaking: Speaking = field(default_factory=Speaking)
 
     def run(self) -> int:
-        """Repeat it until the body says that it is armed."""
+        """Repeat it until the body says that it is armed; or hold the button until asked not to."""
         from reflexarc_runtime import messages_pb2 as pb
         from reflexarc_runtime.messages.topics import ARM
 
+        if self.hold:
+            return _hold(self.speaking)
         payload = pb.Arm(reason="reflexarc arm").SerializeToString()
         return _insist(self.speaking, "arm", lambda operator: operator.insist(ARM, payload, _runs))
 
@@ -169,18 +178,29 @@ def _runs(lease: "Lease") -> bool:
 
 
 def _insist(speaking: Speaking, command: str, say: "Callable[[Operator], OperatorAnswer]") -> int:
-    with speaking.operator() as operator:
-        answer = say(operator)
+    from reflexarc.wiring.operator import Operator
+
+    with speaking.bus() as bus:
+        answer = say(Operator(bus, speaking.patience))
     return speaking.tell(command, answer)
 
 
-@contextmanager
-def _operator(speaking: Speaking) -> "Iterator[Operator]":
-    from reflexarc.wiring.operator import Operator
-    from reflexarc_runtime.messages.topics import OPERATOR
+def _hold(speaking: Speaking) -> int:
+    """Hold the button until a key or a signal; the exit status."""
+    from reflexarc.wiring.holding import Holder
 
-    with speaking.joining.bus(OPERATOR) as bus:
-        yield Operator(bus, speaking.patience)
+    with StopFlag() as stop, Keys() as keys, speaking.bus() as bus:
+        holder = Holder(bus, speaking.patience)
+        answer = holder.press(stop)
+        if answer.done:
+            robot = speaking.joining.robot
+            aside.print(f"reflexarc arm: {robot} may drive until a key, Ctrl-C or my end")
+            was_felt = holder.hold(lambda: stop() or keys.was_pressed())
+            answer = holder.let_go()
+            if not was_felt:
+                aside.print(f"reflexarc arm: {robot} no longer felt the button; press it anew")
+                answer = replace(answer, done=False)
+    return speaking.tell("arm", answer)
 
 
 def _words(lease: "Lease") -> str:
@@ -201,5 +221,7 @@ def _plain(lease: "Lease | None") -> dict[str, object]:
         "armed": lease.armed,
         "stopped": lease.stopped,
         "state": lease.state,
+        "held_by": lease.held_by.hex(),
+        "hold_to_run": lease.hold_to_run,
         "refused": dict(lease.refused),
     }

@@ -14,7 +14,7 @@ from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:
     from reflexarc_runtime.bus import Bus
-    from reflexarc_sim_bridge.body.gate.gate import GateSettings
+    from reflexarc_sim_bridge.body.gate.settings import GateSettings
     from reflexarc_sim_bridge.body.latch import StopLatch
     from reflexarc_sim_bridge.body.ros2.bridge import RosBridgeReport, Route
     from reflexarc_sim_bridge.body.ros2.companion_link import CompanionLink
@@ -47,6 +47,9 @@ class Ros2Command:
     """The robot's topic of sensor_msgs/LaserScan."""
     command: str = "cmd_vel"
     """The topic that the robot drives by."""
+    odometry: str | None = None
+    """A topic of nav_msgs/Odometry: the companion need not tell a robot to stand any longer that
+    says it stands."""
     stamped: bool = False
     """Send geometry_msgs/TwistStamped in place of geometry_msgs/Twist."""
     wire: Literal["ros2dds", "rmw"] = "ros2dds"
@@ -59,6 +62,8 @@ class Ros2Command:
     scanner: ScanFlags = field(default_factory=ScanFlags)
     auto_arm: bool = False
     """Drive as soon as a runtime says so, without `reflexarc arm`."""
+    hold_to_run: bool = False
+    """Drive only while somebody holds a button: `reflexarc arm --hold`."""
     no_companion: bool = False
     """Go without the process that stops the robot if this one is killed or hangs."""
     state: Path = Path("runs")
@@ -78,9 +83,10 @@ class Ros2Command:
         return 0
 
     def _settings(self) -> "GateSettings":
-        from reflexarc_sim_bridge.body.gate.gate import GateSettings
+        from reflexarc_sim_bridge.body.gate.settings import GateSettings
 
-        return GateSettings(SILENCE_S, self.robot_limits.body_limits(), self.auto_arm)
+        limits = self.robot_limits.body_limits()
+        return GateSettings(SILENCE_S, limits, self.auto_arm, self.hold_to_run)
 
     def _route(self) -> "Route":
         from reflexarc_runtime.messages.topics import COMMAND, SCAN
@@ -90,10 +96,13 @@ class Ros2Command:
 
         if not 0.0 < self.rate <= MAX_RATE_HZ:
             raise UsageError(f"--rate: expected 0 to {MAX_RATE_HZ:g} Hz, got {self.rate}")
+        if self.odometry is not None and self.no_companion:
+            raise UsageError("--odometry: the companion listens to it; leave --no-companion out")
         route = Route(
             wire_named(self.wire, self.domain),
             check_topic("--topic", self.topic),
             check_topic("--command", self.command),
+            check_topic("--odometry", self.odometry) if self.odometry is not None else "",
             self.stamped,
             self._scanner(),
         )
@@ -155,6 +164,7 @@ class Ros2Command:
             stamped=self.stamped,
             sender=bus.sender.hex(),
             period_ns=period_ns,
+            odometry_key=route.odometry_key,
         )
         return CompanionLink(watched)
 

@@ -135,11 +135,12 @@ class RunCommand:
         from reflexarc_runtime.loop import realtime
         from reflexarc_runtime.loop.inbox import Inbox
         from reflexarc_runtime.loop.notices.input_notices import Notices
-        from reflexarc_runtime.loop.outlets import Outlets
-        from reflexarc_runtime.messages.topics import COMMAND, RESET, STATUS, STOP, TICK
+        from reflexarc_runtime.loop.outlets import NoOutlet, Outlets
+        from reflexarc_runtime.messages.topics import COMMAND, RELEASE, RESET, STATUS, STOP, TICK
 
         inbox, command = Inbox(), bus.publisher(COMMAND)
-        outlets = Outlets(command, bus.publisher(TICK), bus.publisher(STATUS))
+        release = NoOutlet() if self.lockstep else bus.publisher(RELEASE)
+        outlets = Outlets(command, bus.publisher(TICK), bus.publisher(STATUS), release)
         self._listen_to_the_rest(bus, sink)
         bus.offer_policy(policy.data)
         if self.lockstep:

@@ -44,6 +44,7 @@ class SimCommand:
       reflexarc sim --world crossing --robots 4
       reflexarc sim --policy racer.onnx --max-speed-mps 30
       reflexarc sim --no-auto-arm
+      reflexarc sim --hold-to-run
     """
 
     world: str = "reference-1"
@@ -68,6 +69,8 @@ class SimCommand:
     goes slower, or stands, whatever the runtime says."""
     auto_arm: bool = True
     """Obey from the start, and again after a reset; else only after `reflexarc arm`."""
+    hold_to_run: bool = False
+    """Obey only while somebody holds a button: `reflexarc arm --hold`."""
     state: Path = Path("runs")
     """Folder in which a stop is kept until its reset; not used in lockstep."""
     bounds: Bounds = field(default_factory=Bounds)
@@ -135,6 +138,9 @@ class SimCommand:
         if not 0 <= self.seed < 1 << 64:
             raise UsageError(f"--seed: expected 0 to 2^64 − 1, got {self.seed}")
 
+        if self.hold_to_run and self.lockstep:
+            raise UsageError("--hold-to-run: not with --lockstep, in which no time passes")
+
     def _script(self) -> "FaultScript | None":
         from reflexarc_sim_bridge.body.faults.random_script import script_named
 
@@ -178,7 +184,12 @@ class SimCommand:
         )
         inbox, clock = Inbox(), MonotonicClock()
         with faulty_retinas(bus, script, clock.now_ns) if script else nullcontext() as retinas:
-            settings = gate_settings(body, auto_arm=self.auto_arm, lockstep=self.lockstep)
+            settings = gate_settings(
+                body,
+                auto_arm=self.auto_arm and not self.hold_to_run,
+                hold_to_run=self.hold_to_run,
+                lockstep=self.lockstep,
+            )
             latch = self._latch(robot)
             bridge = Bridge(bus, body, robot, inbox, settings, retinas, latch)
             line = f"{self._who(robot)}: {self.world}, seed {self.seed}, {rate_hz:g} Hz"

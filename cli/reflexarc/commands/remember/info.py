@@ -16,8 +16,8 @@ class InfoCommand:
     """Describe a file: the contract and origin of a policy, or the run and streams of a log.
 
     Of a policy: all its speeds, what it waits for, the body that it learned with, and what a robot
-    would refuse without a flag. Of a log: also the world, its seed and the body's limits, where a
-    body drove; with --json the text of the world's file, too.
+    would refuse without a flag. Of a log: also the guard's settings, the watchdog, and, where a
+    body drove, the world, its seed and the body's limits; with --json the text of the world's file.
 
     Examples:
       reflexarc info runs/reflex-0/policy.onnx

@@ -1,6 +1,6 @@
 """The gate between a bus and a motor: the last place at which a command can be refused.
 
-    hear(message, now_ns) → gate           one message of command, stop, reset, arm or release
+    hear(message, now_ns) → gate           one message of an operator or a runtime
     obey(now_ns, dt_s) → (motion, gate)    what the body does now
     lease                                  what it says about that on `<robot>/lease`
 
@@ -9,7 +9,8 @@ source time of the input that led to it, which the body itself had set, so no tw
 compared. The rules, in the order in which they are asked:
 
 1. A stop, from whomever and however garbled, holds until a reset. A reset disarms.
-2. Until it is armed the body stands.
+2. Until it is armed the body stands; it is armed by an arm, or while a button is held. See
+   `hold.py`.
 3. A command counts if its encoding, attachment and speeds are in order, and if it is safe or names
    this body, a time that is past, and is still valid by the command's and by the body's measure.
 4. The first sender of a command that counts gets the lease, and is the only one that is obeyed,
@@ -20,95 +21,35 @@ Whatever is refused is counted by reason. Whether anybody has a liveliness token
 """
 
 from dataclasses import dataclass, field, replace
-from enum import StrEnum
-from functools import cached_property
 
-from google.protobuf.message import DecodeError
-
-from reflexarc_runtime import messages_pb2 as pb
-from reflexarc_runtime.contract.body_limits import BodyLimits
 from reflexarc_runtime.decision import Command
-from reflexarc_runtime.errors import UsageError
-from reflexarc_runtime.messages.codec import decode_command
 from reflexarc_runtime.messages.controls import stop_reason
-from reflexarc_runtime.messages.topics import ARM, COMMAND, RELEASE, RESET, STOP, Topic, topic_of
-from reflexarc_runtime.messages.wire import (
-    NO_SENDER,
-    Message,
-    UndecodableError,
-    check_encoding,
-    unpack_stamp,
+from reflexarc_runtime.messages.topics import (
+    ARM,
+    COMMAND,
+    HOLD_TO_RUN,
+    RELEASE,
+    RESET,
+    STOP,
+    Topic,
+    topic_of,
 )
+from reflexarc_runtime.messages.wire import Message
+from reflexarc_sim_bridge.body.gate.account import Account
+from reflexarc_sim_bridge.body.gate.hold import Button
 from reflexarc_sim_bridge.body.gate.lease import Lease
 from reflexarc_sim_bridge.body.gate.limits import STANDSTILL, Motion, eased, slowed
+from reflexarc_sim_bridge.body.gate.reading import (
+    fault_of_operator,
+    gives_back_other,
+    read_command,
+    read_grip,
+)
+from reflexarc_sim_bridge.body.gate.refusal import Refusal
+from reflexarc_sim_bridge.body.gate.settings import GateSettings
 
-HEARD: tuple[Topic, ...] = (COMMAND, STOP, RESET, ARM, RELEASE)
+HEARD: tuple[Topic, ...] = (COMMAND, STOP, RESET, ARM, RELEASE, HOLD_TO_RUN)
 """The topics that a body with a gate subscribes to."""
-
-
-class Refusal(StrEnum):
-    """Why a message was not obeyed as it came, in the words of `<robot>/lease`."""
-
-    ENCODING = "another encoding, or too long"
-    UNSIGNED = "no attachment that names a sender"
-    UNREADABLE = "unreadable, or speeds that are not finite"
-    OTHER_BODY = "meant for another body"
-    FUTURE = "of a time to come"
-    OLD = "no longer valid"
-    OTHER_SENDER = "another one holds the lease"
-    RELEASED = "it has just given the lease back"
-    STOPPED = "the body is stopped"
-    DISARMED = "the body is not armed"
-    TOO_FAST = "too fast: slowed down"
-
-
-@dataclass(frozen=True)
-class GateSettings:
-    """What a body decides for itself."""
-
-    max_input_age_s: float
-    """Silence after which the holder loses the lease, seconds."""
-    limits: BodyLimits = field(default_factory=BodyLimits)
-    """What the body does at most."""
-    auto_arm: bool = False
-    """Whether it is armed at its start and after a reset, without being asked."""
-    lockstep: bool = False
-    """Whether time is counted in steps: then no lease expires."""
-    safe: Motion = STANDSTILL
-    """What it does when it is armed and there is nothing to obey."""
-
-    def __post_init__(self) -> None:
-        if not 0.0 < self.max_input_age_s < 1e9:
-            raise UsageError(
-                f"max_input_age_s: expected above 0 and finite, got {self.max_input_age_s}"
-            )
-
-    @cached_property
-    def silence_ns(self) -> int | None:
-        """The longest silence of a holder; None: nothing expires."""
-        return None if self.lockstep else round(self.max_input_age_s * 1e9)
-
-    @cached_property
-    def valid_for_ns(self) -> int:
-        """The body's own longest validity of a command."""
-        return self.limits.valid_for_ns
-
-
-@dataclass(frozen=True, slots=True)
-class Account:
-    """Whom a body obeys and what it refused: what it says on `<robot>/lease`."""
-
-    lease: Lease
-    armed: bool
-    stopped: str
-    state: str
-    refused: tuple[tuple[str, int], ...] = ()
-    """How many messages were refused or slowed, by reason."""
-
-    @property
-    def news(self) -> tuple[bytes, int, bool, str]:
-        """What is said at once when it changes; the rest once a second."""
-        return self.lease.holder, self.lease.epoch, self.armed, self.stopped
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,7 +59,8 @@ class Gate:
     own: bytes
     """The body's own identifier, 16 bytes: drive commands must repeat it."""
     settings: GateSettings
-    armed: bool
+    allowed: bool
+    """Whether it is armed without a button."""
     stopped: str = ""
     """Why the body stands until a reset comes; empty if it need not."""
     holding: Lease = field(default_factory=Lease)
@@ -127,6 +69,7 @@ class Gate:
     motion: Motion = STANDSTILL
     """What the body did last."""
     refusals: tuple[tuple[str, int], ...] = ()
+    button: Button = field(default_factory=Button)
 
     @classmethod
     def closed(cls, own: bytes, settings: GateSettings, stopped: str = "") -> "Gate":
@@ -141,7 +84,12 @@ class Gate:
 
     def renamed(self, own: bytes) -> "Gate":
         """The gate of a body whose messages carry another identifier from now on."""
-        return self if own == self.own else replace(self, own=own, wanted=None)
+        return self if own == self.own else replace(self, own=own, wanted=None, button=Button())
+
+    @property
+    def armed(self) -> bool:
+        """Whether it takes commands, unless it is stopped."""
+        return self.allowed or self.button.is_held
 
     def hear(self, message: Message, now_ns: int) -> "Gate":
         """The gate after a message; never raises.
@@ -150,14 +98,17 @@ class Gate:
             message: of one of the topics `HEARD`; any other one changes nothing.
             now_ns: when it arrived, on the body's clock.
         """
-        topic = topic_of(message.key)
+        topic, gate = topic_of(message.key), self._at(now_ns)
         if topic is COMMAND:
-            return self._hear_command(message, now_ns)
+            return gate._hear_command(message, now_ns)
         if topic is STOP:
-            return replace(self, stopped=self.stopped or stop_reason(message), wanted=None)
+            reason, button = stop_reason(message), gate.button.let_go(now_ns)
+            return replace(gate, stopped=gate.stopped or reason, wanted=None, button=button)
+        if topic is HOLD_TO_RUN:
+            return gate._hear_button(message, now_ns)
         if topic in (RESET, ARM, RELEASE):
-            return self._hear_operator(topic, message, now_ns)
-        return self
+            return gate._hear_operator(topic, message, now_ns)
+        return gate
 
     def obey(self, now_ns: int, dt_s: float) -> tuple[Motion, "Gate"]:
         """What the body does now, within its limits, and the gate after it.
@@ -166,19 +117,50 @@ class Gate:
             now_ns: on the body's clock.
             dt_s: time since the last call, in which the body can have become faster.
         """
-        holding = self.holding.at(now_ns, self.settings.silence_ns)
-        motion = self._motion(holding, now_ns, dt_s)
-        if motion == self.motion and holding is self.holding:
-            return motion, self
-        return motion, replace(self, holding=holding, motion=motion)
+        gate = self._at(now_ns)
+        holding = gate.holding.at(now_ns, gate.settings.silence_ns)
+        motion = gate._motion(holding, now_ns, dt_s)
+        if motion == gate.motion and holding is gate.holding:
+            return motion, gate
+        return motion, replace(gate, holding=holding, motion=motion)
 
     @property
     def lease(self) -> Account:
         """Whom the body obeys, whether it is armed or stopped, and what it refused."""
-        return Account(self.holding, self.armed, self.stopped, self._state(), self.refusals)
+        return Account(
+            self.holding,
+            self.armed,
+            self.stopped,
+            self._state(),
+            self.refusals,
+            self.own,
+            self.button.by,
+            self.settings.hold_to_run,
+        )
+
+    def _at(self, now_ns: int) -> "Gate":
+        """The gate now: a button that is no longer held lets go, and what it let in is over."""
+        button = self.button.at(now_ns)
+        return self if button is self.button else self._with(button)
+
+    def _with(self, button: Button) -> "Gate":
+        """The gate with another button: what was wanted before it changed hands is over."""
+        was, gate = self.armed, replace(self, button=button)
+        return gate if gate.armed == was else replace(gate, wanted=None)
+
+    def _hear_button(self, message: Message, now_ns: int) -> "Gate":
+        grip = read_grip(message)
+        if isinstance(grip, Refusal):
+            return self._refuse(grip)
+        if grip.body != self.own:
+            return self._refuse(Refusal.OTHER_BODY)
+        if self.stopped and grip.held:
+            return self._refuse(Refusal.STOPPED)
+        button = self.button.heard(grip, now_ns)
+        return self._refuse(button) if isinstance(button, Refusal) else self._with(button)
 
     def _hear_command(self, message: Message, now_ns: int) -> "Gate":
-        read = _read_command(message)
+        read = read_command(message)
         if isinstance(read, Refusal):
             return self._refuse(read)
         sender, command = read
@@ -216,30 +198,44 @@ class Gate:
         after = Gate(  # every field in order: `replace` takes three times as long
             self.own,
             self.settings,
-            self.armed,
+            self.allowed,
             self.stopped,
             holding,
             command,
             self.motion,
             self.refusals,
+            self.button,
         )
         if command.is_safe or not slowed(command, self.settings.limits)[1]:
             return after
         return after._refuse(Refusal.TOO_FAST)
 
     def _hear_operator(self, topic: Topic, message: Message, now_ns: int) -> "Gate":
-        refusal = _fault_of_operator(topic, message)
+        refusal = fault_of_operator(topic, message)
         if refusal is not None:
             return self._refuse(refusal)
         if topic is RESET:
-            armed = self.settings.auto_arm
-            return replace(self, armed=armed, stopped="", wanted=None, motion=STANDSTILL)
+            return self._reset(now_ns)
+        if topic is RELEASE and gives_back_other(message, self.holding.holder):
+            return self
         if topic is RELEASE:
             holding = self.holding.released(now_ns, self.settings.silence_ns)
             return replace(self, holding=holding, wanted=None)
         if self.stopped:
             return self._refuse(Refusal.STOPPED)
-        return self if self.armed else replace(self, armed=True, wanted=None)
+        if self.settings.hold_to_run:
+            return self._refuse(Refusal.NEEDS_BUTTON)
+        return replace(self, allowed=True, wanted=self.wanted if self.armed else None)
+
+    def _reset(self, now_ns: int) -> "Gate":
+        return replace(
+            self,
+            allowed=self.settings.auto_arm,
+            stopped="",
+            wanted=None,
+            motion=STANDSTILL,
+            button=self.button.let_go(now_ns),
+        )
 
     def _motion(self, holding: Lease, now_ns: int, dt_s: float) -> Motion:
         if self.stopped or not self.armed:
@@ -261,54 +257,9 @@ class Gate:
         if self.stopped:
             return "stopped: waiting for a reset"
         if not self.armed:
-            return "waiting for an arm"
+            return (
+                "waiting for a held button" if self.settings.hold_to_run else "waiting for an arm"
+            )
         if self.holding.is_free:
             return "waiting for a command"
         return "standing" if self.motion.stands else "driving"
-
-
-def _read_command(message: Message) -> tuple[bytes, Command] | Refusal:
-    """The sender and the command; or why it cannot be believed."""
-    try:
-        check_encoding(message, COMMAND.schema)
-    except UndecodableError:
-        return Refusal.ENCODING
-    sender = _sender_of(message)
-    if sender is None:
-        return Refusal.UNSIGNED
-    command = decode_command(message.payload)
-    return Refusal.UNREADABLE if command is None else (sender, command)
-
-
-def _sender_of(message: Message) -> bytes | None:
-    try:
-        sender = unpack_stamp(message.attachment).sender
-    except UndecodableError:
-        return None
-    return None if sender == NO_SENDER else sender
-
-
-def _fault_of_operator(topic: Topic, message: Message) -> Refusal | None:
-    """Why an arm, a reset or a release does not count: unlike a stop, it must be in order."""
-    try:
-        check_encoding(message, topic.schema)
-        topic.message.FromString(message.payload)
-    except UndecodableError:
-        return Refusal.ENCODING
-    except DecodeError:
-        return Refusal.UNREADABLE
-    return Refusal.UNSIGNED if _sender_of(message) is None else None
-
-
-def encode_lease(account: Account) -> bytes:
-    """`reflexarc.Lease`."""
-    lease = account.lease
-    message = pb.Lease(
-        holder=lease.holder,
-        epoch=lease.epoch,
-        armed=account.armed,
-        stopped=account.stopped,
-        state=account.state,
-        refused=dict(account.refused),
-    )
-    return message.SerializeToString()

@@ -12,27 +12,38 @@ be lost on the way. What ends it from outside is its companion's business (compa
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
 from reflexarc_runtime.loop.clock import wall_offset_ns
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.throttle import Throttle
 from reflexarc_runtime.messages.body_info import BodyInfo, encode_body
-from reflexarc_runtime.messages.codec import Status, encode_status
+from reflexarc_runtime.messages.codec import Status, encode_status, encode_warning
 from reflexarc_runtime.messages.topics import (
     BODY,
     BODY_NODE,
     COMMAND,
     LEASE,
+    LOG,
     SCAN,
     STATUS,
+    STOP,
     Quality,
 )
 from reflexarc_runtime.messages.wire import Message
-from reflexarc_sim_bridge.body.gate.gate import HEARD, Gate, GateSettings, encode_lease
+from reflexarc_sim_bridge.body.gate.account import SAID_EVERY_NS, encode_lease
+from reflexarc_sim_bridge.body.gate.gate import HEARD, Gate
+from reflexarc_sim_bridge.body.gate.settings import GateSettings
 from reflexarc_sim_bridge.body.latch import StopLatch
 from reflexarc_sim_bridge.body.ros2.command_relay import CommandRelay
-from reflexarc_sim_bridge.body.ros2.key_expressions import LASER_SCAN, TWIST, TWIST_STAMPED, RosType
+from reflexarc_sim_bridge.body.ros2.key_expressions import (
+    LASER_SCAN,
+    ODOMETRY,
+    TWIST,
+    TWIST_STAMPED,
+    RosType,
+)
 from reflexarc_sim_bridge.body.ros2.messages import STANDARD, RosScanner
 from reflexarc_sim_bridge.body.ros2.scan_relay import ScanRelay
 from reflexarc_sim_bridge.body.ros2.turns import Turns
@@ -46,6 +57,8 @@ FAREWELLS = 10
 """Standstills at the end."""
 FAREWELL_STEP_NS = 20_000_000
 """Time between two of them; the last one leaves the bus time to send it."""
+COMPANION_LOST = "the bridge's companion has ended: nobody watches the twists"
+"""What the robot's log says when it is missed first."""
 NO_COMPANION = "nobody watches the twists"
 """Under this name the status counts the seconds without a companion."""
 
@@ -59,6 +72,8 @@ class Route:
     """Full name of the topic of `sensor_msgs/LaserScan`."""
     command: str
     """Full name of the topic that the robot drives by."""
+    odometry: str = ""
+    """Full name of the topic of `nav_msgs/Odometry`; empty: none is listened to."""
     stamped: bool = False
     """Whether that one takes `geometry_msgs/TwistStamped`, or `Twist`."""
     scanner: RosScanner = STANDARD
@@ -78,6 +93,11 @@ class Route:
     def command_key(self) -> str:
         """Key of the commands."""
         return self.wire.key(self.command, self.command_type)
+
+    @property
+    def odometry_key(self) -> str:
+        """Key of the odometry; empty without one."""
+        return self.wire.key(self.odometry, ODOMETRY) if self.odometry else ""
 
     def tokens(self, session_id: str) -> tuple[str, ...]:
         """Liveliness tokens by which we appear in the robot's ROS graph."""
@@ -131,8 +151,8 @@ class RosBridge:
         latch: StopLatch | None = None,
     ) -> None:
         self._inbox = inbox
-        # A flood of commands must not push a stop out of a full inbox.
-        self._controls = Inbox()
+        # A flood of commands, or of anything else, must not push a stop out of a full inbox.
+        self._controls, self._stops = Inbox(), Inbox()
         self._scans = ScanRelay(bus.publisher(SCAN), route.scanner)
         wheel = bus.publisher_of_key(route.command_key, CDR, Quality.CONTROL)
         twists = TwistPublisher(wheel, route.stamped, wall_offset_ns)
@@ -142,7 +162,9 @@ class RosBridge:
         for token in route.tokens(bus.session_id):
             bus.announce_key(token)
         bus.subscribe([COMMAND], inbox.put)
-        bus.subscribe([topic for topic in HEARD if topic is not COMMAND], self._hear_control)
+        bus.subscribe([STOP], partial(self._hear_control, self._stops))
+        others = [topic for topic in HEARD if topic not in (COMMAND, STOP)]
+        bus.subscribe(others, partial(self._hear_control, self._controls))
         bus.subscribe_to_key(route.scan_key, self._scans.hear)
         bus.announce(BODY_NODE)
 
@@ -151,7 +173,9 @@ class RosBridge:
         try:
             while (turn := turns.wait(should_stop)) is not None:
                 controls, _ = self._controls.drain(turns.now_ns)
-                has_news = self._commands.hear((*controls, *turn.messages))
+                stops, _ = self._stops.drain(turns.now_ns)
+                # Stops behind what else was said: of a stop and a reset in one turn the stop holds.
+                has_news = self._commands.hear((*controls, *stops, *turn.messages))
                 if has_news or turn.is_due:
                     self._commands.speak(turn.now_ns)
                     turns.spoke(turn.now_ns)
@@ -172,8 +196,8 @@ class RosBridge:
             standstills=self._commands.standstills,
         )
 
-    def _hear_control(self, message: Message) -> None:
-        self._controls.put(message)
+    def _hear_control(self, inbox: Inbox, message: Message) -> None:
+        inbox.put(message)
         self._inbox.put(_wake(message.received_ns))
 
     def _take_leave(self, turns: Turns) -> None:
@@ -189,27 +213,38 @@ def _wake(now_ns: int) -> Message:
 
 
 class _Speaker:
-    """Says on our bus whom the robot obeys: at once when it changes, all of it once a second."""
+    """Says on our bus whom the robot obeys: at once when it changes, all of it again and again."""
 
     def __init__(self, bus: "Bus", settings: GateSettings, watcher: Watcher | None) -> None:
         self._status, self._info = bus.publisher(STATUS), bus.publisher(BODY)
         self._lease = bus.publisher(LEASE)
         self._body = encode_body(BodyInfo(limits=settings.limits))
+        self._log = bus.publisher(LOG)
         self._watcher = watcher
         self._unwatched_s = 0
-        self._every_second = Throttle()
+        self._missed = False
+        self._every_second, self._lease_period = Throttle(), Throttle(SAID_EVERY_NS)
         self._news: object = None
 
     def say(self, commands: CommandRelay, now_ns: int) -> None:
         """Say what is due."""
         account = commands.account
-        is_due = self._every_second.is_due(now_ns)
-        if is_due or account.news != self._news:
+        if self._lease_period.is_due(now_ns) or account.news != self._news:
             self._lease.put(encode_lease(account), now_ns)
             self._news = account.news
-        if is_due:
-            self._unwatched_s += self._watcher is None or not self._watcher.is_alive()
+        if self._every_second.is_due(now_ns):
+            self._look_for_watcher(now_ns)
             counts = (*account.refused, (NO_COMPANION, self._unwatched_s))
             status = Status(node=BODY_NODE, ticks=commands.twists, verdicts=counts)
             self._status.put(encode_status(status), now_ns)
             self._info.put(self._body, now_ns)
+
+    def _look_for_watcher(self, now_ns: int) -> None:
+        """Count a second without a companion; say on our bus, too, that it was lost."""
+        watcher = self._watcher
+        if watcher is not None and watcher.is_alive():
+            return
+        self._unwatched_s += 1
+        if watcher is not None and not self._missed:
+            self._missed = True
+            self._log.put(encode_warning(COMPANION_LOST, BODY_NODE, now_ns), now_ns)

@@ -9,7 +9,8 @@ from collections.abc import Iterable
 
 from reflexarc_runtime.messages.topics import COMMAND, topic_of
 from reflexarc_runtime.messages.wire import Message
-from reflexarc_sim_bridge.body.gate.gate import Account, Gate
+from reflexarc_sim_bridge.body.gate.account import Account
+from reflexarc_sim_bridge.body.gate.gate import Gate
 from reflexarc_sim_bridge.body.gate.limits import STANDSTILL, Motion
 from reflexarc_sim_bridge.body.latch import StopLatch
 from reflexarc_sim_bridge.body.ros2.twists import TwistPublisher

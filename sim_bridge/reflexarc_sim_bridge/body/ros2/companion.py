@@ -30,6 +30,7 @@ from reflexarc_runtime.messages.topics import Quality
 from reflexarc_runtime.messages.wire import Message, UndecodableError, unpack_stamp
 from reflexarc_sim_bridge.body.gate.limits import STANDSTILL
 from reflexarc_sim_bridge.body.ros2.silence import BridgeSilence
+from reflexarc_sim_bridge.body.ros2.standing import Standing
 from reflexarc_sim_bridge.body.ros2.twists import CDR, TwistPublisher, moves
 
 if TYPE_CHECKING:
@@ -57,6 +58,8 @@ class Watched:
     """The bridge's identifier, in hexadecimal: only its own twists are signs of its life."""
     period_ns: int
     """The longest time between two of them."""
+    odometry_key: str = ""
+    """Where the robot says how fast it is; empty: nowhere."""
 
     @property
     def bus(self) -> BusConfig:
@@ -114,7 +117,10 @@ class Companion:
         self._silence = BridgeSilence(watched.period_ns)
         self._now_ns = now_ns
         self._speaks = self._overslept = False
+        self._standing = Standing()
         bus.subscribe_to_key(watched.command_key, self.hear)
+        if watched.odometry_key:
+            bus.subscribe_to_key(watched.odometry_key, self.feel)
 
     @property
     def standstills(self) -> int:
@@ -129,6 +135,10 @@ class Companion:
             return
         if sender == self._sender:
             self._silence = self._silence.heard(message.received_ns, moves(message.payload))
+
+    def feel(self, message: Message) -> None:
+        """Take what the robot says of its speed; called on a thread of the bus."""
+        self._standing = self._standing.heard(message.payload, message.received_ns)
 
     def watch(self, door: Door) -> None:
         """Watch until the bridge says farewell, or is gone and the robot was told to stand."""
@@ -155,6 +165,8 @@ class Companion:
         if self._overslept:
             return  # what the bridge said meanwhile may still be on its way
         must_speak = self._silence.must_speak(self._now_ns(), is_gone)
+        if must_speak and self._standing.is_sure(self._now_ns()):
+            self._silence = self._silence.stood(self._now_ns())
         if must_speak:
             self._twists.send(STANDSTILL, self._now_ns())
         if must_speak and not self._speaks:

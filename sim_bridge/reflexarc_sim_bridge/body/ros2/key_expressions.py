@@ -38,6 +38,10 @@ LASER_SCAN = RosType(
     "sensor_msgs/msg/LaserScan",
     "RIHS01_64c191398013af96509d518dac71d5164f9382553fce5c1f8cca5be7924bd828",
 )
+ODOMETRY = RosType(
+    "nav_msgs/msg/Odometry",
+    "RIHS01_3cc97dc7fb7502f8714462c526d369e35b603cfc34d946e3f2eda2766dfec6e0",
+)
 TWIST = RosType(
     "geometry_msgs/msg/Twist",
     "RIHS01_9c45bf16fe0983d80e3cfe750d6835843d265a9a6c46bd2e609fcddde6fb8d2a",

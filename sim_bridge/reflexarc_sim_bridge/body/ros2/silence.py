@@ -4,13 +4,16 @@ A bridge that lives speaks once a period, whatever happens. If two periods pass 
 its own it is dead, stopped or stuck, and a robot that holds its last twist goes on with it. From
 then on the companion says standstill, until 2 s after the last twist that moved the robot; then it
 is silent, so that a person can drive the robot away. A robot that has been told to stand for so
-long needs nobody's word.
+long needs nobody's word. Where its odometry says that it stands, that is enough, after half a
+second: one that lies, or says nothing, makes it no shorter than that and no longer than 2 s.
 """
 
 from dataclasses import dataclass, replace
 
 HELD_NS = 2_000_000_000
 """How long after the last twist that moved it a robot is told to stand."""
+LEAST_NS = 500_000_000
+"""How long in any case, whatever its odometry says."""
 PERIODS = 2
 """So many periods without a twist are a silence: one twist may be late, or lost."""
 
@@ -40,6 +43,14 @@ class BridgeSilence:
         if self.heard_ns is None or self.moved_ns is None or now_ns - self.moved_ns >= HELD_NS:
             return False
         return is_gone or now_ns - self.heard_ns >= PERIODS * self.period_ns
+
+    def stood(self, now_ns: int) -> "BridgeSilence":
+        """What is known when its odometry says that it stands, after it was told to.
+
+        Then it needs no word until the bridge moves it again, also if it moves: a person drives it.
+        """
+        is_early = self.moved_ns is not None and now_ns - self.moved_ns < LEAST_NS
+        return self if is_early else replace(self, moved_ns=None)
 
     def look_ns(self, now_ns: int) -> int:
         """When to look again: when the next silence would begin; in one already, in a period."""

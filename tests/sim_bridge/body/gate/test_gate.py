@@ -6,11 +6,14 @@ import pytest
 from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.contract.body_limits import BodyLimits
 from reflexarc_runtime.errors import UsageError
-from reflexarc_runtime.messages.controls import encode_stop
+from reflexarc_runtime.messages.controls import encode_own_release, encode_stop
 from reflexarc_runtime.messages.topics import ARM, COMMAND, RELEASE, RESET, RETINA, STOP
 from reflexarc_runtime.messages.wire import NO_SENDER, Message
-from reflexarc_sim_bridge.body.gate.gate import Gate, GateSettings, Refusal, encode_lease
+from reflexarc_sim_bridge.body.gate.account import encode_lease
+from reflexarc_sim_bridge.body.gate.gate import Gate
 from reflexarc_sim_bridge.body.gate.limits import STANDSTILL, Motion
+from reflexarc_sim_bridge.body.gate.refusal import Refusal
+from reflexarc_sim_bridge.body.gate.settings import GateSettings
 from support.gates import BODY, MS, ONE, OTHER, drive, message, safe
 
 SETTINGS = GateSettings(max_input_age_s=0.1, auto_arm=True)
@@ -127,6 +130,16 @@ def test_who_gave_the_lease_back_gets_it_again_if_nobody_else_came():
     assert after(gate, drive(101 * MS), now_ns=101 * MS).lease.lease.epoch == 2
 
 
+def test_whoever_gives_its_own_lease_back_gives_nobody_else_s():
+    gate = after(OPEN, drive(0))
+    own = encode_own_release("the end of the run")
+    assert does(after(gate, message(RELEASE, own, OTHER))) == AHEAD
+    assert after(gate, message(RELEASE, own, OTHER)).lease.lease.holder == ONE
+    given = after(gate, message(RELEASE, own, ONE))
+    assert does(given) == STANDSTILL
+    assert does(after(given, drive(0, OTHER))) == AHEAD
+
+
 def test_the_release_of_a_lease_that_silence_had_ended_keeps_nobody_waiting():
     gate = after(after(OPEN, drive(0)), message(RELEASE), drive(101 * MS), now_ns=101 * MS)
     assert (gate.lease.lease.holder, gate.lease.lease.epoch) == (ONE, 2)
@@ -164,7 +177,7 @@ def test_a_stopped_or_disarmed_body_stands_even_where_its_safe_motion_moves():
     rush = Gate.closed(BODY, replace(SETTINGS, safe=Motion(3.0)))
     assert does(rush) == Motion(3.0)
     assert does(after(rush, message(STOP))) == STANDSTILL
-    assert does(replace(rush, armed=False)) == STANDSTILL
+    assert does(replace(rush, allowed=False)) == STANDSTILL
 
 
 def test_a_stop_before_the_end_of_a_body_holds_after_its_start():
@@ -215,7 +228,7 @@ def test_the_lease_says_whom_it_obeys_and_what_it_refused():
     [
         (OPEN, "waiting for a command"),
         (after(OPEN, safe()), "standing"),
-        (replace(OPEN, armed=False), "waiting for an arm"),
+        (replace(OPEN, allowed=False), "waiting for an arm"),
         (after(OPEN, message(STOP)), "stopped: waiting for a reset"),
     ],
 )

@@ -2,6 +2,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
+from foxglove_schemas_protobuf.Log_pb2 import Log
 
 from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.contract.body_limits import BodyLimits
@@ -9,11 +10,11 @@ from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.messages.body_info import BodyInfo, decode_body
 from reflexarc_runtime.messages.topics import ARM, STOP, topic_of
 from reflexarc_runtime.messages.wire import Message
-from reflexarc_sim_bridge.body.gate.gate import GateSettings
+from reflexarc_sim_bridge.body.gate.settings import GateSettings
 from reflexarc_sim_bridge.body.ros2.bridge import FAREWELLS, RosBridge, RosBridgeReport, Route
 from reflexarc_sim_bridge.body.ros2.turns import Turn
 from reflexarc_sim_bridge.body.ros2.wires import RmwWire, Ros2DdsWire
-from support.gates import drive, message
+from support.gates import drive, hold, message
 from support.sensing import MS
 from support.spoken import FakeBus
 
@@ -90,12 +91,16 @@ def test_a_stop_wakes_the_bridge_and_has_an_inbox_of_its_own():
     assert topic_of(woken.key) is None
 
 
-def test_a_flood_of_commands_does_not_push_a_stop_out():
+@pytest.mark.parametrize(
+    ("topic", "one"),
+    [("command", drive(30 * MS)), ("arm", message(ARM)), ("hold_to_run", hold(0))],
+)
+def test_a_flood_does_not_push_a_stop_out(topic: str, one: Message):
     turns = GivenTurns(turn(0, due=True), turn(31, drive(30 * MS, received_ns=31 * MS)))
     bus, serve = served(turns)
     bus.heard["stop"](message(STOP))
     for _ in range(3000):
-        bus.heard["command"](drive(30 * MS))
+        bus.heard[topic](one)
     serve()
     assert all(speeds == (0.0, 0.0, 0.0) for speeds in bus.publishers["cmd_vel"].speeds)
 
@@ -132,6 +137,28 @@ def test_the_status_counts_what_was_refused_and_says_that_nobody_watches():
         "too fast: slowed down": 1,
         "nobody watches the twists": 2,
     }
+
+
+def test_that_the_companion_is_lost_is_said_once_on_the_robot_s_log():
+    turns = GivenTurns(*[turn(time_ms, due=True) for time_ms in (0, 1500, 3000)])
+    bus, serve = served(turns, watcher=Mortal())
+    serve()
+    ((payload, time_ns),) = bus.publishers["log"].said
+    said = Log.FromString(payload)
+    assert (said.level, said.name, time_ns) == (Log.WARNING, "body", 0)
+    assert "nobody watches the twists" in said.message
+
+
+def test_without_a_companion_none_is_missed_on_the_log():
+    bus, serve = served(GivenTurns(turn(0, due=True)), watcher=None)
+    serve()
+    assert bus.publishers["log"].said == []
+
+
+def test_the_odometry_is_on_the_key_of_the_robot_s_wire():
+    rmw = Route(RmwWire(3), "/scan", "/cmd_vel", odometry="/odom")
+    assert rmw.odometry_key.startswith("3/odom/nav_msgs::msg::dds_::Odometry_/RIHS01_3cc97dc7")
+    assert Route(RmwWire(3), "/scan", "/cmd_vel").odometry_key == ""
 
 
 def test_what_is_declared_on_rmw():

@@ -7,7 +7,8 @@ import pytest
 from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.contract.body_limits import BodyLimits
 from reflexarc_runtime.messages.topics import ARM, RELEASE, RESET, STOP
-from reflexarc_sim_bridge.body.gate.gate import Gate, GateSettings
+from reflexarc_sim_bridge.body.gate.gate import Gate
+from reflexarc_sim_bridge.body.gate.settings import GateSettings
 from reflexarc_sim_bridge.body.latch import StopLatch
 from reflexarc_sim_bridge.body.ros2.command_relay import CommandRelay
 from reflexarc_sim_bridge.body.ros2.twists import TwistPublisher

@@ -14,6 +14,7 @@ from reflexarc_sim_bridge.body.gate.limits import STANDSTILL, Motion
 from reflexarc_sim_bridge.body.ros2.companion import FAREWELL, Companion, Pipe, Watched
 from reflexarc_sim_bridge.body.ros2.messages import encode_twist
 from support.gates import BODY, OTHER
+from support.ros2 import odometry
 from support.sensing import MS
 from support.spoken import FakeBus
 
@@ -55,6 +56,15 @@ class Play:
     def twists(self, first_ms: int, last_ms: int, **how: Any) -> "Play":
         for time_ms in range(first_ms, last_ms + 1, 20):
             self.twist(time_ms, **how)
+        return self
+
+    def odometry(self, first_ms: int, last_ms: int, linear_mps: float = 0.0) -> "Play":
+        payload = odometry(linear_mps)
+
+        def say() -> None:
+            self.companion.feel(Message("odom", payload, "", b"", self.clock.now_ns()))
+
+        self._events += [(time_ms, say) for time_ms in range(first_ms, last_ms + 1, 20)]
         return self
 
     def door(self, time_ms: float, said: bytes) -> "Play":
@@ -109,6 +119,36 @@ def test_a_bridge_that_is_gone_before_it_drove_needs_no_word():
     play = Play().twists(0, 1000, motion=STANDSTILL).door(1003, b"")
     assert play.run(60_000) == []
     assert play.clock.now_ns() < 1100 * MS
+
+
+def test_a_robot_whose_odometry_says_that_it_stands_needs_no_more_words():
+    play = Play().twists(0, 1000).odometry(0, 1490, 1.0).odometry(1500, 5000)
+    spoken_ms = play.run(5000)
+    assert 1040 <= spoken_ms[0] <= 1060
+    assert 1700 <= spoken_ms[-1] <= 1740
+
+
+def test_a_robot_that_a_person_drives_away_is_left_alone():
+    play = Play().twists(0, 1000).odometry(0, 1300).odometry(1320, 1900).odometry(1920, 5000, 1.0)
+    assert play.run(5000)[-1] <= 1540
+
+
+def test_an_odometry_that_lies_makes_it_no_shorter_than_half_a_second():
+    play = Play().twists(0, 1000).odometry(0, 60_000).door(1003, b"")
+    spoken_ms = play.run(60_000)
+    assert 1500 <= spoken_ms[-1] <= 1540
+    assert play.clock.now_ns() < 1600 * MS
+
+
+@pytest.mark.parametrize("last_ms", [0, 1400])
+def test_an_odometry_that_moves_for_ever_or_is_absent_makes_it_no_longer(last_ms: int):
+    play = Play().twists(0, 1000).odometry(0, last_ms, 1.0)
+    assert 2980 <= play.run(5000)[-1] < 3000
+
+
+def test_a_bridge_that_drives_a_robot_that_stands_is_watched_all_the_same():
+    play = Play().twists(0, 1000).odometry(0, 5000)  # against a wall
+    assert 1040 <= play.run(5000)[0] <= 1060
 
 
 def test_a_farewell_ends_it_without_a_word():

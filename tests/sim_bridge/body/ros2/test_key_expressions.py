@@ -5,6 +5,7 @@ from reflexarc_runtime.errors import UsageError
 from reflexarc_runtime.messages.wire import Stamp, pack_stamp
 from reflexarc_sim_bridge.body.ros2.key_expressions import (
     LASER_SCAN,
+    ODOMETRY,
     RELIABLE,
     TWIST,
     TWIST_STAMPED,
@@ -36,7 +37,7 @@ PUBLISHED = {
 }
 
 
-@pytest.mark.parametrize("kind", [LASER_SCAN, TWIST, TWIST_STAMPED, STRING])
+@pytest.mark.parametrize("kind", [LASER_SCAN, ODOMETRY, TWIST, TWIST_STAMPED, STRING])
 @pytest.mark.parametrize("distribution", [Stores.ROS2_JAZZY, Stores.ROS2_KILTED])
 def test_type_hashes_are_those_of_the_definitions(kind: RosType, distribution: Stores):
     assert get_typestore(distribution).hash_rihs01(kind.name) == kind.type_hash

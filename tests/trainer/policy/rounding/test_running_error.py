@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from reflexarc_trainer.policy import running_error
-from reflexarc_trainer.policy.running_error import Running, affine, exactly
+from reflexarc_trainer.policy.rounding import running_error
+from reflexarc_trainer.policy.rounding.running_error import Running, affine, exactly
 
 Pair = tuple[npt.NDArray[np.float32], Running]
 

@@ -11,7 +11,7 @@ import torch
 from torch import Tensor, fx, nn
 
 from reflexarc_runtime.errors import PolicyError
-from reflexarc_trainer.policy.translation import Shape
+from reflexarc_trainer.policy.translation.graph_builder import Shape
 
 BATCHES = (2, 3)
 """Not 1, which torch stretches and squeezes as it needs."""

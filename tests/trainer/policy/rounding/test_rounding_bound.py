@@ -28,7 +28,7 @@ from reflexarc_trainer.policy.probes import (
 )
 from reflexarc_trainer.policy.q_network import new_network
 from reflexarc_trainer.policy.recurrent_network import GruNetwork, LstmNetwork
-from reflexarc_trainer.policy.rounding_bound import (
+from reflexarc_trainer.policy.rounding.rounding_bound import (
     LARGEST_TOLERANCE,
     rounding_bound,
     tolerance_for,

@@ -14,10 +14,7 @@ from torch import fx, nn
 
 from reflexarc_runtime.errors import PolicyError
 from reflexarc_trainer.policy.q_network import intensity
-from reflexarc_trainer.policy.recurrent_modules import RECURRENT_RULES
-from reflexarc_trainer.policy.shape_operators import SHAPE_RULES
-from reflexarc_trainer.policy.tracing import VARIES, measure_shapes, trace
-from reflexarc_trainer.policy.translation import (
+from reflexarc_trainer.policy.translation.graph_builder import (
     Call,
     Names,
     Rule,
@@ -26,6 +23,9 @@ from reflexarc_trainer.policy.translation import (
     Value,
     weights,
 )
+from reflexarc_trainer.policy.translation.recurrent_modules import RECURRENT_RULES
+from reflexarc_trainer.policy.translation.shape_operators import SHAPE_RULES
+from reflexarc_trainer.policy.translation.tracing import VARIES, measure_shapes, trace
 
 
 def translate(

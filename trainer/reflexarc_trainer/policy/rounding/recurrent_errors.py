@@ -7,7 +7,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from reflexarc_trainer.policy.running_error import (
+from reflexarc_trainer.policy.rounding.running_error import (
     Array,
     Running,
     add,

@@ -1,6 +1,6 @@
 from reflexarc_runtime.contract.motion import Action
 from reflexarc_runtime.decision import Command, Input, Verdict, drive_command, safe_command
-from reflexarc_runtime.loop.watchdog import Watchdog
+from support.body_watchdog import Watchdog
 
 STOP = Action("stop", 0.0, 0.0)
 GO = Action("left", 1.0, 1.0)

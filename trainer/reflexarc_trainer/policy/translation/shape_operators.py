@@ -7,7 +7,7 @@ from typing import Any
 import torch
 
 from reflexarc_runtime.errors import PolicyError
-from reflexarc_trainer.policy.translation import Call, Rule, Shape, Translation, Value
+from reflexarc_trainer.policy.translation.graph_builder import Call, Rule, Shape, Translation, Value
 
 
 def _flatten(call: Call) -> str:

@@ -1,7 +1,11 @@
-"""The body's own watchdog: whether a command may still be obeyed.
+"""The watchdog of the fault campaigns' body: whether a command may still be obeyed.
 
-A command repeats the source time of the input that led to it, which the body itself had set. So the
-body compares only times of its own clock, and silence of any cause ends in a stop.
+It is the rule of a command's validity and no more: no lease, no arming, no limits. So what the
+campaigns measure is that rule alone, in the plainest words; the bodies that are shipped have the
+gate.
+
+A command repeats the source time of the input that led to it, which the body itself had set. So
+the body compares only times of its own clock, and silence of any cause ends in a stop.
 """
 
 from dataclasses import dataclass, replace

@@ -14,7 +14,14 @@ import numpy as np
 from torch import nn
 
 from reflexarc_runtime.errors import PolicyError
-from reflexarc_trainer.policy.translation import Call, Names, Rule, Translation, Value, weights
+from reflexarc_trainer.policy.translation.graph_builder import (
+    Call,
+    Names,
+    Rule,
+    Translation,
+    Value,
+    weights,
+)
 
 _GATES = {"GRU": (1, 0, 2), "LSTM": (0, 3, 1, 2)}
 """Which gate of torch's is the first, second, … of ONNX."""

@@ -27,8 +27,8 @@ from reflexarc_runtime.policy.agreement import Q_TOLERANCE
 from reflexarc_runtime.policy.operators import OPERATORS
 from reflexarc_runtime.policy.recurrent_operators import MANY_OPERATORS
 from reflexarc_trainer.policy.probes import Probes
-from reflexarc_trainer.policy.recurrent_errors import gru, lstm
-from reflexarc_trainer.policy.running_error import (
+from reflexarc_trainer.policy.rounding.recurrent_errors import gru, lstm
+from reflexarc_trainer.policy.rounding.running_error import (
     UNIT,
     Running,
     add,
