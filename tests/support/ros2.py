@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, field
 
 from pycdr2 import IdlStruct
-from pycdr2.types import float32, float64, int32, sequence, uint32
+from pycdr2.types import array, float32, float64, int32, sequence, uint32
 
 
 @dataclass
@@ -50,6 +50,81 @@ class Twist(IdlStruct, typename="geometry_msgs/Twist"):
 class TwistStamped(IdlStruct, typename="geometry_msgs/TwistStamped"):
     header: Header
     twist: Twist
+
+
+@dataclass
+class Quaternion(IdlStruct, typename="geometry_msgs/Quaternion"):
+    x: float64 = 0.0
+    y: float64 = 0.0
+    z: float64 = 0.0
+    w: float64 = 1.0
+
+
+@dataclass
+class Pose(IdlStruct, typename="geometry_msgs/Pose"):
+    position: Vector3  # geometry_msgs/Point has the same three numbers
+    orientation: Quaternion
+
+
+@dataclass
+class PoseWithCovariance(IdlStruct, typename="geometry_msgs/PoseWithCovariance"):
+    pose: Pose
+    covariance: array[float64, 36] = field(default_factory=lambda: [0.0] * 36)
+
+
+@dataclass
+class TwistWithCovariance(IdlStruct, typename="geometry_msgs/TwistWithCovariance"):
+    twist: Twist
+    covariance: array[float64, 36] = field(default_factory=lambda: [0.0] * 36)
+
+
+@dataclass
+class Odometry(IdlStruct, typename="nav_msgs/Odometry"):
+    header: Header
+    child_frame_id: str
+    pose: PoseWithCovariance
+    twist: TwistWithCovariance
+
+
+@dataclass
+class Transform(IdlStruct, typename="geometry_msgs/Transform"):
+    translation: Vector3
+    rotation: Quaternion
+
+
+@dataclass
+class TransformStamped(IdlStruct, typename="geometry_msgs/TransformStamped"):
+    header: Header
+    child_frame_id: str
+    transform: Transform
+
+
+@dataclass
+class TFMessage(IdlStruct, typename="tf2_msgs/TFMessage"):
+    transforms: sequence[TransformStamped]
+
+
+def odometry(
+    x_m: float = 1.0,
+    y_m: float = 2.0,
+    *,
+    turn: Quaternion | None = None,
+    frame: str = "odom",
+    stamp: Time | None = None,
+) -> Odometry:
+    """A place that a robot says it has."""
+    pose = Pose(Vector3(x_m, y_m, 0.0), turn or Quaternion())
+    still = Twist(Vector3(0.0, 0.0, 0.0), Vector3(0.0, 0.0, 0.0))
+    head = Header(stamp or Time(), frame)
+    return Odometry(head, "base_link", PoseWithCovariance(pose), TwistWithCovariance(still))
+
+
+def transform(
+    child: str, x_m: float = 0.0, *, parent: str = "base_link", turn: Quaternion | None = None
+) -> TransformStamped:
+    """Where a frame is in another one."""
+    placed = Transform(Vector3(x_m, 0.0, 0.0), turn or Quaternion())
+    return TransformStamped(Header(Time(5, 6), parent), child, placed)
 
 
 def laser_scan(

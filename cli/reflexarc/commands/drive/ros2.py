@@ -9,19 +9,25 @@ from reflexarc.terminal.output import aside, console, facts, plain, print_json
 from reflexarc.terminal.signals import StopFlag
 from reflexarc.wiring.bus_flags import Joining
 from reflexarc.wiring.limit_flags import LimitFlags
+from reflexarc.wiring.robot_router import joined
 from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:
     from reflexarc_runtime.bus import Bus
     from reflexarc_sim_bridge.body.gate.gate import GateSettings
     from reflexarc_sim_bridge.body.latch import StopLatch
-    from reflexarc_sim_bridge.body.ros2.bridge import RosBridgeReport, Route
+    from reflexarc_sim_bridge.body.ros2.bridge import RosBridgeReport
     from reflexarc_sim_bridge.body.ros2.companion_link import CompanionLink
+    from reflexarc_sim_bridge.body.ros2.route import Route
 
 MAX_RATE_HZ = 1000.0
 SILENCE_S = 0.2
 """Whoever holds the robot and says nothing for so long loses it: twice the age at which an input
 is too old by default, as no policy tells a robot its own."""
+
+NOT_A_CLIENT = """\
+reflexarc ros2: --zenoh: expected mode "client" with --wire rmw: on another machine a peer hears \
+the robot or not, by which Zenoh identifier is greater"""
 
 
 @dataclass(frozen=True)
@@ -38,6 +44,7 @@ class Ros2Command:
       reflexarc ros2 --max-linear 0.5 --max-lateral 0 --max-angular 1
       reflexarc ros2 --limits robot.toml --wire rmw --domain 7 --stamped
       reflexarc ros2 --limits robot.toml --topic robot1/scan --command robot1/cmd_vel
+      reflexarc ros2 --limits robot.toml --wire rmw --distribution humble --node robot1/reflex
     """
 
     topic: str = "scan"
@@ -46,10 +53,23 @@ class Ros2Command:
     """The topic that the robot drives by."""
     stamped: bool = False
     """Send geometry_msgs/TwistStamped in place of geometry_msgs/Twist."""
+    stamp: Literal["scan", "wall", "zero"] = "scan"
+    """With --stamped: the stamp of the scan that a motion came from; this machine's clock, which
+    must be the robot's then; or none, which means now. A standstill has none with the first."""
     wire: Literal["ros2dds", "rmw"] = "ros2dds"
     """How ROS 2 meets Zenoh: by zenoh-plugin-ros2dds, or by rmw_zenoh."""
     domain: int = 0
     """ROS_DOMAIN_ID; it counts with rmw."""
+    distribution: Literal["humble", "jazzy"] = "jazzy"
+    """ROS distribution of the robot, with rmw: Humble has no type hashes, Iron and all later ones
+    do as Jazzy."""
+    node: str = "reflexarc"
+    """Name of the bridge in the ROS graph, with rmw; robot1/reflex has a namespace."""
+    odometry: str = "odom"
+    """The robot's topic of nav_msgs/Odometry, passed on as `pose` for the log; empty: none."""
+    tf: str = "tf"
+    """Its topic of tf2_msgs/TFMessage, passed on as `tf`, and the one with _static behind it;
+    empty: none."""
     rate: float = 50.0
     """Commands to the robot, a second, at least."""
     robot_limits: LimitFlags = field(default_factory=LimitFlags)
@@ -68,8 +88,15 @@ class Ros2Command:
         from reflexarc_runtime.messages.topics import BODY_NODE
 
         route, settings = self._route(), self._settings()
-        with StopFlag() as stop, self.joining.bus(BODY_NODE) as bus:
-            account = self._serve(bus, route, settings, stop)
+        with StopFlag() as stop:
+            client = route.wire.has_router
+            bus = joined(self.joining, BODY_NODE, stop, "reflexarc ros2", client=client)
+            if bus is None:
+                return 0
+            if client and not bus.is_client:
+                aside.print(NOT_A_CLIENT)
+            with bus:
+                account = self._serve(bus, route, settings, stop)
         self._tell(account)
         return 0
 
@@ -79,26 +106,37 @@ class Ros2Command:
         return GateSettings(SILENCE_S, self.robot_limits.body_limits(), self.auto_arm)
 
     def _route(self) -> "Route":
-        from reflexarc_runtime.messages.topics import COMMAND, SCAN
-        from reflexarc_sim_bridge.body.ros2.bridge import Route
         from reflexarc_sim_bridge.body.ros2.key_expressions import check_topic
+        from reflexarc_sim_bridge.body.ros2.route import Route
+        from reflexarc_sim_bridge.body.ros2.stamps import StampRule
         from reflexarc_sim_bridge.body.ros2.wires import wire_named
 
         if not 0.0 < self.rate <= MAX_RATE_HZ:
             raise UsageError(f"--rate: expected 0 to {MAX_RATE_HZ:g} Hz, got {self.rate}")
+        has_hashes = self.distribution != "humble"
         route = Route(
-            wire_named(self.wire, self.domain),
+            wire_named(self.wire, self.domain, has_hashes=has_hashes, node=self.node),
             check_topic("--topic", self.topic),
             check_topic("--command", self.command),
             self.stamped,
+            StampRule(self.stamp),
+            self.odometry and check_topic("--odometry", self.odometry),
+            self.tf and check_topic("--tf", self.tf),
         )
-        for key in (SCAN.key(self.joining.robot), COMMAND.key(self.joining.robot)):
-            if key in (route.scan_key, route.command_key):
+        self._check_keys(route)
+        return route
+
+    def _check_keys(self, route: "Route") -> None:
+        """Refuse keys of the robot that are ours as well: we would hear ourselves."""
+        from reflexarc_runtime.messages.topics import TOPICS
+
+        ours = {topic.key(self.joining.robot) for topic in TOPICS}
+        for key in route.keys:
+            if key in ours:
                 raise UsageError(
                     f"{key}: expected the robot's keys and ours to differ; "
                     "give ours another first part with --robot"
                 )
-        return route
 
     def _serve(
         self, bus: "Bus", route: "Route", settings: "GateSettings", stop: StopFlag
@@ -143,6 +181,8 @@ class Ros2Command:
             stamped=self.stamped,
             sender=bus.sender.hex(),
             period_ns=period_ns,
+            stamp=self.stamp,
+            client=route.wire.has_router,
         )
         return CompanionLink(watched)
 
@@ -158,6 +198,9 @@ class Ros2Command:
                     "commands": account.commands,
                     "refused commands": _counts(account.refused_commands),
                     "twists": f"{account.twists}, {account.standstills} of them standstill",
+                    "poses": account.poses,
+                    "transforms": account.transforms,
+                    "refused places": _counts(account.refused_places),
                 }
             )
         )
