@@ -241,7 +241,7 @@ def _zenoh_config(config: BusConfig) -> zenoh.Config:
 def _explain_absence(config: BusConfig, reason: str) -> str:
     if config.zenoh_file is not None:
         return f"--zenoh: {config.zenoh_file}: {_first_line(reason)}"
-    return f"no Zenoh router listens on port {config.port} of {LOOPBACK}"
+    return f"no Zenoh router on {LOOPBACK}:{config.port}"
 
 
 def _first_line(reason: str) -> str:

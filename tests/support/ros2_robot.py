@@ -8,12 +8,14 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import zenoh
 
 from support.ros2 import Time, Twist, TwistStamped, laser_scan
 
 SCAN_PERIOD_S = 0.02
+HERE = Path(__file__).parent
 
 
 @dataclass(frozen=True)
@@ -26,6 +28,11 @@ class Told:
     """In the header; 0 without one."""
     ahead_mps: float
     attachment: bytes
+
+    @property
+    def sender(self) -> bytes:
+        """Who said it: the bridge, or on a busy machine its companion as well."""
+        return self.attachment[-16:]
 
     @property
     def is_standstill(self) -> bool:
@@ -91,9 +98,24 @@ def router(port: int) -> Iterator[zenoh.Session]:
 
 
 @contextmanager
-def robot(port: int, scan_key: str, command_key: str, *, stamped: bool) -> Iterator[Robot]:
-    """A robot whose router listens on a port."""
-    with router(port) as session:
+def rmw_robot_session(port: int) -> Iterator[zenoh.Session]:
+    """A node of rmw_zenoh beside its rmw_zenohd, whose router listens on a port."""
+    with _as_configured("rmw_zenohd", port), _as_configured("rmw_session", port) as node:
+        yield node
+
+
+def _as_configured(name: str, port: int) -> zenoh.Session:
+    """A session as a file beside this one says, with another port."""
+    text = (HERE / f"{name}.json5").read_text().replace(":7447", f":{port}")
+    return zenoh.open(zenoh.Config.from_json5(text))
+
+
+@contextmanager
+def robot(
+    port: int, scan_key: str, command_key: str, *, stamped: bool, rmw: bool = False
+) -> Iterator[Robot]:
+    """A robot whose router listens on a port; with `rmw` as rmw_zenoh has it."""
+    with rmw_robot_session(port) if rmw else router(port) as session:
         body = Robot(session, scan_key, command_key, stamped)
         wheels = session.declare_subscriber(command_key, body.hear)
         body.scanning.set()

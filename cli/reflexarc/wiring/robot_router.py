@@ -35,7 +35,7 @@ def joined(
             return joining.bus(node, client=client)
         except NoRouterError as error:
             if not said:
-                aside.print(f"{who}: {error}; waiting for the robot's router, rmw_zenohd …")
+                aside.print(f"{who}: {error}: waiting for it …")
             said = True
         time.sleep(LOOK_AGAIN_S)
     return None
