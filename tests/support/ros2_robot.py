@@ -61,10 +61,11 @@ class Robot:
             stamp_ns, twist = 0, Twist.deserialize(data)
         self.told.append(Told(now_ns, stamp_ns, twist.linear.x, attachment))
 
-    def scan(self) -> None:
+    def scan(self, count: int | None = None) -> None:
+        """Send scans until told to end, or so many."""
         publisher = self.session.declare_publisher(self.scan_key)
         number = 0
-        while self.scanning.is_set():
+        while self.scanning.is_set() and number != count:
             seconds, nanoseconds = divmod(time.time_ns(), 1_000_000_000)
             scan = laser_scan([float("inf")] * 181, stamp=Time(seconds, nanoseconds))
             gid = bytes(range(16))
@@ -100,14 +101,27 @@ def router(port: int) -> Iterator[zenoh.Session]:
 @contextmanager
 def rmw_robot_session(port: int) -> Iterator[zenoh.Session]:
     """A node of rmw_zenoh beside its rmw_zenohd, whose router listens on a port."""
-    with _as_configured("rmw_zenohd", port), _as_configured("rmw_session", port) as node:
+    with rmw_router(port), rmw_node(port) as node:
         yield node
 
 
-def _as_configured(name: str, port: int) -> zenoh.Session:
-    """A session as a file beside this one says, with another port."""
+def rmw_router(port: int) -> zenoh.Session:
+    """A router as rmw_zenohd is configured; a context manager."""
+    return _as_configured("rmw_zenohd", port)
+
+
+def rmw_node(port: int, identifier: str = "") -> zenoh.Session:
+    """The session of a node as rmw_zenoh opens it; a context manager."""
+    return _as_configured("rmw_session", port, identifier)
+
+
+def _as_configured(name: str, port: int, identifier: str = "") -> zenoh.Session:
+    """A session as a file beside this one says, with another port, and an identifier if given."""
     text = (HERE / f"{name}.json5").read_text().replace(":7447", f":{port}")
-    return zenoh.open(zenoh.Config.from_json5(text))
+    config = zenoh.Config.from_json5(text)
+    if identifier:
+        config.insert_json5("id", json.dumps(identifier))
+    return zenoh.open(config)
 
 
 @contextmanager
