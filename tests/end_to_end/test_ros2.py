@@ -6,9 +6,13 @@ import time
 from pathlib import Path
 
 import pytest
+import zenoh.ext
 
 from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_sim_bridge.body.ros2.key_expressions import TF_MESSAGE
+from reflexarc_sim_bridge.body.ros2.wires import RmwWire
 from support.processes import finished, said_line, started, wait_until
+from support.ros2 import TFMessage, transform
 from support.ros2_drives import FAST_ENOUGH
 from support.ros2_robot import Told, robot
 
@@ -106,6 +110,46 @@ def test_a_peer_on_rmw_is_told_that_it_may_hear_nothing(port: int, tmp_path: Pat
         assert "mode" in said_line(bridge, 'expected mode "client"')
         bridge.send_signal(signal.SIGINT)
         assert bridge.wait(30.0) == 0
+
+
+def test_a_static_transform_that_was_said_before_the_bridge_began_is_on_our_bus(port: int):
+    # rmw_zenoh's transient local publishers are zenoh-ext's, with a cache that answers queries.
+    scan_key, command_key = f"0/scan/{LASER_SCAN}", f"0/cmd_vel/{TWIST}"
+    static_key = RmwWire().key("/tf_static", TF_MESSAGE)
+    words = ["--wire", "rmw", "--json", "--port", port, *FAST_ENOUGH]
+    with robot(port, scan_key, command_key, stamped=False, rmw=True) as body:
+        latched = zenoh.ext.declare_advanced_publisher(
+            body.session,
+            static_key,
+            cache=zenoh.ext.CacheConfig(max_samples=1),
+            publisher_detection=True,
+        )
+        latched.put(TFMessage([transform("laser", 0.25)]).serialize())
+        with started("ros2", *words) as bridge:
+            wait_until(lambda: len(body.told) > 20, "the bridge speaks")
+            account = finished(bridge, signal.SIGINT)
+        latched.undeclare()
+    assert account["transforms"] > 0
+    assert account["refused_places"] == {}
+
+
+def test_two_bridges_on_one_robot_have_names_keys_and_topics_of_their_own(port: int):
+    scan_key = f"0/scan/{LASER_SCAN}"
+    both = ["--wire", "rmw", "--json", "--port", port, *FAST_ENOUGH]
+    left = [*both, "--node", "left", "--robot", "left", "--command", "left_vel"]
+    right = [*both, "--node", "right", "--robot", "right", "--command", "right_vel"]
+    with (
+        robot(port, scan_key, f"0/*/{TWIST}", stamped=False, rmw=True) as body,
+        started("ros2", *left) as one,
+        started("ros2", *right) as other,
+    ):
+        wait_until(lambda: len({word.sender for word in body.told}) == 2, "both speak")
+        tokens = body.tokens()
+        accounts = [finished(bridge, signal.SIGINT) for bridge in (one, other)]
+    assert all(account["scans"] > 0 for account in accounts)
+    nodes = {token.split("/")[8]: token.split("/")[2] for token in tokens}
+    assert nodes.keys() == {"left", "right"}
+    assert len(set(nodes.values())) == 2  # a Zenoh session each
 
 
 def without_hash(key: str) -> str:

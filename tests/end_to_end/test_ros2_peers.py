@@ -119,4 +119,4 @@ def scan_of_pamoja() -> bytes:
     for _ in range(181):
         writer.write_f32(float("inf"))
     writer.write_u32(0)
-    return bytes(writer.bytes())
+    return bytes(writer.bytes)
