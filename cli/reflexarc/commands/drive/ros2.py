@@ -85,6 +85,7 @@ class Ros2Command:
 
     def run(self) -> int:
         """Serve until the end, then say what went over the bridge."""
+        import reflexarc_sim_bridge.body.ros2.bridge  # noqa: F401  # a missing extra is said first
         from reflexarc_runtime.messages.topics import BODY_NODE
 
         route, settings = self._route(), self._settings()
