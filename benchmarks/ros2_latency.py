@@ -1,17 +1,21 @@
 """How long after a scan does the twist that it led to reach the robot?
 
-    python benchmarks/ros2_latency.py [--scans 500] [--json] [-- FLAGS OF reflexarc ros2]
+    python benchmarks/ros2_latency.py [--scans 500] [--peer] [--json] [-- FLAGS OF reflexarc ros2]
 
 A robot sends a scan every 15 to 25 ms; a stand-in for the runtime takes the newest one every 20 ms
 and answers with a command whose speed is the scan's number (so every phase between the two occurs);
 `reflexarc ros2` lies between them twice. So a twist names its scan, and the time from one
 to the other is measured by one clock. Nothing is asserted.
+
+With --peer the robot is a process of its own that zenoh-ros2-sdk makes, beside a router as
+rmw_zenohd starts it; the bridge is told --wire rmw.
 """
 
 import argparse
 import json
 import random
 import statistics
+import subprocess
 import sys
 import threading
 import time
@@ -31,8 +35,9 @@ from reflexarc_runtime.messages.topics import COMMAND, SCAN
 from reflexarc_runtime.messages.wire import unpack_stamp
 from support.processes import started, wait_until  # found by the line above
 from support.ros2 import Twist, laser_scan
-from support.ros2_robot import free_port, router
+from support.ros2_robot import free_port, rmw_router, router
 
+PEER = Path(__file__).parents[1] / "tests" / "support" / "sdk_peer.py"
 PERIOD_S = 0.02
 STEP_MPS = 1e-5
 """A scan's number times this is the speed of its command: below every limit."""
@@ -92,10 +97,12 @@ def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--scans", type=int, default=500)
+    parser.add_argument("--peer", action="store_true")
     parser.add_argument("--json", action="store_true")
     parser.add_argument("flags", nargs="*")
     arguments = parser.parse_args()
-    figures = _measure(arguments.scans, arguments.flags)
+    measure = _measure_peer if arguments.peer else _measure
+    figures = measure(arguments.scans, arguments.flags)
     if arguments.json:
         print(json.dumps(figures))
         return
@@ -117,7 +124,35 @@ def _measure(scans: int, flags: list[str]) -> dict[str, float]:
             end.set()
             rate_hz = (wheels.twists - before) / (time.monotonic() - begun_s)
             runtime.join()
-    waits = [1e3 * (wheels.came_s[n] - wheels.left_s[n]) for n in sorted(wheels.came_s)]
+    return _figures(wheels.left_s, wheels.came_s, rate_hz)
+
+
+def _measure_peer(scans: int, flags: list[str]) -> dict[str, float]:
+    port, end = free_port(), threading.Event()
+    words = [sys.executable, str(PEER), str(port), str(scans)]
+    with (
+        rmw_router(port),
+        started("ros2", "--wire", "rmw", "--port", port, *flags),
+        Bus(BusConfig("robot0", port), time.monotonic_ns) as bus,
+    ):
+        runtime = threading.Thread(target=Echo(bus).run, args=(end,))
+        runtime.start()
+        try:
+            robot = subprocess.run(words, stdout=subprocess.PIPE, text=True, check=True)
+        finally:
+            end.set()
+            runtime.join()
+    heard = json.loads(robot.stdout)
+    came_s: dict[int, float] = {}
+    for now_s, ahead_mps, _ in heard["told"]:
+        if ahead_mps:
+            came_s.setdefault(round((ahead_mps - FIRST_MPS) / STEP_MPS), now_s)
+    seconds = heard["told"][-1][0] - heard["told"][0][0]
+    return _figures(heard["left_s"], came_s, len(heard["told"]) / seconds)
+
+
+def _figures(left_s: list[float], came_s: dict[int, float], rate_hz: float) -> dict[str, float]:
+    waits = [1e3 * (came_s[number] - left_s[number]) for number in sorted(came_s)]
     return {
         "scan to twist, ms, median": statistics.median(waits),
         "scan to twist, ms, 99 of 100": statistics.quantiles(waits, n=100)[98],

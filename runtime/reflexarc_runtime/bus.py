@@ -2,8 +2,8 @@
 
 The defaults are for one machine: no multicast; the body listens on a port of the loopback
 interface; everyone else listens on a free port, connects to the body with endless retry, and finds
-the others by gossip, in any order of starting. Other machines, TLS and access control are Zenoh's
-own configuration, given as a file.
+the others by gossip, in any order of starting. A client listens nowhere and knows nobody but a
+router. Other machines, TLS and access control are Zenoh's own configuration, given as a file.
 """
 
 import json
@@ -18,7 +18,7 @@ from typing import Any, Self
 import zenoh
 
 from reflexarc_runtime.bus_config import LOOPBACK, BusConfig
-from reflexarc_runtime.errors import BusError
+from reflexarc_runtime.errors import BusError, NoRouterError
 from reflexarc_runtime.messages.topics import Quality, Topic, alive_key, policy_key
 from reflexarc_runtime.messages.wire import (
     MAX_ATTACHMENT_BYTES,
@@ -35,7 +35,14 @@ _MOST_OVERHEARD = 64
 MAX_MESSAGE_BYTES = 16 << 20
 """Larger ones Zenoh drops while it puts them together, so that nobody fills the memory of a robot;
 a policy file is the largest that anybody needs."""
+CONNECT_MS = 1000
+"""How long a client looks for its router before it says that there is none."""
+ANSWERED_S = 5.0
+"""How long answers to a query are waited for."""
+
 _RETRY = {"period_init_ms": 50, "period_max_ms": 500, "period_increase_factor": 2}
+_NOBODY = "Unable to connect to any of"
+"""How Zenoh begins when a client has found no router."""
 
 
 class Publisher:
@@ -105,6 +112,7 @@ class Bus:
 
     Raises:
         BusError: the port is taken, or Zenoh refuses the configuration.
+        NoRouterError: a client finds no router.
     """
 
     def __init__(
@@ -114,7 +122,9 @@ class Bus:
         self._now_ns = now_ns
         self.sender = sender or uuid.uuid4().bytes
         self._kept: list[Any] = []
-        self._session = _open(config)
+        chosen = _zenoh_config(config)
+        self.is_client = chosen.get_json("mode") == json.dumps("client")
+        self._session = _open(chosen, config)
 
     def __enter__(self) -> Self:
         return self
@@ -203,6 +213,15 @@ class Bus:
         info = self._session.info
         return len(list(info.routers_zid())) + len(list(info.peers_zid()))
 
+    def ask(self, selector: str, deliver: Callable[[Message], None]) -> None:
+        """Call `deliver` with every answer to a query, on a thread of Zenoh's; do not wait."""
+
+        def on_reply(reply: zenoh.Reply) -> None:
+            if reply.ok is not None:
+                deliver(_message(reply.ok, self._now_ns()))
+
+        self._session.get(selector, on_reply, timeout=ANSWERED_S)
+
     def announce(self, node: str) -> Announcement:
         """Declare that a node is alive, for as long as this session is open."""
         return self.announce_key(alive_key(self._config.robot, node))
@@ -250,10 +269,12 @@ def _head(attachment: zenoh.ZBytes) -> bytes:
     return bytes(MAX_ATTACHMENT_BYTES)
 
 
-def _open(config: BusConfig) -> zenoh.Session:
+def _open(chosen: zenoh.Config, config: BusConfig) -> zenoh.Session:
     try:
-        return zenoh.open(_zenoh_config(config))
+        return zenoh.open(chosen)
     except zenoh.ZError as error:
+        if str(error).startswith(_NOBODY):
+            raise NoRouterError(_explain_absence(config, str(error))) from None
         raise BusError(_explain(config, str(error))) from None
 
 
@@ -264,8 +285,14 @@ def _zenoh_config(config: BusConfig) -> zenoh.Config:
         return zenoh.Config.from_file(config.zenoh_file)
     body = f"tcp/{LOOPBACK}:{config.port}"
     chosen = zenoh.Config()
-    chosen.insert_json5("mode", json.dumps("peer"))
     chosen.insert_json5("scouting/multicast/enabled", json.dumps(False))
+    if config.client:
+        chosen.insert_json5("mode", json.dumps("client"))
+        chosen.insert_json5("connect/endpoints", json.dumps([body]))
+        chosen.insert_json5("connect/retry", json.dumps(_RETRY))
+        chosen.insert_json5("connect/timeout_ms", json.dumps(CONNECT_MS))
+        return chosen
+    chosen.insert_json5("mode", json.dumps("peer"))
     chosen.insert_json5("scouting/gossip/enabled", json.dumps(True))
     chosen.insert_json5("transport/link/rx/max_message_size", json.dumps(MAX_MESSAGE_BYTES))
     chosen.insert_json5("transport/shared_memory/enabled", json.dumps(False))
@@ -275,6 +302,17 @@ def _zenoh_config(config: BusConfig) -> zenoh.Config:
         chosen.insert_json5("connect/endpoints", json.dumps([body]))
         chosen.insert_json5("connect/retry", json.dumps(_RETRY))
     return chosen
+
+
+def _explain_absence(config: BusConfig, reason: str) -> str:
+    if config.zenoh_file is not None:
+        return f"--zenoh: {config.zenoh_file}: {_first_line(reason)}"
+    return f"no Zenoh router on {LOOPBACK}:{config.port}"
+
+
+def _first_line(reason: str) -> str:
+    """What Zenoh said, without the place in its source where it said it."""
+    return reason.splitlines()[0].partition(" at /")[0][:200]
 
 
 def _explain(config: BusConfig, reason: str) -> str:

@@ -25,6 +25,8 @@ class BusConfig:
     """Whether this node is the one that listens there."""
     zenoh_file: Path | None = None
     """A Zenoh configuration (JSON5) to use in place of all this."""
+    client: bool = False
+    """Whether this node reaches the others only through the router that listens on that port."""
 
     def __post_init__(self) -> None:
         wanted = "letters, digits, _ . - (at most 64)"

@@ -29,6 +29,10 @@ class BusError(ReflexarcError):
     """The bus cannot be opened, or nobody answers on it."""
 
 
+class NoRouterError(BusError):
+    """A client of the bus finds no router, so far."""
+
+
 class LogError(ReflexarcError):
     """A log cannot be read, written or replayed."""
 

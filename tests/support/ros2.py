@@ -62,20 +62,20 @@ class Quaternion(IdlStruct, typename="geometry_msgs/Quaternion"):
 
 @dataclass
 class Pose(IdlStruct, typename="geometry_msgs/Pose"):
-    position: Vector3
+    position: Vector3  # geometry_msgs/Point has the same three numbers
     orientation: Quaternion
 
 
 @dataclass
 class PoseWithCovariance(IdlStruct, typename="geometry_msgs/PoseWithCovariance"):
     pose: Pose
-    covariance: array[float64, 36]
+    covariance: array[float64, 36] = field(default_factory=lambda: [0.0] * 36)
 
 
 @dataclass
 class TwistWithCovariance(IdlStruct, typename="geometry_msgs/TwistWithCovariance"):
     twist: Twist
-    covariance: array[float64, 36]
+    covariance: array[float64, 36] = field(default_factory=lambda: [0.0] * 36)
 
 
 @dataclass
@@ -86,7 +86,7 @@ class Odometry(IdlStruct, typename="nav_msgs/Odometry"):
     twist: TwistWithCovariance
 
 
-def odometry(
+def moving_odometry(
     linear_mps: float = 0.0,
     lateral_mps: float = 0.0,
     angular_radps: float = 0.0,
@@ -102,6 +102,47 @@ def odometry(
         PoseWithCovariance(pose, covariance),
         TwistWithCovariance(twist, covariance),
     ).serialize()
+
+
+@dataclass
+class Transform(IdlStruct, typename="geometry_msgs/Transform"):
+    translation: Vector3
+    rotation: Quaternion
+
+
+@dataclass
+class TransformStamped(IdlStruct, typename="geometry_msgs/TransformStamped"):
+    header: Header
+    child_frame_id: str
+    transform: Transform
+
+
+@dataclass
+class TFMessage(IdlStruct, typename="tf2_msgs/TFMessage"):
+    transforms: sequence[TransformStamped]
+
+
+def odometry(
+    x_m: float = 1.0,
+    y_m: float = 2.0,
+    *,
+    turn: Quaternion | None = None,
+    frame: str = "odom",
+    stamp: Time | None = None,
+) -> Odometry:
+    """A place that a robot says it has."""
+    pose = Pose(Vector3(x_m, y_m, 0.0), turn or Quaternion())
+    still = Twist(Vector3(0.0, 0.0, 0.0), Vector3(0.0, 0.0, 0.0))
+    head = Header(stamp or Time(), frame)
+    return Odometry(head, "base_link", PoseWithCovariance(pose), TwistWithCovariance(still))
+
+
+def transform(
+    child: str, x_m: float = 0.0, *, parent: str = "base_link", turn: Quaternion | None = None
+) -> TransformStamped:
+    """Where a frame is in another one."""
+    placed = Transform(Vector3(x_m, 0.0, 0.0), turn or Quaternion())
+    return TransformStamped(Header(Time(5, 6), parent), child, placed)
 
 
 def laser_scan(

@@ -8,12 +8,14 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import zenoh
 
 from support.ros2 import Time, Twist, TwistStamped, laser_scan
 
 SCAN_PERIOD_S = 0.02
+HERE = Path(__file__).parent
 
 
 @dataclass(frozen=True)
@@ -26,6 +28,11 @@ class Told:
     """In the header; 0 without one."""
     ahead_mps: float
     attachment: bytes
+
+    @property
+    def sender(self) -> bytes:
+        """Who said it: the bridge, or on a busy machine its companion as well."""
+        return self.attachment[-16:]
 
     @property
     def is_standstill(self) -> bool:
@@ -54,10 +61,11 @@ class Robot:
             stamp_ns, twist = 0, Twist.deserialize(data)
         self.told.append(Told(now_ns, stamp_ns, twist.linear.x, attachment))
 
-    def scan(self) -> None:
+    def scan(self, count: int | None = None) -> None:
+        """Send scans until told to end, or so many."""
         publisher = self.session.declare_publisher(self.scan_key)
         number = 0
-        while self.scanning.is_set():
+        while self.scanning.is_set() and number != count:
             seconds, nanoseconds = divmod(time.time_ns(), 1_000_000_000)
             scan = laser_scan([float("inf")] * 181, stamp=Time(seconds, nanoseconds))
             gid = bytes(range(16))
@@ -91,9 +99,37 @@ def router(port: int) -> Iterator[zenoh.Session]:
 
 
 @contextmanager
-def robot(port: int, scan_key: str, command_key: str, *, stamped: bool) -> Iterator[Robot]:
-    """A robot whose router listens on a port."""
-    with router(port) as session:
+def rmw_robot_session(port: int) -> Iterator[zenoh.Session]:
+    """A node of rmw_zenoh beside its rmw_zenohd, whose router listens on a port."""
+    with rmw_router(port), rmw_node(port) as node:
+        yield node
+
+
+def rmw_router(port: int) -> zenoh.Session:
+    """A router as rmw_zenohd is configured; a context manager."""
+    return _as_configured("rmw_zenohd", port)
+
+
+def rmw_node(port: int, identifier: str = "") -> zenoh.Session:
+    """The session of a node as rmw_zenoh opens it; a context manager."""
+    return _as_configured("rmw_session", port, identifier)
+
+
+def _as_configured(name: str, port: int, identifier: str = "") -> zenoh.Session:
+    """A session as a file beside this one says, with another port, and an identifier if given."""
+    text = (HERE / f"{name}.json5").read_text().replace(":7447", f":{port}")
+    config = zenoh.Config.from_json5(text)
+    if identifier:
+        config.insert_json5("id", json.dumps(identifier))
+    return zenoh.open(config)
+
+
+@contextmanager
+def robot(
+    port: int, scan_key: str, command_key: str, *, stamped: bool, rmw: bool = False
+) -> Iterator[Robot]:
+    """A robot whose router listens on a port; with `rmw` as rmw_zenoh has it."""
+    with rmw_robot_session(port) if rmw else router(port) as session:
         body = Robot(session, scan_key, command_key, stamped)
         wheels = session.declare_subscriber(command_key, body.hear)
         body.scanning.set()

@@ -32,6 +32,7 @@ class FakeBus:
         self.publishers: dict[str, Spoken] = {}
         self.heard: dict[str, Any] = {}
         self.tokens: list[str] = []
+        self.asked: list[str] = []
 
     def publisher(self, topic: Any) -> Spoken:
         return self.publishers.setdefault(topic.name, Spoken())
@@ -44,6 +45,9 @@ class FakeBus:
 
     def subscribe_to_key(self, key: str, deliver: Any) -> None:
         self.heard[key] = deliver
+
+    def ask(self, selector: str, deliver: Any) -> None:
+        self.asked.append(selector)
 
     def announce(self, node: str) -> None:
         self.tokens.append(node)

@@ -32,26 +32,30 @@ class Joining:
     zenoh: Path | None = None
     """Zenoh configuration (JSON5) in place of the loopback: other machines, TLS, access."""
 
-    def config(self, *, listens: bool = False) -> "BusConfig":
+    def config(self, *, listens: bool = False, client: bool = False) -> "BusConfig":
         """The configuration of the bus session; `listens` is for the one body."""
         from reflexarc_runtime.bus_config import BusConfig
 
-        return BusConfig(self.robot, self.port, listens, self.zenoh)
+        return BusConfig(self.robot, self.port, listens, self.zenoh, client)
 
-    def bus(self, node: str, *, listens: bool = False, lockstep: bool = False) -> "Bus":
+    def bus(
+        self, node: str, *, listens: bool = False, lockstep: bool = False, client: bool = False
+    ) -> "Bus":
         """A session on the bus; a context manager.
 
         Args:
             node: what the command is on the bus: runtime, body, recorder.
             listens: whether it is the one body.
             lockstep: whether the same run shall give the same messages, senders included.
+            client: whether it reaches the others only through a router.
         """
         from reflexarc_runtime.bus import Bus
         from reflexarc_runtime.loop.clock import MonotonicClock
         from reflexarc_runtime.messages.wire import lockstep_sender
 
         sender = lockstep_sender(node) if lockstep else None
-        return Bus(self.config(listens=listens), MonotonicClock().now_ns, sender)
+        config = self.config(listens=listens, client=client)
+        return Bus(config, MonotonicClock().now_ns, sender)
 
     def fleet(self, robots: int) -> "list[Joining]":
         """The flags of several robots, numbered from this one on: robot0, robot1, and so on."""

@@ -9,6 +9,7 @@ from reflexarc.terminal.output import aside, console, facts, plain, print_json
 from reflexarc.terminal.signals import StopFlag
 from reflexarc.wiring.bus_flags import Joining
 from reflexarc.wiring.limit_flags import LimitFlags
+from reflexarc.wiring.robot_router import joined
 from reflexarc.wiring.scan_flags import ScanFlags
 from reflexarc_runtime.errors import UsageError
 
@@ -16,14 +17,19 @@ if TYPE_CHECKING:
     from reflexarc_runtime.bus import Bus
     from reflexarc_sim_bridge.body.gate.settings import GateSettings
     from reflexarc_sim_bridge.body.latch import StopLatch
-    from reflexarc_sim_bridge.body.ros2.bridge import RosBridgeReport, Route
+    from reflexarc_sim_bridge.body.ros2.bridge import RosBridgeReport
     from reflexarc_sim_bridge.body.ros2.companion_link import CompanionLink
     from reflexarc_sim_bridge.body.ros2.messages import RosScanner
+    from reflexarc_sim_bridge.body.ros2.route import Route
 
 MAX_RATE_HZ = 1000.0
 SILENCE_S = 0.2
 """Whoever holds the robot and says nothing for so long loses it: twice the age at which an input
 is too old by default, as no policy tells a robot its own."""
+
+NOT_A_CLIENT = """\
+reflexarc ros2: --zenoh: expected mode "client" with --wire rmw: on another machine a peer hears \
+the robot or not, by which Zenoh identifier is greater"""
 
 
 @dataclass(frozen=True)
@@ -41,21 +47,32 @@ class Ros2Command:
       reflexarc ros2 --limits robot.toml --mount 0.12 0 180 --no-return zero
       reflexarc ros2 --limits robot.toml --wire rmw --domain 7 --stamped
       reflexarc ros2 --limits robot.toml --topic robot1/scan --command robot1/cmd_vel
+      reflexarc ros2 --limits robot.toml --wire rmw --distribution humble --node robot1/reflex
     """
 
     topic: str = "scan"
     """The robot's topic of sensor_msgs/LaserScan."""
     command: str = "cmd_vel"
     """The topic that the robot drives by."""
-    odometry: str | None = None
-    """A topic of nav_msgs/Odometry: the companion need not tell a robot to stand any longer that
-    says it stands."""
     stamped: bool = False
     """Send geometry_msgs/TwistStamped in place of geometry_msgs/Twist."""
+    stamp: Literal["scan", "wall", "zero"] = "scan"
+    """With --stamped: the stamp of the scan that a motion came from; this machine's clock, which
+    must be the robot's then; or none, which means now. A standstill has none with the first."""
     wire: Literal["ros2dds", "rmw"] = "ros2dds"
     """How ROS 2 meets Zenoh: by zenoh-plugin-ros2dds, or by rmw_zenoh."""
     domain: int = 0
     """ROS_DOMAIN_ID; it counts with rmw."""
+    distribution: Literal["humble", "jazzy"] = "jazzy"
+    """ROS distribution of the robot, with rmw: Humble has no type hashes, Iron and all later ones
+    do as Jazzy."""
+    node: str = "reflexarc"
+    """Name of the bridge in the ROS graph, with rmw; robot1/reflex has a namespace."""
+    odometry: str = "odom"
+    """The robot's topic of nav_msgs/Odometry, passed on as `pose` for the log; empty: none."""
+    tf: str = "tf"
+    """Its topic of tf2_msgs/TFMessage, passed on as `tf`, and the one with _static behind it;
+    empty: none."""
     rate: float = 50.0
     """Commands to the robot, a second, at least."""
     robot_limits: LimitFlags = field(default_factory=LimitFlags)
@@ -74,11 +91,19 @@ class Ros2Command:
 
     def run(self) -> int:
         """Serve until the end, then say what went over the bridge."""
+        import reflexarc_sim_bridge.body.ros2.bridge  # noqa: F401  # a missing extra is said first
         from reflexarc_runtime.messages.topics import BODY_NODE
 
         route, settings = self._route(), self._settings()
-        with StopFlag() as stop, self.joining.bus(BODY_NODE) as bus:
-            account = self._serve(bus, route, settings, stop)
+        with StopFlag() as stop:
+            client = route.wire.has_router
+            bus = joined(self.joining, BODY_NODE, stop, "reflexarc ros2", client=client)
+            if bus is None:
+                return 0
+            if client and not bus.is_client:
+                aside.print(NOT_A_CLIENT)
+            with bus:
+                account = self._serve(bus, route, settings, stop)
         self._tell(account)
         return 0
 
@@ -89,30 +114,38 @@ class Ros2Command:
         return GateSettings(SILENCE_S, limits, self.auto_arm, self.hold_to_run)
 
     def _route(self) -> "Route":
-        from reflexarc_runtime.messages.topics import COMMAND, SCAN
-        from reflexarc_sim_bridge.body.ros2.bridge import Route
         from reflexarc_sim_bridge.body.ros2.key_expressions import check_topic
+        from reflexarc_sim_bridge.body.ros2.route import Route
+        from reflexarc_sim_bridge.body.ros2.stamps import StampRule
         from reflexarc_sim_bridge.body.ros2.wires import wire_named
 
         if not 0.0 < self.rate <= MAX_RATE_HZ:
             raise UsageError(f"--rate: expected 0 to {MAX_RATE_HZ:g} Hz, got {self.rate}")
-        if self.odometry is not None and self.no_companion:
-            raise UsageError("--odometry: the companion listens to it; leave --no-companion out")
+        has_hashes = self.distribution != "humble"
         route = Route(
-            wire_named(self.wire, self.domain),
+            wire_named(self.wire, self.domain, has_hashes=has_hashes, node=self.node),
             check_topic("--topic", self.topic),
             check_topic("--command", self.command),
-            check_topic("--odometry", self.odometry) if self.odometry is not None else "",
             self.stamped,
+            StampRule(self.stamp),
+            self.odometry and check_topic("--odometry", self.odometry),
+            self.tf and check_topic("--tf", self.tf),
             self._scanner(),
         )
-        for key in (SCAN.key(self.joining.robot), COMMAND.key(self.joining.robot)):
-            if key in (route.scan_key, route.command_key):
+        self._check_keys(route)
+        return route
+
+    def _check_keys(self, route: "Route") -> None:
+        """Refuse keys of the robot that are ours as well: we would hear ourselves."""
+        from reflexarc_runtime.messages.topics import TOPICS
+
+        ours = {topic.key(self.joining.robot) for topic in TOPICS}
+        for key in route.keys:
+            if key in ours:
                 raise UsageError(
                     f"{key}: expected the robot's keys and ours to differ; "
                     "give ours another first part with --robot"
                 )
-        return route
 
     def _scanner(self) -> "RosScanner":
         from reflexarc_runtime.sensing.mounting import CENTRED
@@ -165,6 +198,8 @@ class Ros2Command:
             sender=bus.sender.hex(),
             period_ns=period_ns,
             odometry_key=route.odometry_key,
+            stamp=self.stamp,
+            client=route.wire.has_router,
         )
         return CompanionLink(watched)
 
@@ -180,6 +215,9 @@ class Ros2Command:
                     "commands": account.commands,
                     "refused commands": _counts(account.refused_commands),
                     "twists": f"{account.twists}, {account.standstills} of them standstill",
+                    "poses": account.poses,
+                    "transforms": account.transforms,
+                    "refused places": _counts(account.refused_places),
                 }
             )
         )

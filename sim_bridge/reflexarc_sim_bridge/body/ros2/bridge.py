@@ -26,9 +26,11 @@ from reflexarc_runtime.messages.topics import (
     COMMAND,
     LEASE,
     LOG,
+    POSE,
     SCAN,
     STATUS,
     STOP,
+    TRANSFORM,
     Quality,
 )
 from reflexarc_runtime.messages.wire import Message
@@ -38,17 +40,16 @@ from reflexarc_sim_bridge.body.gate.settings import GateSettings
 from reflexarc_sim_bridge.body.latch import StopLatch
 from reflexarc_sim_bridge.body.ros2.command_relay import CommandRelay
 from reflexarc_sim_bridge.body.ros2.key_expressions import (
-    LASER_SCAN,
     ODOMETRY,
-    TWIST,
-    TWIST_STAMPED,
-    RosType,
+    TF_MESSAGE,
+    rmw_history_key,
 )
-from reflexarc_sim_bridge.body.ros2.messages import STANDARD, RosScanner
+from reflexarc_sim_bridge.body.ros2.place_relay import PoseRelay, TransformRelay
+from reflexarc_sim_bridge.body.ros2.route import Route
 from reflexarc_sim_bridge.body.ros2.scan_relay import ScanRelay
+from reflexarc_sim_bridge.body.ros2.stamps import ScanStamps, Stamper
 from reflexarc_sim_bridge.body.ros2.turns import Turns
 from reflexarc_sim_bridge.body.ros2.twists import CDR, TwistPublisher
-from reflexarc_sim_bridge.body.ros2.wires import Wire
 
 if TYPE_CHECKING:
     from reflexarc_runtime.bus import Bus
@@ -61,48 +62,6 @@ COMPANION_LOST = "the bridge's companion has ended: nobody watches the twists"
 """What the robot's log says when it is missed first."""
 NO_COMPANION = "nobody watches the twists"
 """Under this name the status counts the seconds without a companion."""
-
-
-@dataclass(frozen=True, slots=True)
-class Route:
-    """The topics of the robot, and how they are encoded on Zenoh."""
-
-    wire: Wire
-    scan: str
-    """Full name of the topic of `sensor_msgs/LaserScan`."""
-    command: str
-    """Full name of the topic that the robot drives by."""
-    odometry: str = ""
-    """Full name of the topic of `nav_msgs/Odometry`; empty: none is listened to."""
-    stamped: bool = False
-    """Whether that one takes `geometry_msgs/TwistStamped`, or `Twist`."""
-    scanner: RosScanner = STANDARD
-    """What is known of the scanner beside what its messages say."""
-
-    @property
-    def command_type(self) -> RosType:
-        """Type of the commands."""
-        return TWIST_STAMPED if self.stamped else TWIST
-
-    @property
-    def scan_key(self) -> str:
-        """Key of the scans."""
-        return self.wire.key(self.scan, LASER_SCAN)
-
-    @property
-    def command_key(self) -> str:
-        """Key of the commands."""
-        return self.wire.key(self.command, self.command_type)
-
-    @property
-    def odometry_key(self) -> str:
-        """Key of the odometry; empty without one."""
-        return self.wire.key(self.odometry, ODOMETRY) if self.odometry else ""
-
-    def tokens(self, session_id: str) -> tuple[str, ...]:
-        """Liveliness tokens by which we appear in the robot's ROS graph."""
-        heard, spoken = (self.scan, LASER_SCAN), (self.command, self.command_type)
-        return self.wire.tokens(session_id, heard, spoken)
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,6 +78,11 @@ class RosBridgeReport:
     twists: int
     standstills: int
     """How many of the twists told the robot to stand."""
+    poses: int
+    """How many of the robot's own reached our bus."""
+    transforms: int
+    refused_places: dict[str, int]
+    """Odometry and transforms that were not passed on, by reason."""
 
 
 class Watcher(Protocol):
@@ -153,9 +117,12 @@ class RosBridge:
         self._inbox = inbox
         # A flood of commands, or of anything else, must not push a stop out of a full inbox.
         self._controls, self._stops = Inbox(), Inbox()
-        self._scans = ScanRelay(bus.publisher(SCAN), route.scanner)
+        stamps = ScanStamps()
+        self._scans = ScanRelay(bus.publisher(SCAN), stamps, route.scanner)
+        self._places = _Places(bus, route)
         wheel = bus.publisher_of_key(route.command_key, CDR, Quality.CONTROL)
-        twists = TwistPublisher(wheel, route.stamped, wall_offset_ns)
+        stamper = Stamper(route.stamp, wall_offset_ns, stamps) if route.stamped else None
+        twists = TwistPublisher(wheel, stamper, wall_offset_ns)
         gate = Gate.closed(bus.sender, settings, latch.stopped if latch else "")
         self._commands = CommandRelay(twists, gate, latch)
         self._speaker = _Speaker(bus, settings, watcher)
@@ -180,6 +147,7 @@ class RosBridge:
                     self._commands.speak(turn.now_ns)
                     turns.spoke(turn.now_ns)
                 self._speaker.say(self._commands, turn.now_ns)
+                self._places.transforms.repeat(turn.now_ns)
         finally:
             self._take_leave(turns)
         return self.report
@@ -194,6 +162,9 @@ class RosBridge:
             refused_commands=dict(self._commands.account.refused),
             twists=self._commands.twists,
             standstills=self._commands.standstills,
+            poses=self._places.poses.poses,
+            transforms=self._places.transforms.transforms,
+            refused_places=self._places.refused,
         )
 
     def _hear_control(self, inbox: Inbox, message: Message) -> None:
@@ -210,6 +181,26 @@ class RosBridge:
 def _wake(now_ns: int) -> Message:
     """A message of no topic: it ends the waiting, and changes nothing."""
     return Message("", b"", "", b"", now_ns)
+
+
+class _Places:
+    """Where the robot says that it is: for the log alone."""
+
+    def __init__(self, bus: "Bus", route: Route) -> None:
+        self.poses = PoseRelay(bus.publisher(POSE))
+        self.transforms = TransformRelay(bus.publisher(TRANSFORM))
+        if route.odometry:
+            bus.subscribe_to_key(route.wire.key(route.odometry, ODOMETRY), self.poses.hear)
+        if route.tf:
+            static_key = route.wire.key(route.tf_static, TF_MESSAGE)
+            bus.subscribe_to_key(route.wire.key(route.tf, TF_MESSAGE), self.transforms.hear)
+            bus.subscribe_to_key(static_key, self.transforms.hear_static)
+            bus.ask(rmw_history_key(static_key), self.transforms.hear_static)
+
+    @property
+    def refused(self) -> dict[str, int]:
+        """What was not passed on, by reason."""
+        return dict(self.poses.refusals.counts + self.transforms.refusals.counts)
 
 
 class _Speaker:

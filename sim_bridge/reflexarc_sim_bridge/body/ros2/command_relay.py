@@ -54,7 +54,8 @@ class CommandRelay:
         """Tell the robot what holds now."""
         since_ns = 0 if self._spoke_ns is None else now_ns - self._spoke_ns
         motion, self._gate = self._gate.obey(now_ns, since_ns * 1e-9)
-        self._send(motion, now_ns)
+        wanted = None if motion.stands else self._gate.wanted
+        self._send(motion, now_ns, None if wanted is None else wanted.source_time_ns)
         if self._latch is not None:  # after the twist: a disk may be slow
             self._latch.keep(self._gate.stopped)
 
@@ -62,7 +63,7 @@ class CommandRelay:
         """Tell it to stand."""
         self._send(STANDSTILL, now_ns)
 
-    def _send(self, motion: Motion, now_ns: int) -> None:
-        self._twists.send(motion, now_ns)
+    def _send(self, motion: Motion, now_ns: int, source_ns: int | None = None) -> None:
+        self._twists.send(motion, now_ns, source_ns)
         self._spoke_ns = now_ns
         self.standstills += motion.stands

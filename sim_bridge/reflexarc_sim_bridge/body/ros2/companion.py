@@ -30,6 +30,7 @@ from reflexarc_runtime.messages.topics import Quality
 from reflexarc_runtime.messages.wire import Message, UndecodableError, unpack_stamp
 from reflexarc_sim_bridge.body.gate.limits import STANDSTILL
 from reflexarc_sim_bridge.body.ros2.silence import BridgeSilence
+from reflexarc_sim_bridge.body.ros2.stamps import Stamper, StampRule
 from reflexarc_sim_bridge.body.ros2.standing import Standing
 from reflexarc_sim_bridge.body.ros2.twists import CDR, TwistPublisher, moves
 
@@ -60,12 +61,21 @@ class Watched:
     """The longest time between two of them."""
     odometry_key: str = ""
     """Where the robot says how fast it is; empty: nowhere."""
+    stamp: str = StampRule.SCAN
+    """What they are stamped with: a value of `StampRule`."""
+    client: bool = False
+    """Whether the bridge is a client of the robot's router."""
+
+    @property
+    def stamper(self) -> Stamper | None:
+        """How a standstill is stamped, for which no scan is needed; None: not at all."""
+        return Stamper(StampRule(self.stamp), wall_offset_ns) if self.stamped else None
 
     @property
     def bus(self) -> BusConfig:
         """How to reach the robot's router."""
         zenoh = Path(self.zenoh) if self.zenoh else None
-        return BusConfig(self.robot, self.port, listens=False, zenoh_file=zenoh)
+        return BusConfig(self.robot, self.port, zenoh_file=zenoh, client=self.client)
 
     def text(self) -> str:
         """As an argument of a command line."""
@@ -111,7 +121,7 @@ class Companion:
 
     def __init__(self, bus: "Bus", watched: Watched, now_ns: Callable[[], int]) -> None:
         publisher = bus.publisher_of_key(watched.command_key, CDR, Quality.CONTROL)
-        self._twists = TwistPublisher(publisher, watched.stamped, wall_offset_ns)
+        self._twists = TwistPublisher(publisher, watched.stamper, wall_offset_ns)
         self._sender = bytes.fromhex(watched.sender)
         self._period_ns = watched.period_ns
         self._silence = BridgeSilence(watched.period_ns)

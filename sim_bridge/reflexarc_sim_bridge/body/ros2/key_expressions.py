@@ -10,7 +10,7 @@ over (`reflexarc_runtime.messages.wire`).
 """
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 from reflexarc_runtime.errors import UsageError
@@ -20,6 +20,12 @@ MAX_DOMAIN = 232
 
 _TOPIC = re.compile(r"/?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*")
 """Names as design.ros2.org/articles/topic_and_service_names.html allows them, once expanded."""
+
+NO_TYPE_HASH = "TypeHashNotSupported"
+"""What Humble's rmw_zenoh writes in place of a hash: hashes came with Iron (REP-2016)."""
+
+MAX_NAME_LENGTH = 255
+"""Of a node's name (rmw/validate_node_name.h)."""
 
 _TYPE_NAME = re.compile(r"(\w+)/msg/(\w+)")
 
@@ -32,6 +38,10 @@ class RosType:
     """As `ros2 interface` spells it: `sensor_msgs/msg/LaserScan`."""
     type_hash: str
     """As `ros2 topic info --verbose` prints it on Jazzy. It changes with the definition only."""
+
+    def without_hash(self) -> "RosType":
+        """The same as a distribution spells it that has no hashes."""
+        return replace(self, type_hash=NO_TYPE_HASH)
 
 
 LASER_SCAN = RosType(
@@ -51,6 +61,15 @@ TWIST_STAMPED = RosType(
     "RIHS01_5f0fcd4f81d5d06ad9b4c4c63e3ea51b82d6ae4d0558f1d475229b1121db6f64",
 )
 
+ODOMETRY = RosType(
+    "nav_msgs/msg/Odometry",
+    "RIHS01_3cc97dc7fb7502f8714462c526d369e35b603cfc34d946e3f2eda2766dfec6e0",
+)
+TF_MESSAGE = RosType(
+    "tf2_msgs/msg/TFMessage",
+    "RIHS01_e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087",
+)
+
 
 class Endpoint(StrEnum):
     """What an endpoint's token says that it is."""
@@ -64,15 +83,35 @@ RELIABLE = "::,10:,:,:,,"
 BEST_EFFORT = "2::,5:,:,:,,"
 """Best effort, volatile, the last 5: the profile of sensor data. It matches every publisher."""
 
+LATCHED = ":1:,100:,:,:,,"
+"""Reliable, transient local, the last 100: tf2's profile of `/tf_static`."""
+
 
 @dataclass(frozen=True, slots=True)
 class RosNode:
-    """A node of the ROS graph, in the root namespace, without an enclave."""
+    """A node of the ROS graph, without an enclave."""
 
     domain: int
     session_id: str
     """Of the Zenoh session, in hexadecimal."""
     name: str
+    namespace: str = "/"
+
+    def token(self, number: int, kind: str) -> str:
+        """The part of a token that says whose it is."""
+        space = mangled(self.namespace)
+        return f"@ros2_lv/{self.domain}/{self.session_id}/0/{number}/{kind}/%/{space}/{self.name}"
+
+
+@dataclass(frozen=True, slots=True)
+class Port:
+    """A topic of a node, which the node hears or speaks on."""
+
+    topic: str
+    """Full name, with its leading slash."""
+    kind: RosType
+    quality: str
+    """Of service, as rmw_zenoh's `qos_to_keyexpr` writes it: what is left out is default."""
 
 
 def check_topic(flag: str, topic: str) -> str:
@@ -86,6 +125,21 @@ def check_topic(flag: str, topic: str) -> str:
             f"{flag}: expected a topic name (letters, digits, _, parts divided by /), got {topic!r}"
         )
     return "/" + topic.removeprefix("/")
+
+
+def check_node(flag: str, name: str) -> tuple[str, str]:
+    """The namespace and the name of a node, from its name with or without a namespace.
+
+    Raises:
+        UsageError: ROS 2 does not allow such a name.
+    """
+    namespace, _, last = name.rpartition("/")
+    if not _TOPIC.fullmatch(name) or len(last) > MAX_NAME_LENGTH:
+        raise UsageError(
+            f"{flag}: expected a node's name (letters, digits, _; a namespace before it, divided "
+            f"by /), got {name!r}"
+        )
+    return "/" + namespace.removeprefix("/"), last
 
 
 def ros2dds_key(topic: str) -> str:
@@ -103,25 +157,33 @@ def dds_name(kind: RosType) -> str:
     return _TYPE_NAME.sub(r"\1::msg::dds_::\2_", kind.name)
 
 
+def mangled(name: str) -> str:
+    """A name as a part of a token."""
+    return name.replace("/", "%")
+
+
 def rmw_node_token(node: RosNode) -> str:
     """Liveliness token of a node; its own identifier is 0."""
-    return f"@ros2_lv/{node.domain}/{node.session_id}/0/0/NN/%/%/{node.name}"
+    return node.token(0, "NN")
 
 
-def rmw_endpoint_token(
-    node: RosNode, number: int, endpoint: Endpoint, topic: str, kind: RosType, quality: str
-) -> str:
+def rmw_endpoint_token(node: RosNode, number: int, endpoint: Endpoint, port: Port) -> str:
     """Liveliness token of a publisher or subscription.
 
     Args:
         node: whose it is.
         number: tells the node's endpoints apart.
         endpoint: which of the two.
-        topic: full name, with its leading slash.
-        kind: of its messages.
-        quality: of service, as rmw_zenoh's `qos_to_keyexpr` writes it: what is left out is default.
+        port: what it hears or says.
     """
-    return (
-        f"@ros2_lv/{node.domain}/{node.session_id}/0/{number}/{endpoint}/%/%/{node.name}/"
-        f"{topic.replace('/', '%')}/{dds_name(kind)}/{kind.type_hash}/{quality}"
-    )
+    kind = f"{dds_name(port.kind)}/{port.kind.type_hash}"
+    return f"{node.token(number, endpoint)}/{mangled(port.topic)}/{kind}/{port.quality}"
+
+
+def rmw_history_key(key: str) -> str:
+    """Where the publishers of a topic answer that is transient local: what was said before.
+
+    rmw_zenoh keeps it in the cache of Zenoh's advanced publisher
+    (zenoh-ext, `advanced_publisher.rs`: `<key>/@adv/pub/<session>/<entity>/…`).
+    """
+    return f"{key}/@adv/pub/**?_anyke;_max=100"

@@ -9,33 +9,27 @@ unknown (NaN). Where a driver means something else, flags say so.
 
 import math
 from dataclasses import dataclass, field, replace
-from functools import cache
 from typing import Any
 
 import numpy as np
 from foxglove_schemas_protobuf.LaserScan_pb2 import LaserScan
-from rosbags.serde import SerdeError
-from rosbags.typesys import Stores, get_typestore
 
 from reflexarc_runtime.messages.codec import timestamp
-from reflexarc_runtime.messages.wire import MAX_PAYLOAD_BYTES
 from reflexarc_runtime.sensing.mounting import CENTRED, Mount, Sector, mounted, pose_of, without
 from reflexarc_runtime.sensing.range_meaning import RangeMeaning
 from reflexarc_runtime.sensing.scan import Scan, UnusableScanError, check_turns
 from reflexarc_sim_bridge.body.gate.limits import Twist
+from reflexarc_sim_bridge.body.ros2.cdr import (
+    SECOND_NS,
+    UnusableMessageError,
+    message_types,
+    read_cdr,
+    stamp_ns,
+)
 from reflexarc_sim_bridge.body.ros2.key_expressions import LASER_SCAN, TWIST, TWIST_STAMPED
 
-LITTLE_ENDIAN_CDR = b"\x00\x01"
-"""First bytes of the encapsulation (DDS-XTYPES 1.3, 7.6.3.1.2); two of options follow."""
 MAX_BEAMS = 100_000
 """As our own scan has 8 bytes a beam and a payload at most 1 MiB."""
-
-_ENCAPSULATION_BYTES = 4
-_SECOND_NS = 1_000_000_000
-
-
-class UnusableMessageError(ValueError):
-    """A message that is not a usable scan. Its text is one of a few, to be counted by reason."""
 
 
 @dataclass(frozen=True)
@@ -77,19 +71,14 @@ def decode_scan(payload: bytes, scanner: RosScanner = STANDARD) -> RosScan:
     Raises:
         UnusableMessageError: not little-endian CDR, not a `LaserScan`, or not usable as a scan.
     """
-    _check_envelope(payload)
-    try:
-        message: Any = _types().deserialize_cdr(payload, LASER_SCAN.name)
-    except SerdeError:
-        raise UnusableMessageError(f"no {LASER_SCAN.name}") from None
-    stamp = message.header.stamp
+    message = read_cdr(payload, LASER_SCAN)
     try:
         sweep = _own_parts_left_out(_sweep(message, scanner.meaning), scanner)
         check_turns(sweep)
     except UnusableScanError as error:
         raise UnusableMessageError(str(error)) from None
     return RosScan(
-        stamp_ns=stamp.sec * _SECOND_NS + stamp.nanosec,
+        stamp_ns=stamp_ns(message.header),
         frame_id=message.header.frame_id,
         sweep=sweep,
         mount=scanner.mount,
@@ -111,29 +100,17 @@ def encode_scan(scan: RosScan) -> bytes:
 
 def encode_twist(motion: Twist) -> bytes:
     """A motion as `geometry_msgs/Twist`."""
-    return bytes(_types().serialize_cdr(_twist(motion), TWIST.name, little_endian=True))
+    return bytes(message_types().serialize_cdr(_twist(motion), TWIST.name, little_endian=True))
 
 
-def encode_twist_stamped(motion: Twist, stamp_ns: int, frame_id: str) -> bytes:
+def encode_twist_stamped(motion: Twist, time_ns: int, frame_id: str) -> bytes:
     """A motion as `geometry_msgs/TwistStamped`."""
-    types = _types().types
-    seconds, nanoseconds = divmod(stamp_ns, _SECOND_NS)
+    types = message_types().types
+    seconds, nanoseconds = divmod(time_ns, SECOND_NS)
     stamp = types["builtin_interfaces/msg/Time"](sec=seconds, nanosec=nanoseconds)
     header = types["std_msgs/msg/Header"](stamp=stamp, frame_id=frame_id)
     message = types[TWIST_STAMPED.name](header=header, twist=_twist(motion))
-    return bytes(_types().serialize_cdr(message, TWIST_STAMPED.name, little_endian=True))
-
-
-@cache
-def _types() -> Any:
-    return get_typestore(Stores.ROS2_JAZZY)
-
-
-def _check_envelope(payload: bytes) -> None:
-    if len(payload) > MAX_PAYLOAD_BYTES:
-        raise UnusableMessageError("more than 1 MiB")
-    if len(payload) < _ENCAPSULATION_BYTES or payload[:2] != LITTLE_ENDIAN_CDR:
-        raise UnusableMessageError("no little-endian CDR")
+    return bytes(message_types().serialize_cdr(message, TWIST_STAMPED.name, little_endian=True))
 
 
 def _sweep(message: Any, meaning: RangeMeaning) -> Scan:
@@ -167,7 +144,7 @@ def _own_parts_left_out(scan: Scan, scanner: RosScanner) -> Scan:
 
 
 def _twist(motion: Twist) -> Any:
-    types = _types().types
+    types = message_types().types
     vector = types["geometry_msgs/msg/Vector3"]
     return types[TWIST.name](
         linear=vector(x=motion.linear_mps, y=motion.lateral_mps, z=0.0),

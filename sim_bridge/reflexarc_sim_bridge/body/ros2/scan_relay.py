@@ -1,25 +1,16 @@
 """The robot's scans, passed on to our bus as they come."""
 
-import logging
 from collections import Counter
 from typing import TYPE_CHECKING
 
 from reflexarc_runtime.messages.wire import Message
-from reflexarc_sim_bridge.body.ros2.messages import (
-    STANDARD,
-    RosScanner,
-    UnusableMessageError,
-    decode_scan,
-    encode_scan,
-)
+from reflexarc_sim_bridge.body.ros2.cdr import UnusableMessageError
+from reflexarc_sim_bridge.body.ros2.messages import STANDARD, RosScanner, decode_scan, encode_scan
+from reflexarc_sim_bridge.body.ros2.refusals import Refusals
+from reflexarc_sim_bridge.body.ros2.stamps import ScanStamps
 
 if TYPE_CHECKING:
     from reflexarc_runtime.bus import Publisher
-
-MOST_REASONS = 16
-"""So many different reasons are counted apart."""
-
-_LOG = logging.getLogger(__name__)
 
 
 class ScanRelay:
@@ -27,27 +18,30 @@ class ScanRelay:
 
     Args:
         publisher: of our own scans.
+        stamps: where it notes by which stamp of the robot's clock a scan is known.
         scanner: what is known of the robot's scanner.
     """
 
-    def __init__(self, publisher: "Publisher", scanner: RosScanner = STANDARD) -> None:
-        self._publisher, self._scanner = publisher, scanner
+    def __init__(
+        self, publisher: "Publisher", stamps: ScanStamps, scanner: RosScanner = STANDARD
+    ) -> None:
+        self._publisher, self._stamps, self._scanner = publisher, stamps, scanner
         self.scans = 0
-        self.refused: Counter[str] = Counter()
+        self._refusals = Refusals("a scan")
+
+    @property
+    def refused(self) -> Counter[str]:
+        """How many were refused, by reason."""
+        return self._refusals.counts
 
     def hear(self, message: Message) -> None:
         """Take one message off the robot's wire; called on a thread of the bus. Never raises."""
         try:
-            payload = encode_scan(decode_scan(message.payload, self._scanner))
+            scan = decode_scan(message.payload, self._scanner)
+            payload = encode_scan(scan)
         except UnusableMessageError as error:
-            self._refuse(str(error))
+            self._refusals.count(str(error))
             return
         self.scans += 1
+        self._stamps.note(message.received_ns, scan.stamp_ns)
         self._publisher.put(payload, message.received_ns)
-
-    def _refuse(self, reason: str) -> None:
-        if reason not in self.refused and len(self.refused) >= MOST_REASONS:
-            reason = "for other reasons"  # their numbers differ, and memory is bounded
-        self.refused[reason] += 1
-        if self.refused[reason] == 1:
-            _LOG.warning("a scan of the robot is refused: %s (said once)", reason)

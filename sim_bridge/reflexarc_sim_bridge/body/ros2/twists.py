@@ -1,10 +1,11 @@
-"""Twists as they go to the robot: encoded, stamped with the wall clock, counted."""
+"""Twists as they go to the robot: encoded, stamped, counted."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from reflexarc_sim_bridge.body.gate.limits import STANDSTILL, Twist
 from reflexarc_sim_bridge.body.ros2.messages import encode_twist, encode_twist_stamped
+from reflexarc_sim_bridge.body.ros2.stamps import NO_STAMP_NS, Stamper
 
 if TYPE_CHECKING:
     from reflexarc_runtime.bus import Publisher
@@ -30,27 +31,35 @@ class TwistPublisher:
 
     Args:
         publisher: on the robot's wire.
-        stamped: whether the robot takes stamped commands.
-        wall_offset: what to add to `now_ns` to get the wall clock, by which ROS stamps.
+        stamper: what the commands are stamped with; None for a robot that takes unstamped ones.
+        wall_offset: what to add to `now_ns` to get the wall clock, for the attachment.
     """
 
     def __init__(
-        self, publisher: "Publisher", stamped: bool, wall_offset: Callable[[], int]
+        self, publisher: "Publisher", stamper: Stamper | None, wall_offset: Callable[[], int]
     ) -> None:
         self._publisher = publisher
-        self._stamped = stamped
+        self._stamper = stamper
         self._wall_offset = wall_offset
         self.count = 0
         # The first conversion reads the definitions of all messages, for 0.1 s: not when it counts.
-        self._encode(STANDSTILL, 0)
+        encode_twist(STANDSTILL)
+        encode_twist_stamped(STANDSTILL, NO_STAMP_NS, COMMAND_FRAME)
 
-    def send(self, motion: Twist, now_ns: int) -> None:
-        """Send a motion; never blocks."""
-        wall_ns = now_ns + self._wall_offset()
-        self._publisher.put(self._encode(motion, wall_ns), wall_ns)
+    def send(self, motion: Twist, now_ns: int, source_ns: int | None = None) -> None:
+        """Send a motion; never blocks.
+
+        Args:
+            motion: what the robot shall do.
+            now_ns: on our clock.
+            source_ns: when the scan arrived that it came from; None: it is a standstill.
+        """
+        payload = self._encode(motion, now_ns, source_ns)
+        self._publisher.put(payload, now_ns + self._wall_offset())
         self.count += 1
 
-    def _encode(self, motion: Twist, wall_ns: int) -> bytes:
-        if self._stamped:
-            return encode_twist_stamped(motion, wall_ns, COMMAND_FRAME)
-        return encode_twist(motion)
+    def _encode(self, motion: Twist, now_ns: int, source_ns: int | None) -> bytes:
+        if self._stamper is None:
+            return encode_twist(motion)
+        stamp_ns = self._stamper.stamp_ns(now_ns, source_ns)
+        return encode_twist_stamped(motion, stamp_ns, COMMAND_FRAME)

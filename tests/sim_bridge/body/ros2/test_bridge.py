@@ -11,7 +11,8 @@ from reflexarc_runtime.messages.body_info import BodyInfo, decode_body
 from reflexarc_runtime.messages.topics import ARM, STOP, topic_of
 from reflexarc_runtime.messages.wire import Message
 from reflexarc_sim_bridge.body.gate.settings import GateSettings
-from reflexarc_sim_bridge.body.ros2.bridge import FAREWELLS, RosBridge, RosBridgeReport, Route
+from reflexarc_sim_bridge.body.ros2.bridge import FAREWELLS, RosBridge, RosBridgeReport
+from reflexarc_sim_bridge.body.ros2.route import Route
 from reflexarc_sim_bridge.body.ros2.turns import Turn
 from reflexarc_sim_bridge.body.ros2.wires import RmwWire, Ros2DdsWire
 from support.gates import drive, hold, message
@@ -171,3 +172,18 @@ def test_what_is_declared_on_rmw():
     assert [key for key in bus.publishers if "::TwistStamped_/RIHS01_5f0fcd4f" in key]
     assert sum(token.startswith("@ros2_lv/3/ab/") for token in bus.tokens) == 3
     assert bus.tokens[-1] == "body"
+
+
+def test_odometry_and_transforms_are_heard_and_announced_where_the_robot_has_them():
+    bus: Any = FakeBus()
+    route = Route(RmwWire(3), "/b/scan", "/b/cmd_vel", odometry="/b/odom", tf="/tf")
+    RosBridge(bus, route, Inbox(), GateSettings(0.2, LIMITS))
+    heard = {key.split("/sensor_msgs")[0].split("/nav_msgs")[0] for key in bus.heard}
+    assert {"3/b/scan", "3/b/odom"} < heard
+    static = [key for key in bus.heard if key.startswith("3/tf_static/tf2_msgs::msg::dds_::TFM")]
+    assert [key for key in bus.heard if key.startswith("3/tf/tf2_msgs::msg::dds_::TFMessage_/")]
+    # A static transform was said before the bridge began: its publisher's cache is asked for it.
+    assert bus.asked == [f"{static[0]}/@adv/pub/**?_anyke;_max=100"]
+    latched = [token for token in bus.tokens if "%tf_static/" in token]
+    assert [token.rpartition("/")[2] for token in latched] == [":1:,100:,:,:,,"]
+    assert len({token.split("/")[4] for token in bus.tokens[:-1]}) == 6  # numbers tell them apart

@@ -24,7 +24,7 @@ def relay(
 ) -> tuple[CommandRelay, Spoken]:
     spoken: Any = Spoken()
     gate = Gate.closed(BODY, GateSettings(0.2, limits, auto_arm))
-    return CommandRelay(TwistPublisher(spoken, False, wall_offset=lambda: 0), gate, latch), spoken
+    return CommandRelay(TwistPublisher(spoken, None, wall_offset=lambda: 0), gate, latch), spoken
 
 
 def at(time_ms: int) -> dict[str, int]:

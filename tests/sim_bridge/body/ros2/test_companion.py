@@ -14,7 +14,7 @@ from reflexarc_sim_bridge.body.gate.limits import STANDSTILL, Motion
 from reflexarc_sim_bridge.body.ros2.companion import FAREWELL, Companion, Pipe, Watched
 from reflexarc_sim_bridge.body.ros2.messages import encode_twist
 from support.gates import BODY, OTHER
-from support.ros2 import odometry
+from support.ros2 import moving_odometry
 from support.sensing import MS
 from support.spoken import FakeBus
 
@@ -59,7 +59,7 @@ class Play:
         return self
 
     def odometry(self, first_ms: int, last_ms: int, linear_mps: float = 0.0) -> "Play":
-        payload = odometry(linear_mps)
+        payload = moving_odometry(linear_mps)
 
         def say() -> None:
             self.companion.feel(Message("odom", payload, "", b"", self.clock.now_ns()))

@@ -4,12 +4,15 @@ from rosbags.typesys import Stores, get_typestore
 from reflexarc_runtime.errors import UsageError
 from reflexarc_runtime.messages.wire import Stamp, pack_stamp
 from reflexarc_sim_bridge.body.ros2.key_expressions import (
+    BEST_EFFORT,
     LASER_SCAN,
     ODOMETRY,
     RELIABLE,
+    TF_MESSAGE,
     TWIST,
     TWIST_STAMPED,
     Endpoint,
+    Port,
     RosNode,
     RosType,
     check_topic,
@@ -37,7 +40,7 @@ PUBLISHED = {
 }
 
 
-@pytest.mark.parametrize("kind", [LASER_SCAN, ODOMETRY, TWIST, TWIST_STAMPED, STRING])
+@pytest.mark.parametrize("kind", [LASER_SCAN, TWIST, TWIST_STAMPED, ODOMETRY, TF_MESSAGE, STRING])
 @pytest.mark.parametrize("distribution", [Stores.ROS2_JAZZY, Stores.ROS2_KILTED])
 def test_type_hashes_are_those_of_the_definitions(kind: RosType, distribution: Stores):
     assert get_typestore(distribution).hash_rihs01(kind.name) == kind.type_hash
@@ -63,21 +66,22 @@ def test_rmw_keys_are_those_of_the_design_document():
 def test_rmw_tokens_are_those_of_the_design_document():
     # rmw_zenoh, docs/design.md, "Graph Cache"; their endpoints are number 10.
     chatter = f"%chatter/std_msgs::msg::dds_::String_/{STRING.type_hash}"
-    heard = ("/chatter", STRING, RELIABLE)
+    heard = Port("/chatter", STRING, RELIABLE)
     assert rmw_node_token(LISTENER) == (
         "@ros2_lv/2/aac3178e146ba6f1fc6e6a4085e77f21/0/0/NN/%/%/listener"
     )
-    assert rmw_endpoint_token(LISTENER, 10, Endpoint.SUBSCRIPTION, *heard) == (
+    assert rmw_endpoint_token(LISTENER, 10, Endpoint.SUBSCRIPTION, heard) == (
         f"@ros2_lv/2/aac3178e146ba6f1fc6e6a4085e77f21/0/10/MS/%/%/listener/{chatter}/::,10:,:,:,,"
     )
-    said = ("/chatter", STRING, "::,7:,:,:,,")
-    assert rmw_endpoint_token(TALKER, 10, Endpoint.PUBLISHER, *said) == (
+    said = Port("/chatter", STRING, "::,7:,:,:,,")
+    assert rmw_endpoint_token(TALKER, 10, Endpoint.PUBLISHER, said) == (
         f"@ros2_lv/2/8b20917502ee955ac4476e0266340d5c/0/10/MP/%/%/talker/{chatter}/::,7:,:,:,,"
     )
 
 
 def test_a_namespace_is_mangled_in_tokens_and_kept_in_keys():
-    token = rmw_endpoint_token(TALKER, 1, Endpoint.PUBLISHER, "/bot1/cmd_vel", TWIST, RELIABLE)
+    port = Port("/bot1/cmd_vel", TWIST, RELIABLE)
+    token = rmw_endpoint_token(TALKER, 1, Endpoint.PUBLISHER, port)
     assert "/talker/%bot1%cmd_vel/geometry_msgs::msg::dds_::Twist_/" in token
 
 
@@ -105,17 +109,49 @@ def test_other_topics_are_refused(topic: str):
         check_topic("--topic", topic)
 
 
+HEARD = [Port("/scan", LASER_SCAN, BEST_EFFORT)]
+SPOKEN = [Port("/cmd_vel", TWIST, RELIABLE)]
+
+
 def test_wires_by_name():
     assert wire_named("ros2dds", 7).key("/scan", LASER_SCAN) == "scan"
-    assert wire_named("ros2dds").tokens("ab", ("/scan", LASER_SCAN), ("/cmd_vel", TWIST)) == ()
+    assert wire_named("ros2dds").tokens("ab", HEARD, SPOKEN) == ()
     assert wire_named("rmw", 7).key("/scan", LASER_SCAN).startswith("7/scan/sensor_msgs::msg::")
-    node, heard, spoken = wire_named("rmw", 7).tokens(
-        "ab", ("/scan", LASER_SCAN), ("/cmd_vel", TWIST)
-    )
+    node, heard, spoken = wire_named("rmw", 7).tokens("ab", HEARD, SPOKEN)
     assert node == "@ros2_lv/7/ab/0/0/NN/%/%/reflexarc"
     assert "/1/MS/%/%/reflexarc/%scan/" in heard
     assert heard.endswith("/2::,5:,:,:,,")  # best effort hears every publisher
     assert "/2/MP/%/%/reflexarc/%cmd_vel/" in spoken
+
+
+def test_humble_has_no_hashes_in_keys_and_tokens():
+    # rmw_zenoh on Humble: rosidl has no hash there, and the key says so in its place.
+    humble = wire_named("rmw", 0, has_hashes=False)
+    name = "sensor_msgs::msg::dds_::LaserScan_/TypeHashNotSupported"
+    assert humble.key("/scan", LASER_SCAN) == f"0/scan/{name}"
+    _, heard, spoken = humble.tokens("ab", HEARD, SPOKEN)
+    assert heard == f"@ros2_lv/0/ab/0/1/MS/%/%/reflexarc/%scan/{name}/2::,5:,:,:,,"
+    assert "RIHS01" not in spoken
+
+
+@pytest.mark.parametrize(
+    ("node", "expected"),
+    [
+        ("left_eye", "%/left_eye"),
+        ("/left_eye", "%/left_eye"),
+        ("bot1/left_eye", "%bot1/left_eye"),
+        ("/hall/bot1/left_eye", "%hall%bot1/left_eye"),
+    ],
+)
+def test_every_token_of_a_node_bears_its_name_and_namespace(node: str, expected: str):
+    tokens = wire_named("rmw", 3, node=node).tokens("ab", HEARD, SPOKEN)
+    assert ["/".join(token.split("/")[7:9]) for token in tokens] == [expected] * 3
+
+
+@pytest.mark.parametrize("node", ["", "/", "1eye", "a b", "bot1/", "a//b", "é", "a" * 256])
+def test_other_names_of_nodes_are_refused(node: str):
+    with pytest.raises(UsageError, match="--node"):
+        wire_named("rmw", node=node)
 
 
 @pytest.mark.parametrize(("name", "domain"), [("dds", 0), ("rmw", -1), ("rmw", 233)])

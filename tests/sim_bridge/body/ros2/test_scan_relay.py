@@ -4,7 +4,8 @@ import pytest
 
 from reflexarc_runtime.messages.wire import Message
 from reflexarc_sim_bridge.body.ros2.scan_relay import ScanRelay
-from support.ros2 import laser_scan
+from reflexarc_sim_bridge.body.ros2.stamps import ScanStamps
+from support.ros2 import Time, laser_scan
 from support.spoken import Spoken
 
 
@@ -14,15 +15,23 @@ def message(payload: bytes, received_ns: int = 0) -> Message:
 
 def test_scans_leave_with_the_time_of_their_arrival():
     spoken: Any = Spoken()
-    scans = ScanRelay(spoken)
+    scans = ScanRelay(spoken, ScanStamps())
     scans.hear(message(laser_scan([1.0, 2.0]).serialize(), received_ns=123))
     assert [time_ns for _, time_ns in spoken.said] == [123]
     assert scans.scans == 1
 
 
+def test_the_stamp_of_a_scan_is_found_by_the_time_of_its_arrival():
+    spoken: Any = Spoken()
+    stamps = ScanStamps()
+    scans = ScanRelay(spoken, stamps)
+    scans.hear(message(laser_scan([1.0, 2.0], stamp=Time(5, 6)).serialize(), received_ns=123))
+    assert stamps.at(123) == 5_000_000_006
+
+
 def test_what_is_no_scan_is_counted_by_reason_and_said_once(caplog: pytest.LogCaptureFixture):
     spoken: Any = Spoken()
-    scans = ScanRelay(spoken)
+    scans = ScanRelay(spoken, ScanStamps())
     for payload in (b"noise", b"more noise", laser_scan([]).serialize()):
         scans.hear(message(payload))
     assert spoken.said == []

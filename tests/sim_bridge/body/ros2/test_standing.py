@@ -5,27 +5,27 @@ import pytest
 from rosbags.typesys import Stores, get_typestore
 
 from reflexarc_sim_bridge.body.ros2.standing import Standing, says_standing
-from support.ros2 import laser_scan, odometry
+from support.ros2 import laser_scan, moving_odometry
 from support.sensing import MS
 
-STILL, MOVES = odometry(), odometry(0.5)
+STILL, MOVES = moving_odometry(), moving_odometry(0.5)
 
 
 @pytest.mark.parametrize(
     ("payload", "stands"),
     [
-        (odometry(), True),
-        (odometry(frame="odd"), True),
-        (odometry(0.009), True),
-        (odometry(0.0, -0.011), False),
-        (odometry(0.008, 0.008), False),
-        (odometry(0.0, 0.0, 0.009), True),
-        (odometry(0.0, 0.0, -0.011), False),
-        (odometry(math.nan), False),
-        (odometry(0.0, 0.0, math.inf), False),
-        (odometry()[:-8][:100], False),
+        (moving_odometry(), True),
+        (moving_odometry(frame="odd"), True),
+        (moving_odometry(0.009), True),
+        (moving_odometry(0.0, -0.011), False),
+        (moving_odometry(0.008, 0.008), False),
+        (moving_odometry(0.0, 0.0, 0.009), True),
+        (moving_odometry(0.0, 0.0, -0.011), False),
+        (moving_odometry(math.nan), False),
+        (moving_odometry(0.0, 0.0, math.inf), False),
+        (moving_odometry()[:-8][:100], False),
         (b"", False),
-        (b"\x00\x00" + odometry()[2:], False),
+        (b"\x00\x00" + moving_odometry()[2:], False),
         (laser_scan([1.0] * 10).serialize(), False),
     ],
 )

@@ -5,6 +5,7 @@ import pytest
 
 from reflexarc_sim_bridge.body.gate.limits import STANDSTILL, Motion
 from reflexarc_sim_bridge.body.ros2.messages import encode_twist, encode_twist_stamped
+from reflexarc_sim_bridge.body.ros2.stamps import ScanStamps, Stamper, StampRule
 from reflexarc_sim_bridge.body.ros2.twists import TwistPublisher, moves
 from support.ros2 import Time, TwistStamped
 from support.sensing import MS
@@ -13,16 +14,28 @@ from support.spoken import Spoken
 WALL_NS = 1_700_000_000_000_000_000
 
 
-def publisher(stamped: bool) -> tuple[TwistPublisher, Spoken]:
+def publisher(rule: StampRule | None) -> tuple[TwistPublisher, Spoken]:
+    """It has heard a scan at 20 ms, of second 7 on the robot's clock."""
     spoken: Any = Spoken()
-    return TwistPublisher(spoken, stamped, wall_offset=lambda: WALL_NS), spoken
+    scans = ScanStamps()
+    scans.note(20 * MS, 7_000_000_000)
+    stamper = None if rule is None else Stamper(rule, lambda: WALL_NS, scans)
+    return TwistPublisher(spoken, stamper, wall_offset=lambda: WALL_NS), spoken
 
 
-def test_stamped_commands_bear_the_wall_clock_of_the_moment():
-    twists, spoken = publisher(stamped=True)
-    twists.send(Motion(1.0, 0.5, 0.25), 40 * MS)
+@pytest.mark.parametrize(
+    ("rule", "expected"),
+    [
+        (StampRule.WALL, Time(1_700_000_000, 40 * MS)),
+        (StampRule.SCAN, Time(7, 0)),
+        (StampRule.ZERO, Time(0, 0)),
+    ],
+)
+def test_stamped_commands_bear_what_the_rule_says(rule: StampRule, expected: Time):
+    twists, spoken = publisher(rule)
+    twists.send(Motion(1.0, 0.5, 0.25), 40 * MS, source_ns=20 * MS)
     stamped = TwistStamped.deserialize(spoken.said[0][0])
-    assert stamped.header.stamp == Time(1_700_000_000, 40 * MS)
+    assert stamped.header.stamp == expected
     assert stamped.header.frame_id == "base_link"
     assert stamped.twist.linear.x == 1.0
     assert spoken.said[0][1] == WALL_NS + 40 * MS
@@ -30,7 +43,7 @@ def test_stamped_commands_bear_the_wall_clock_of_the_moment():
 
 def test_the_bytes_of_a_standstill():
     # CDR by hand: the envelope of little-endian, and six zeros of 8 bytes.
-    twists, spoken = publisher(stamped=False)
+    twists, spoken = publisher(None)
     twists.send(STANDSTILL, 0)
     assert spoken.said[0][0] == b"\x00\x01\x00\x00" + struct.pack("<6d", *[0.0] * 6)
 
