@@ -71,8 +71,10 @@ class Ros2Command:
     odometry: str = "odom"
     """The robot's topic of nav_msgs/Odometry, passed on as `pose` for the log; empty: none."""
     tf: str = "tf"
-    """Its topic of tf2_msgs/TFMessage, passed on as `tf`, and the one with _static behind it;
-    empty: none."""
+    """Its topic of tf2_msgs/TFMessage, passed on as `tf`, and the one with _static behind it, which
+    says how the scanner sits; empty: none."""
+    base: str = "base_link"
+    """The robot's own frame, from which x leads ahead."""
     rate: float = 50.0
     """Commands to the robot, a second, at least."""
     robot_limits: LimitFlags = field(default_factory=LimitFlags)
@@ -130,6 +132,7 @@ class Ros2Command:
             StampRule(self.stamp),
             self.odometry and check_topic("--odometry", self.odometry),
             self.tf and check_topic("--tf", self.tf),
+            self.base,
             self._scanner(),
         )
         self._check_keys(route)
@@ -148,11 +151,10 @@ class Ros2Command:
                 )
 
     def _scanner(self) -> "RosScanner":
-        from reflexarc_runtime.sensing.mounting import CENTRED
         from reflexarc_sim_bridge.body.ros2.messages import RosScanner
 
         flags = self.scanner
-        return RosScanner(flags.meaning, flags.known_mount or CENTRED, flags.ignored)
+        return RosScanner(flags.meaning, flags.known_mount, flags.ignored)
 
     def _serve(
         self, bus: "Bus", route: "Route", settings: "GateSettings", stop: StopFlag

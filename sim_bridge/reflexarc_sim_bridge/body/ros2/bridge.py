@@ -44,6 +44,7 @@ from reflexarc_sim_bridge.body.ros2.key_expressions import (
     TF_MESSAGE,
     rmw_history_key,
 )
+from reflexarc_sim_bridge.body.ros2.mounts import Mounts
 from reflexarc_sim_bridge.body.ros2.place_relay import PoseRelay, TransformRelay
 from reflexarc_sim_bridge.body.ros2.route import Route
 from reflexarc_sim_bridge.body.ros2.scan_relay import ScanRelay
@@ -117,9 +118,9 @@ class RosBridge:
         self._inbox = inbox
         # A flood of commands, or of anything else, must not push a stop out of a full inbox.
         self._controls, self._stops = Inbox(), Inbox()
-        stamps = ScanStamps()
-        self._scans = ScanRelay(bus.publisher(SCAN), stamps, route.scanner)
-        self._places = _Places(bus, route)
+        stamps, mounts = ScanStamps(), Mounts(route.base) if route.tf else None
+        self._scans = ScanRelay(bus.publisher(SCAN), stamps, route.scanner, mounts)
+        self._places = _Places(bus, route, mounts)
         wheel = bus.publisher_of_key(route.command_key, CDR, Quality.CONTROL)
         stamper = Stamper(route.stamp, wall_offset_ns, stamps) if route.stamped else None
         twists = TwistPublisher(wheel, stamper, wall_offset_ns)
@@ -184,11 +185,11 @@ def _wake(now_ns: int) -> Message:
 
 
 class _Places:
-    """Where the robot says that it is: for the log alone."""
+    """Where the robot says that it is, for the log; and how its frames are, for its scanner."""
 
-    def __init__(self, bus: "Bus", route: Route) -> None:
+    def __init__(self, bus: "Bus", route: Route, mounts: Mounts | None) -> None:
         self.poses = PoseRelay(bus.publisher(POSE))
-        self.transforms = TransformRelay(bus.publisher(TRANSFORM))
+        self.transforms = TransformRelay(bus.publisher(TRANSFORM), mounts)
         if route.odometry:
             bus.subscribe_to_key(route.wire.key(route.odometry, ODOMETRY), self.poses.hear)
         if route.tf:

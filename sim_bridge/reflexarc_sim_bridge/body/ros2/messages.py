@@ -8,6 +8,7 @@ unknown (NaN). Where a driver means something else, flags say so.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -51,8 +52,8 @@ class RosScanner:
 
     meaning: RangeMeaning = field(default_factory=RangeMeaning)
     """What its driver means by its numbers."""
-    mount: Mount = CENTRED
-    """How it sits on the robot."""
+    mount: Mount | None = None
+    """How it sits on the robot; None: as the robot says, else in its middle, looking ahead."""
     ignored: tuple[Sector, ...] = ()
     """Sectors in which it sees its own robot, as seen from the scanner, in the robot's axes."""
 
@@ -61,27 +62,34 @@ STANDARD = RosScanner()
 """A scanner after the standard, in the middle of its robot."""
 
 
-def decode_scan(payload: bytes, scanner: RosScanner = STANDARD) -> RosScan:
+def decode_scan(
+    payload: bytes,
+    scanner: RosScanner = STANDARD,
+    mount_in: Callable[[str], Mount | None] = lambda frame: None,
+) -> RosScan:
     """Read `sensor_msgs/LaserScan`.
 
     Args:
         payload: of the message.
         scanner: what is known of the scanner beside.
+        mount_in: how a scanner of a frame sits; None if nobody said it.
 
     Raises:
         UnusableMessageError: not little-endian CDR, not a `LaserScan`, or not usable as a scan.
     """
     message = read_cdr(payload, LASER_SCAN)
     try:
-        sweep = _own_parts_left_out(_sweep(message, scanner.meaning), scanner)
+        mount = scanner.mount or mount_in(message.header.frame_id) or CENTRED
+        sweep = _sweep(message, scanner.meaning)
         check_turns(sweep)
+        sweep = _own_parts_left_out(sweep, mount, scanner.ignored)
     except UnusableScanError as error:
         raise UnusableMessageError(str(error)) from None
     return RosScan(
         stamp_ns=stamp_ns(message.header),
         frame_id=message.header.frame_id,
         sweep=sweep,
-        mount=scanner.mount,
+        mount=mount,
     )
 
 
@@ -135,12 +143,12 @@ def _sweep(message: Any, meaning: RangeMeaning) -> Scan:
     return Scan(start_rad, last_rad, ranges_m)
 
 
-def _own_parts_left_out(scan: Scan, scanner: RosScanner) -> Scan:
+def _own_parts_left_out(scan: Scan, mount: Mount, ignored: tuple[Sector, ...]) -> Scan:
     """The scan, still in the scanner's frame, without what it sees of its own robot."""
-    if not scanner.ignored:
+    if not ignored:
         return scan
-    ranges_m = without(mounted(scan, scanner.mount), scanner.ignored).ranges_m
-    return replace(scan, ranges_m=ranges_m[::-1] if scanner.mount.upside_down else ranges_m)
+    ranges_m = without(mounted(scan, mount), ignored).ranges_m
+    return replace(scan, ranges_m=ranges_m[::-1] if mount.upside_down else ranges_m)
 
 
 def _twist(motion: Twist) -> Any:

@@ -16,6 +16,7 @@ from reflexarc_runtime.loop.throttle import SECOND_NS, Throttle
 from reflexarc_runtime.messages.wire import Message
 from reflexarc_sim_bridge.body.ros2.cdr import UnusableMessageError
 from reflexarc_sim_bridge.body.ros2.frames import decode_odometry, decode_transforms
+from reflexarc_sim_bridge.body.ros2.mounts import Mounts
 from reflexarc_sim_bridge.body.ros2.refusals import Refusals
 
 if TYPE_CHECKING:
@@ -64,10 +65,12 @@ class TransformRelay:
 
     Args:
         publisher: of our own transforms.
+        mounts: learns the frames that never move.
     """
 
-    def __init__(self, publisher: "Publisher") -> None:
+    def __init__(self, publisher: "Publisher", mounts: Mounts | None = None) -> None:
         self._publisher = publisher
+        self._mounts = mounts
         self._lock = threading.Lock()  # two threads of the bus and the bridge's own come here
         self._throttles: dict[str, Throttle] = {}
         self._static: dict[str, FrameTransform] = {}
@@ -119,6 +122,8 @@ class TransformRelay:
             self.refusals.count(TOO_MANY)
             return
         self._static[name] = transform
+        if self._mounts is not None:
+            self._mounts.learn(transform)
         self._put(transform, now_ns)
 
     def _put(self, transform: FrameTransform, now_ns: int) -> None:

@@ -15,6 +15,7 @@ from reflexarc_sim_bridge.body.ros2.key_expressions import (
     RosType,
 )
 from reflexarc_sim_bridge.body.ros2.messages import STANDARD, RosScanner
+from reflexarc_sim_bridge.body.ros2.mounts import BASE
 from reflexarc_sim_bridge.body.ros2.stamps import StampRule
 from reflexarc_sim_bridge.body.ros2.wires import Wire
 
@@ -36,6 +37,8 @@ class Route:
     """Of `nav_msgs/Odometry`; empty: not heard."""
     tf: str = ""
     """Of `tf2_msgs/TFMessage`; the same with `_static` behind it is heard as well. Empty: none."""
+    base: str = BASE
+    """The robot's own frame among its transforms."""
     scanner: RosScanner = STANDARD
     """What is known of the scanner beside what its messages say."""
 
