@@ -183,10 +183,15 @@ class Bus:
 
         self._kept.append(self._session.declare_subscriber(key, on_sample))
 
-    def overhear(self, expressions: Iterable[str], seconds: float) -> dict[str, int]:
+    def overhear(
+        self,
+        expressions: Iterable[str],
+        seconds: float,
+        wait: Callable[[float], object] = time.sleep,
+    ) -> dict[str, int]:
         """Listen for a while to whatever matches key expressions: how often each key was heard.
 
-        Of at most 64 keys; nothing of what they carry is looked at.
+        Of at most 64 keys; nothing of what they carry is looked at. `wait` may end it early.
         """
         heard: Counter[str] = Counter()
 
@@ -196,7 +201,7 @@ class Bus:
                 heard[key] += 1
 
         listening = [self._session.declare_subscriber(each, count) for each in expressions]
-        time.sleep(seconds)
+        wait(seconds)
         for subscriber in listening:
             subscriber.undeclare()  # type: ignore[no-untyped-call]  # the stub has no type
         return dict(heard)

@@ -116,12 +116,21 @@ def touches(
 
     A point that is within it from the beginning counts once it comes nearer than it was.
     """
-    wider_m = margin_m + (0.5 * STEP_M if is_rectangle(footprint) else 0.0)
+    wider_m = margin_m + _between_m(footprint, places)
     here_m = _off_m(x_m, y_m, footprint)
     cos, sin = np.cos(places[:, 2:]), np.sin(places[:, 2:])
     from_x, from_y = x_m - places[:, :1], y_m - places[:, 1:2]
     off_m = _off_m(cos * from_x + sin * from_y, cos * from_y - sin * from_x, footprint)
     return bool((off_m.min(axis=0) < np.minimum(here_m - _HAIR_M, wider_m)).any())
+
+
+def _between_m(footprint: Footprint, places: Floats) -> float:
+    """By how much the outline is widened for what lies between two places."""
+    steps_m = np.hypot(np.diff(places[:, 0], prepend=0.0), np.diff(places[:, 1], prepend=0.0))
+    longest_m = float(steps_m.max())
+    if longest_m > STEP_M * (1.0 + _HAIR_M) or is_rectangle(footprint):
+        return 0.5 * max(longest_m, STEP_M)
+    return 0.0
 
 
 def _off_m(x_m: Floats, y_m: Floats, footprint: Footprint) -> Floats:

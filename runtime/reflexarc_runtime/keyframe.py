@@ -17,7 +17,7 @@ from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.inertia import STILL, Moving
 from reflexarc_runtime.messages.wire import Stamp
 from reflexarc_runtime.sensing.ranges import Ranged
-from reflexarc_runtime.sensing.scan import Scan
+from reflexarc_runtime.sensing.scan import Scan, UnusableScanError, check_sweep
 from reflexarc_runtime.sensing.senses import Sensed
 
 MAX_COUNT = 1 << 62
@@ -167,7 +167,12 @@ def _ranges(message: pb.Keyframe) -> RangeState:
 
 def _scan(swept: pb.AcceptedScan) -> Scan:
     ranges_m = np.array(swept.ranges_m, np.float64)
-    return Scan(swept.start_rad, swept.end_rad, ranges_m, swept.x_m, swept.y_m)
+    scan = Scan(swept.start_rad, swept.end_rad, ranges_m, swept.x_m, swept.y_m)
+    try:
+        check_sweep(scan)
+    except UnusableScanError as error:
+        raise LogError(_unfit("a scan", "a sweep", str(error))) from None
+    return scan
 
 
 def _retina(data: bytes, contract: PolicyContract) -> Retina:

@@ -1,12 +1,13 @@
 """Whoever waits says for what, on which key, and what it hears instead."""
 
 import threading
+import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
-from reflexarc.terminal.output import aside
+from reflexarc.terminal.output import aside, plain
 
 if TYPE_CHECKING:
     from reflexarc_runtime.bus import Bus
@@ -87,17 +88,17 @@ class Waiting:
     def _watch(self) -> None:
         said, patience_s = "", PATIENCE_S
         while not self._ended.wait(patience_s) and not self._has_come():
-            words = explain(self._bus, self._wish)
+            words = explain(self._bus, self._wish, self._ended.wait)
             if self._has_come() or self._ended.is_set():
                 return
             if words != said:
-                aside.print(words, soft_wrap=True, markup=False)
+                aside.print(plain(words), soft_wrap=True)
             said, patience_s = words, AGAIN_S
 
 
-def explain(bus: "Bus", wish: Wish) -> str:
+def explain(bus: "Bus", wish: Wish, wait: Callable[[float], object] = time.sleep) -> str:
     """Listen for a second, and say why it is silent."""
-    heard = bus.overhear(wish.around, LISTEN_S)
+    heard = bus.overhear(wish.around, LISTEN_S, wait)
     return explained(wish, heard, bus.tokens(wish.tokens), bus.neighbours, bus.place)
 
 

@@ -23,6 +23,8 @@ _FIELDS = (
     "samples",
     "beams",
 )
+MOST_CHARACTERS = 512
+"""More are no eye: reading them would take a loop's time."""
 _NEAR = 1e-6
 """What two numbers may differ by, relative to the larger of 1 and the expected one."""
 
@@ -39,12 +41,20 @@ def is_an_eye(words: str) -> bool:
 
 
 def differences(words: str, spec: RetinaSpec) -> list[str]:
-    """How the eye that a text names differs from one: each field with what it should be."""
-    got = dict(part.partition("=")[::2] for part in words.split()[1:])
+    """How the eye that a text names differs from one: each field with what it should be.
+
+    Each field stands in it once, and no other: a newer body may mean something by one more.
+    """
+    if len(words) > MOST_CHARACTERS:
+        return [f"more than {MOST_CHARACTERS} characters to name it"]
+    parts = [part.partition("=") for part in words.split()[1:]]
+    if sorted(name for name, _, _ in parts) != sorted(_FIELDS):
+        return [f"fields {', '.join(repr(name[:20]) for name, _, _ in parts)[:200]}"]
+    got = {name: value for name, _, value in parts}
     return [
-        f"{name} {got.get(name, 'missing')[:20]} instead of {_text(getattr(spec, name))}"
+        f"{name} {_shown(got[name])} instead of {_text(getattr(spec, name))}"
         for name in _FIELDS
-        if not _same(got.get(name, ""), getattr(spec, name))
+        if not _same(got[name], getattr(spec, name))
     ]
 
 
@@ -57,6 +67,11 @@ def _same(text: str, expected: object) -> bool:
         return False
     wanted = float(expected)  # type: ignore[arg-type]  # every other field is a number
     return math.isfinite(number) and abs(number - wanted) <= _NEAR * max(1.0, abs(wanted))
+
+
+def _shown(text: str) -> str:
+    """A sender's text, short and without control characters."""
+    return text[:20] if text.isprintable() else repr(text[:20])
 
 
 def _text(value: object) -> str:

@@ -2,24 +2,27 @@
 
 A subscriber's callback appends; a tick drains. Its size is bounded, in messages and in bytes: when
 it is full, the oldest message is dropped and counted, so that a runtime that was blocked goes on
-with recent input. What stops a loop, or lets it go on, is dropped last: no flood of inputs pushes a
-stop out.
+with recent input. What stops a loop, or lets it go on, is dropped last, and a stop after all
+resets: no flood pushes it out.
 
 Its order is the order of arrival, in time as well: no message has an earlier arrival than the one
 before it, or than the last drain. So a log that another tool sorts by time replays.
 """
 
+import sys
 import threading
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
-from reflexarc_runtime.messages.topics import CONTROLS, topic_of
+from reflexarc_runtime.messages.topics import CONTROLS, RESET, topic_of
 from reflexarc_runtime.messages.wire import Message
 
 DEFAULT_CAPACITY = 1024
 DEFAULT_CAPACITY_BYTES = 32 << 20
 """Of payloads; the largest that is believed has 1 MiB."""
+
+_NO_MORE = (sys.maxsize, Message("", b"", "", b"", 0))
 
 
 class Inbox:
@@ -28,7 +31,10 @@ class Inbox:
     def __init__(
         self, capacity: int = DEFAULT_CAPACITY, capacity_bytes: int = DEFAULT_CAPACITY_BYTES
     ) -> None:
-        self._messages: deque[Message] = deque()
+        self._inputs: deque[Message] = deque()
+        self._controls: deque[tuple[int, Message]] = deque()
+        """Each with the number of inputs that were put before it."""
+        self._put_inputs = 0
         self._capacity = capacity
         self._capacity_bytes = capacity_bytes
         self._bytes = 0
@@ -49,7 +55,11 @@ class Inbox:
                 message = replace(message, received_ns=self._latest_ns)
             self._latest_ns = message.received_ns
             self._bytes += len(message.payload)
-            self._messages.append(message)
+            if topic_of(message.key) in CONTROLS:
+                self._controls.append((self._put_inputs, message))
+            else:
+                self._inputs.append(message)
+                self._put_inputs += 1
             while self._is_over():
                 self._drop_one()
             self._arrival.notify()
@@ -57,8 +67,9 @@ class Inbox:
     def drain(self, now_ns: Callable[[], int]) -> tuple[tuple[Message, ...], int]:
         """Take all messages, oldest first, and the time."""
         with self._arrival:
-            messages = tuple(self._messages)
-            self._messages.clear()
+            messages = tuple(self._inputs) if not self._controls else tuple(self._in_order())
+            self._inputs.clear()
+            self._controls.clear()
             self._bytes = 0
             self._latest_ns = now_ns()
             return messages, self._latest_ns
@@ -66,21 +77,44 @@ class Inbox:
     def take(self, timeout_s: float) -> Message | None:
         """Take the oldest message, waiting for one if need be; None after the timeout."""
         with self._arrival:
-            if not self._messages:
+            if not (self._inputs or self._controls):
                 self._arrival.wait(timeout_s)
-            return self._pop(0) if self._messages else None
+            return self._oldest()
 
     def _is_over(self) -> bool:
-        return len(self._messages) > self._capacity or self._bytes > self._capacity_bytes
+        count = len(self._inputs) + len(self._controls)
+        return count > self._capacity or self._bytes > self._capacity_bytes
+
+    def _oldest(self) -> Message | None:
+        if self._controls and self._controls[0][0] <= self._put_inputs - len(self._inputs):
+            oldest = self._controls.popleft()[1]
+        elif self._inputs:
+            oldest = self._inputs.popleft()
+        else:
+            return None
+        self._bytes -= len(oldest.payload)
+        return oldest
+
+    def _in_order(self) -> Iterator[Message]:
+        number, controls = self._put_inputs - len(self._inputs), iter(self._controls)
+        place, control = next(controls)
+        for message in self._inputs:
+            while place <= number:
+                yield control
+                place, control = next(controls, _NO_MORE)
+            yield message
+            number += 1
+        if place < sys.maxsize:
+            yield control
+            yield from (message for _, message in controls)
 
     def _drop_one(self) -> None:
-        """Drop the oldest message that is no control; where there is none, the oldest control."""
-        inputs = (n for n, m in enumerate(self._messages) if topic_of(m.key) not in CONTROLS)
-        self._pop(next(inputs, 0))
+        """Drop the oldest input; where there is none, the oldest reset, and a stop last of all."""
         self._overflows += 1
-
-    def _pop(self, place: int) -> Message:
-        message = self._messages[place]
-        del self._messages[place]
-        self._bytes -= len(message.payload)
-        return message
+        if self._inputs:
+            self._bytes -= len(self._inputs.popleft().payload)
+            return
+        resets = (n for n, (_, m) in enumerate(self._controls) if topic_of(m.key) is RESET)
+        place = next(resets, 0)
+        self._bytes -= len(self._controls[place][1].payload)
+        del self._controls[place]

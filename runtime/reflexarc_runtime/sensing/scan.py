@@ -35,7 +35,7 @@ class Scan:
     @property
     def is_centred(self) -> bool:
         """Whether the beams begin at the point about which the robot turns."""
-        return self.x_m == 0.0 and self.y_m == 0.0
+        return math.hypot(self.x_m, self.y_m) < 1e-6
 
 
 class UnusableScanError(ValueError):

@@ -216,6 +216,7 @@ class Bridge:
     ) -> Journey:
         """Drive in real time, until asked to stop or for a number of steps."""
         done, before_ns = 0, pacer.now_ns()
+        self._gate = self._gate.begun(before_ns)
         while steps is None or done < steps:
             wakeup = pacer.wait(should_stop)
             if wakeup is None:

@@ -1,10 +1,12 @@
 import logging
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.notices.flood_notice import FloodNotice
-from reflexarc_runtime.messages.topics import COMMAND, RETINA, STOP, Topic
+from reflexarc_runtime.messages.topics import COMMAND, OVERRUN, RESET, RETINA, STOP, Topic
 from reflexarc_runtime.messages.wire import Message
 
 
@@ -57,3 +59,20 @@ def test_a_flood_is_said_once_and_again_only_when_it_goes_on(caplog: pytest.LogC
         "the body of robot0: flooded: 5 messages dropped since the last notice, 5 in all",
         "the body of robot0: flooded: 4 messages dropped since the last notice, 9 in all",
     ]
+
+
+@given(st.lists(st.sampled_from("rsRo"), max_size=60), st.integers(1, 12), st.booleans())
+def test_a_full_inbox_keeps_what_a_slow_list_would(kinds: list[str], capacity: int, one: bool):
+    """The oldest input goes first, then the oldest reset, then the oldest of the others."""
+    topics = {"r": RETINA, "s": STOP, "R": RESET, "o": OVERRUN}
+    inbox, kept = Inbox(capacity), []
+    for number, kind in enumerate(kinds):
+        message = Message(topics[kind].key("robot0"), b"", "", b"", number)
+        inbox.put(message)
+        kept.append((kind, message))
+        if len(kept) > capacity:
+            order = [next((i for i, (k, _) in enumerate(kept) if k in few), None) for few in "rR"]
+            del kept[next((place for place in order if place is not None), 0)]
+    if one and kept:
+        assert inbox.take(0.0) == kept.pop(0)[1]
+    assert list(inbox.drain(lambda: 0)[0]) == [message for _, message in kept]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 
 import tyro
 
-from reflexarc.terminal.output import aside, console, facts, microseconds, print_json
+from reflexarc.terminal.output import aside, console, facts, microseconds, plain, print_json
 from reflexarc.terminal.signals import StopFlag
 from reflexarc.wiring.bus_flags import Joining
 from reflexarc.wiring.guard_flags import GuardFlags
@@ -157,14 +157,15 @@ class RunCommand:
         notices = Notices(self._say, controller.contract, self.input)
         wish = Wish("reflexarc run", f"{self.input}s", controller.sense.topic.key(robot))
         waiting = Waiting(bus, replace(wish, advice=self._advice()), came)
-        with watching as watch, notices, waiting:
+        # The watchdog ends first: what it watches has ended, and the others take a moment to.
+        with notices, waiting, watching as watch:
             words = f"{self.policy} on {self.backend}; {said}; watchdog {watch.state}"
             aside.print(f"reflexarc run: {words}", soft_wrap=True)
             node = self._node(controller, inbox, outlets, sink, run_id, bus.sender, watch, notices)
             return node.run(stop, self.ticks)
 
     def _say(self, words: str) -> None:
-        aside.print(f"reflexarc run: {words}", soft_wrap=True, markup=False)
+        aside.print(f"reflexarc run: {plain(words)}", soft_wrap=True)
 
     def _advice(self) -> dict[str, str]:
         """What to do where something else than the expected sensor is heard."""

@@ -82,9 +82,16 @@ class Gate:
         """
         return cls(own, settings, settings.auto_arm, stopped)
 
+    def begun(self, now_ns: int) -> "Gate":
+        """The gate when the body begins: a button that went down before that does not count."""
+        return replace(self, button=self.button.let_go(now_ns))
+
     def renamed(self, own: bytes) -> "Gate":
         """The gate of a body whose messages carry another identifier from now on."""
-        return self if own == self.own else replace(self, own=own, wanted=None, button=Button())
+        if own == self.own:
+            return self
+        button = self.button.let_go(self.button.until_ns)
+        return replace(self, own=own, wanted=None, button=button)
 
     @property
     def armed(self) -> bool:

@@ -138,6 +138,7 @@ class RosBridge:
 
     def serve(self, turns: Turns, should_stop: Callable[[], bool]) -> RosBridgeReport:
         """Serve until asked to stop; the robot's last commands are to stand."""
+        self._commands.begin(turns.now_ns())
         try:
             while (turn := turns.wait(should_stop)) is not None:
                 controls, _ = self._controls.drain(turns.now_ns)

@@ -32,6 +32,10 @@ class CommandRelay:
         self._spoke_ns: int | None = None
         self.heard = self.standstills = 0
 
+    def begin(self, now_ns: int) -> None:
+        """From now on a button that is pressed counts."""
+        self._gate = self._gate.begun(now_ns)
+
     @property
     def twists(self) -> int:
         """How many were sent."""

@@ -125,6 +125,7 @@ class Companion:
         self._sender = bytes.fromhex(watched.sender)
         self._period_ns = watched.period_ns
         self._silence = BridgeSilence(watched.period_ns)
+        self._turn = threading.Lock()  # a thread of the bus and the main one come here
         self._now_ns = now_ns
         self._speaks = self._overslept = False
         self._standing = Standing()
@@ -144,7 +145,9 @@ class Companion:
         except UndecodableError:
             return
         if sender == self._sender:
-            self._silence = self._silence.heard(message.received_ns, moves(message.payload))
+            moving = moves(message.payload)
+            with self._turn:
+                self._silence = self._silence.heard(message.received_ns, moving)
 
     def feel(self, message: Message) -> None:
         """Take what the robot says of its speed; called on a thread of the bus."""
@@ -176,7 +179,8 @@ class Companion:
             return  # what the bridge said meanwhile may still be on its way
         must_speak = self._silence.must_speak(self._now_ns(), is_gone)
         if must_speak and self._standing.is_sure(self._now_ns()):
-            self._silence = self._silence.stood(self._now_ns())
+            with self._turn:  # a twist that moves may come meanwhile
+                self._silence = self._silence.stood(self._now_ns())
         if must_speak:
             self._twists.send(STANDSTILL, self._now_ns())
         if must_speak and not self._speaks:

@@ -4,8 +4,8 @@ import re
 
 from reflexarc_sim_bridge.body.camera.formats.facts import Facts, UnreadableImageError
 
-_GAP = rb"(?:\s+|#[^\n]*\n)+"
-_HEAD = re.compile(rb"P[2356]" + (_GAP + rb"[0-9]+") * 2 + _GAP + rb"([0-9]+)\s")
+_GAP = rb"(?:\s|#[^\n]*\n)+"  # no repetition within the repetition: it would try them all
+_HEAD = re.compile(rb"P[2356]" + (_GAP + rb"[0-9]{1,10}") * 2 + _GAP + rb"([0-9]{1,10})\s")
 _FULL_16 = 65535
 
 

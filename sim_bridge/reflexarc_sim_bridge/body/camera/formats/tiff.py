@@ -39,7 +39,10 @@ def upright(data: bytes) -> bytes:
     """The same file with an orientation of 1: OpenCV turns some TIFFs, and fails at others."""
     patched = bytearray(data)
     for page in directories(data):
-        if entry := page.entries.get(ORIENTATION):
+        entry = page.entries.get(ORIENTATION)
+        if entry is not None:
+            if entry.offset + 2 > len(patched):
+                raise UnreadableImageError("is cut")
             struct.pack_into(order_of(data) + "H", patched, entry.offset, 1)
     return bytes(patched)
 
