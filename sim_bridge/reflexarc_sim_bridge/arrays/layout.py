@@ -142,7 +142,9 @@ class EyeParams(NamedTuple):
 
     rays: int
     samples: int
-    """Sub-rays of a ray; it shows their mean."""
+    """Sub-rays of a ray."""
+    blended: int
+    """Sub-rays whose mean a ray shows: all of its own, or 1 where it shows the nearest of them."""
     eyes: int
     channels: int
     frames: int
@@ -154,7 +156,7 @@ class EyeParams(NamedTuple):
     tile_is_wide: bool
     """The same of the rays of one tile."""
     is_plain: bool
-    """One grey eye, one sample, rays in whole tiles: the common case."""
+    """One grey eye, nothing blended, rays in whole tiles: the common case."""
     turns: bool
     """Whether agents can look elsewhere than along x."""
     ahead: Floats32

@@ -124,7 +124,7 @@ def _aside_m(contract: PolicyContract, world: World) -> float:
 
 
 def _behind_m(contract: PolicyContract, world: World) -> float:
-    seen_m = _range_m(contract) if turns(contract) else seen_behind_m(contract.retina)
+    seen_m = _range_m(contract) if turns(contract) else seen_behind_m(contract.retina, world)
     return max(seen_m, _step_m(contract, world))
 
 

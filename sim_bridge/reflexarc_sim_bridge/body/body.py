@@ -125,7 +125,7 @@ class Body:
         spec = self.contract.retina
         distances_m = self.simulation.distances().astype(np.float64)
         ranges_m = np.where(distances_m < spec.range_m, distances_m, math.inf)
-        rays = spec.rays * spec.samples
+        rays = len(distances_m)
         first_rad = ray_bearing_rad(0, rays, spec.fov_rad)
         beams = Beams(fan_of(first_rad, -spec.fov_rad / rays, rays), ranges_m)
         share = check.share(twist, beams, 0.0)

@@ -13,7 +13,7 @@ from reflexarc_sim_bridge.native.decorators import compiled_called, compiled_inn
 from reflexarc_sim_bridge.native.splitmix64 import normal, uniform
 from reflexarc_sim_bridge.obstacles.keys import draw
 from reflexarc_sim_bridge.vision.ray_casting import look
-from reflexarc_sim_bridge.vision.shading import shade_rays, shade_tiles
+from reflexarc_sim_bridge.vision.shading import keep_nearest, shade_rays, shade_tiles
 
 _FULL = 255.0
 
@@ -29,6 +29,8 @@ def sense_agent(params: Params, work: Workspace, i: int) -> None:
     values = agents.stack[i] if is_plain else work.retina
     for eye_index in range(eye.eyes):
         look(params, work, i, eye_index)
+        if eye.samples > eye.blended:
+            keep_nearest(eye.rays, eye.samples, work.distance_m, work.paint)
         if eye.is_plain:
             shade_tiles(eye, work, plane.background, values)
         else:

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_runtime.contract.eye import RetinaSpec, Shading
+from reflexarc_runtime.contract.eye import BeamRule, RetinaSpec, Shading
 from reflexarc_sim_bridge.arrays.eyes import eye_params
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.seeds import test_seeds
@@ -37,7 +37,8 @@ def test_without_disturbances_an_empty_world_is_dark_and_a_background_shines() -
 def test_a_background_is_behind_what_is_met_and_fills_half_a_ray_by_half() -> None:
     x_m, y_m = STANDS_AT_M
     scene = [box(x_m + 2.0, y_m + 10.0, 1.0, 10.0)]  # the left half of what lies ahead
-    senses, spec = Senses(background=0.2), RetinaSpec(rays=1, samples=2, shading=Shading.COLOUR)
+    senses = Senses(background=0.2)
+    spec = RetinaSpec(rays=1, samples=2, shading=Shading.COLOUR, beams=BeamRule.NEAREST_BEAM)
     seen = scene_of(scene, PolicyContract(retina=spec), senses=senses).sense()
     assert seen.item() == math.floor(255 * (1.0 + 0.2) / 2 + 0.5)
 
@@ -131,7 +132,8 @@ def test_a_stack_holds_the_last_retinas_oldest_first(latency: int) -> None:
 
 def test_an_eye_behind_a_scanner_looks_along_its_beams() -> None:
     scanner = Scanner(beams=19, sweep_rad=math.pi)
-    eye = eye_params(contract(rays=7), dataclasses.replace(EMPTY, scanner=scanner))
+    one_beam = contract(rays=7, beams=BeamRule.NEAREST_BEAM)
+    eye = eye_params(one_beam, dataclasses.replace(EMPTY, scanner=scanner))
     bearings = np.arctan2(eye.left, eye.ahead)[:7]  # filled up to a whole tile
     beams = (bearings + math.pi / 2) / (math.pi / 18)
     np.testing.assert_allclose(beams, np.round(beams), atol=1e-5)
