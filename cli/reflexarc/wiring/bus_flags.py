@@ -62,7 +62,7 @@ class Joining:
 
 
 def contract_of(
-    policy: Path | None, bus: "Bus", stop: Callable[[], bool], who: str, bounds: "Bounds"
+    policy: Path | None, bus: "Bus", stop: Callable[[], bool], who: str, bounds: "Bounds | None"
 ) -> "PolicyContract | None":
     """The contract that a body follows: of a policy file, or of the runtime on the bus.
 
@@ -71,7 +71,7 @@ def contract_of(
         bus: where to ask.
         stop: ends the waiting.
         who: the name of the waiting command, for its notice.
-        bounds: what the contract may ask for at most, wherever it comes from.
+        bounds: what the contract may ask for at most, wherever it comes from; None: anything.
 
     Returns:
         The contract, or None when asked to stop before anyone answered.

@@ -64,7 +64,7 @@ PLANE_DTYPE = np.dtype(
         *((name, np.float64) for name in ("noise", "dropout", "background")),
         # `across`: chunks from side to side, 0 where there are no sides.
         *((name, np.int64) for name in ("edges", "across", "stream", "layers", "corridor")),
-        *((name, np.int64) for name in ("after_contact", "latency_steps")),
+        *((name, np.int64) for name in ("after_contact", "latency_steps", "gap_steps")),
     ],
     align=True,
 )
@@ -108,6 +108,8 @@ AGENT_DTYPE = np.dtype(
         *((name, np.float64) for name in ("x_m", "y_m", "heading_rad", "distance_m")),
         *((name, np.float64) for name in ("linear_mps", "lateral_mps", "angular_radps")),
         ("looks", np.int64),
+        # The step from which on a new retina comes.
+        ("due", np.int64),
         ("is_inside", np.int64),
     ],
     align=True,

@@ -35,18 +35,13 @@ def sub_rays(spec: RetinaSpec, scanner: Scanner | None) -> SubRays:
     Raises:
         WorldError: the scanner does not cover the field of view.
     """
-    if scanner is not None and takes_sectors(spec, scanner):
+    if scanner is not None and spec.beams is BeamRule.SECTOR_MINIMUM:
         return _beams_of_sectors(spec, scanner)
     count = spec.rays * spec.samples
     bearings = [ray_bearing_rad(k, count, spec.fov_rad) for k in range(count)]
     if scanner is not None:
         bearings = [_beam_bearing_rad(bearing, scanner) for bearing in bearings]
     return SubRays(tuple(bearings), spec.samples)
-
-
-def takes_sectors(spec: RetinaSpec, scanner: Scanner | None) -> bool:
-    """Whether each ray looks along all beams of a scanner in its sector."""
-    return scanner is not None and spec.beams is BeamRule.SECTOR_MINIMUM
 
 
 def _beams_of_sectors(spec: RetinaSpec, scanner: Scanner) -> SubRays:

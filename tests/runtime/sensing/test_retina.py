@@ -6,14 +6,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from reflexarc_runtime.contract.eye import RetinaSpec
+from reflexarc_runtime.contract.eye import BeamRule, RetinaSpec
 from reflexarc_runtime.errors import ContractError
 from reflexarc_runtime.sensing.retina import nearest_beam, ray_bearing_rad, shade
 from reflexarc_runtime.sensing.scan import Scan, UnusableScanError
 from reflexarc_runtime.sensing.scan_retina import check_scannable, retina_from_scan
 
 HALF_CIRCLE = math.pi
-LIDAR = RetinaSpec(rays=16, fov_rad=math.pi, range_m=5.0)
+LIDAR = RetinaSpec(rays=16, fov_rad=math.pi, range_m=5.0, beams=BeamRule.NEAREST_BEAM)
 
 
 def scan_of(ranges: list[float], start: float = -math.pi / 2, end: float = math.pi / 2) -> Scan:

@@ -275,8 +275,9 @@ def test_only_the_beams_of_a_sector_count_and_all_of_them_do() -> None:
         post = disc(x_m + 2.0 * math.cos(bearing_rad), y_m + 2.0 * math.sin(bearing_rad), 0.01)
         scene = scene_of([post], PolicyContract(retina=eye), scanner=Scanner())
         assert np.flatnonzero(scene.sense()[0, 0, :, 0]).tolist() == [ray]
-        assert scene.distances().shape == (4,)
-        assert abs(float(scene.distances()[ray]) - 1.99) < 1e-4
+        nearest = int(scene.distances().argmin())
+        assert abs(float(scene.distances()[nearest]) - 1.99) < 1e-4
+        assert abs(float(scene.bearings_rad[nearest]) - bearing_rad) < 1e-9
 
 
 # The nearest of several samples

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 from reflexarc.terminal.output import aside, console, facts, plain, print_json
 from reflexarc.terminal.signals import StopFlag
+from reflexarc.wiring.body_flags import BodyFlags
 from reflexarc.wiring.bus_flags import Joining
 from reflexarc.wiring.limit_flags import LimitFlags
 from reflexarc_runtime.errors import UsageError
@@ -52,6 +53,7 @@ class Ros2Command:
     """ROS_DOMAIN_ID; it counts with rmw."""
     rate: float = 50.0
     """Commands to the robot, a second, at least."""
+    body: BodyFlags = field(default_factory=BodyFlags)
     robot_limits: LimitFlags = field(default_factory=LimitFlags)
     auto_arm: bool = False
     """Drive as soon as a runtime says so, without `reflexarc arm`."""
@@ -69,6 +71,7 @@ class Ros2Command:
 
         route, settings = self._route(), self._settings()
         with StopFlag() as stop, self.joining.bus(BODY_NODE) as bus:
+            self.body.check_runtime(bus, stop, "reflexarc ros2")
             account = self._serve(bus, route, settings, stop)
         self._tell(account)
         return 0
