@@ -296,12 +296,15 @@ def test_a_ray_shows_its_nearest_sample_and_with_one_sample_the_rules_are_one() 
 
 @pytest.mark.parametrize("shading", Shading)
 @pytest.mark.parametrize("channels", [1, 3])
-def test_the_nearest_thing_hides_a_brighter_one_beside_it(shading: Shading, channels: int) -> None:
+@pytest.mark.parametrize("side", [1, -1])
+def test_the_nearest_thing_hides_a_brighter_one_beside_it(
+    shading: Shading, channels: int, side: int
+) -> None:
     x_m, y_m = STANDS_AT_M
     dark, bright = (0.2, 0.2, 0.2), (1.0, 1.0, 1.0)
-    left, right = (
-        box(x_m + 1.5, y_m + 10.0, 0.5, 10.0, dark),
-        box(x_m + 2.0, y_m - 10.0, 0.5, 10.0, bright),
+    near, far = (
+        box(x_m + 1.5, y_m + side * 10.0, 0.5, 10.0, dark),
+        box(x_m + 2.0, y_m - side * 10.0, 0.5, 10.0, bright),
     )
     eye = RetinaSpec(
         rays=1,
@@ -311,7 +314,7 @@ def test_the_nearest_thing_hides_a_brighter_one_beside_it(shading: Shading, chan
         shading=shading,
         beams=BeamRule.SECTOR_MINIMUM,
     )
-    seen = scene_of([left, right], PolicyContract(retina=eye)).sense()[0, 0, 0]
+    seen = scene_of([near, far], PolicyContract(retina=eye)).sense()[0, 0, 0]
     length_m = 1.0 / math.cos(0.025)
     wanted = retina.shade(0.2, length_m, 5.0, shading is Shading.NEARNESS)
     assert seen.tolist() == [wanted] * channels
