@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_runtime.arrays import Actions
+from reflexarc_runtime.contract.eye import BeamRule
 from reflexarc_sim_bridge.native.threads import shared
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.simulation.step import LOOK, MOVE, PLACE
@@ -58,7 +59,12 @@ class Scene:
 
     def simulation(self) -> Simulation:
         """Agents in the worlds of training seeds."""
-        retina = replace(reference_retina(), rays=self.rays, samples=self.samples)
+        retina = replace(
+            reference_retina(),
+            rays=self.rays,
+            samples=self.samples,
+            beams=BeamRule.NEAREST_BEAM,  # whose samples are blended: the dearer of the two
+        )
         contract = reference_contract(retina)
         simulation = Simulation(self.world(), contract, training_seeds(self.agents))
         if self.x_m:

@@ -6,10 +6,12 @@ from pathlib import Path
 
 import pytest
 
+from reflexarc_runtime.contract.body_spec import BodySpec, Footprint
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.motion import Action, sideways_actions
 from support.policies import exported
 from support.processes import finished, reflexarc, said_line, started
+from support.ros2_robot import router
 
 USUAL = PolicyContract()
 BEYOND = {
@@ -26,6 +28,10 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("beyond")
     for name, (contract, _) in BEYOND.items():
         (folder / f"{name}.onnx").write_bytes(exported(contract))
+    heavy = BodySpec(Footprint(radius_m=0.5), deceleration_mps2=10.0)
+    heavy_one = replace(USUAL, actions=sideways_actions(30.0, 0.0), body=heavy)
+    (folder / "point.onnx").write_bytes(exported(USUAL))
+    (folder / "heavy.onnx").write_bytes(exported(heavy_one))
     return folder
 
 
@@ -65,6 +71,36 @@ def test_a_speed_that_cannot_be_simulated_runs_and_is_refused_by_the_simulated_b
         assert finished(runtime)["ticks"] == 4
     words = ("sim", "--policy", policy, "--steps", 3, "--port", port, *flags)
     assert "m in a step" in refusal(*words)
+
+
+def test_sim_refuses_a_policy_that_learned_with_a_better_body(folder: Path, port: int):
+    """World `rover` has a body of 0.2 m with inertia; the policy learned as a point."""
+    words = ("sim", "--world", "rover", "--policy", folder / "point.onnx", "--port", port)
+    said = refusal(*words)
+    assert "it reaches 0.2 m, expected at most 0 m" in said
+    assert "--allow-body" in said
+
+
+def test_ros2_refuses_a_policy_that_learned_with_a_better_body(folder: Path, port: int):
+    limits = ("--max-linear", "1", "--max-lateral", "1", "--max-angular", "1")
+    with router(port), started("run", folder / "point.onnx", "--port", port) as runtime:
+        words = ("ros2", *limits, "--port", port, "--radius", "0.3", "--delay", "0.2")
+        said_line(runtime, "reflexarc run:")
+        said = refusal(*words)
+        assert "it obeys after 0.2 s, expected at most 0 s" in said
+        assert "it reaches 0.3 m, expected at most 0 m" in said
+        runtime.send_signal(signal.SIGINT)
+
+
+def test_run_refuses_a_policy_that_cannot_stand_before_what_it_sees(folder: Path, port: int):
+    """30 m/s · (0.1 + 0.02 + 0.1) s + 30² / (2 · 10) m = 51.6 m, of 5 m less 0.5 m."""
+    words = ("run", folder / "heavy.onnx", "--max-speed-mps", "30", "--ticks", 3, "--port", port)
+    said = refusal(*words)
+    assert "needs 51.6 m to stand" in said
+    assert "sees 4.5 m" in said
+    assert "--allow-fast" in said
+    done = reflexarc(*words, "--allow-fast")
+    assert done.returncode == 0, done.stderr
 
 
 def test_a_policy_without_a_digest_runs_and_says_so_once(port: int):

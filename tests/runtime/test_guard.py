@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from reflexarc_runtime.beams import Beams, fan_of
 from reflexarc_runtime.contract.body_spec import Footprint
 from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_runtime.contract.eye import RetinaSpec, Shading
+from reflexarc_runtime.contract.eye import BeamRule, RetinaSpec, Shading
 from reflexarc_runtime.contract.motion import Action
 from reflexarc_runtime.controller import Controller
 from reflexarc_runtime.controller_state import Inputs, State
@@ -190,7 +190,7 @@ def test_a_ray_tells_the_farthest_that_its_thing_can_be():
         (RetinaSpec(shading=Shading.COLOUR), "colour shading"),
         (RetinaSpec(eyes=2, baseline_m=0.1), "2 eyes"),
         (RetinaSpec(channels=3), "3 channels"),
-        (RetinaSpec(samples=4), "mean of 4"),
+        (RetinaSpec(samples=4, beams=BeamRule.NEAREST_BEAM), "mean of 4"),
     ],
 )
 def test_a_retina_that_tells_no_range_is_refused_in_one_line_with_the_way_out(spec, words):
@@ -198,6 +198,10 @@ def test_a_retina_that_tells_no_range_is_refused_in_one_line_with_the_way_out(sp
         sense_for("retina", spec, guarded=True)
     assert "\n" not in str(refused.value)
     sense_for("retina", spec)
+
+
+def test_a_ray_that_shows_the_nearest_of_its_samples_tells_a_range():
+    assert sense_for("retina", RetinaSpec(samples=4), guarded=True).topic.name == "retina"
 
 
 def test_settings_survive_and_damage_is_said():

@@ -5,7 +5,7 @@ import math
 from hypothesis import strategies as st
 
 from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_runtime.contract.eye import RetinaSpec, Shading
+from reflexarc_runtime.contract.eye import BeamRule, RetinaSpec, Shading
 from reflexarc_runtime.contract.motion import Action, sideways_actions
 from reflexarc_sim_bridge.simulation.scene import Outline
 from reflexarc_sim_bridge.worlds.layers import (
@@ -112,6 +112,7 @@ eyes = st.builds(
     shading=st.sampled_from(Shading),
     channels=st.sampled_from([1, 3]),
     samples=st.sampled_from([1, 1, 4]),
+    beams=st.sampled_from(BeamRule),
 )
 
 contracts = st.builds(PolicyContract, retina=eyes, actions=st.sampled_from([TURNING, SIDEWAYS]))

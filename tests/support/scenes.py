@@ -10,7 +10,7 @@ from reflexarc_sim_bridge.simulation.scene import Outline
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.layers import Motion, Scatter
 from reflexarc_sim_bridge.worlds.shapes import Discs, Polygons, Rectangles
-from reflexarc_sim_bridge.worlds.world import Chassis, Edges, Senses, World
+from reflexarc_sim_bridge.worlds.world import Chassis, Edges, Scanner, Senses, World
 
 STANDS_AT_M = (1.25, 1.0)
 """Where the agent of a scene is: within its cell, whose corner is the origin of the world."""
@@ -32,6 +32,7 @@ def scene_of(
     motion: Motion | None = None,
     chassis: Chassis | None = None,
     senses: Senses | None = None,
+    scanner: Scanner | None = None,
     dt_s: float = 0.1,
 ) -> Simulation:
     """One agent at `STANDS_AT_M` among some obstacles, for one look or one step.
@@ -45,6 +46,7 @@ def scene_of(
         layers=(layer,),
         chassis=chassis or Chassis(),
         senses=senses or Senses(),
+        scanner=scanner,
         dt_s=dt_s,
     )
     simulation = Simulation(world, contract, np.zeros(1, np.uint64))

@@ -5,6 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from reflexarc_runtime.contract.eye import BeamRule
 from reflexarc_sim_bridge.simulation.scene import Outline, outlines_of_chunk
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.layers import CHUNK_M, Drift, Motion, Swing
@@ -93,7 +94,7 @@ def slow_retina(
     if spec.channels == 1:
         colours = colours @ np.array([[0.299], [0.587], [0.114]])
     colours = np.vstack([colours, np.full((1, spec.channels), world.senses.background)])
-    shown = []
+    shown, lengths_m = [], []
     for off in (-ANGLE_ERROR_RAD, 0.0, ANGLE_ERROR_RAD):
         lengths = ray_lengths_m(outlines, eye_m, bearings + off)
         lengths = np.vstack([lengths, np.full(len(bearings), spec.range_m)])
@@ -103,13 +104,29 @@ def slow_retina(
         # Of faces that lie in one plane, as those of two walls, either may be seen.
         is_first = (lengths <= first_m + LENGTH_ERROR_M)[..., np.newaxis]
         bright = colours[:, np.newaxis] * near
+        lengths_m += [first_m, first_m]
         shown += [
             np.where(is_first, bright, 9.0).min(axis=0),
             np.where(is_first, bright, 0.0).max(axis=0),
         ]
     parts = np.array(shown).reshape(6, spec.rays, spec.samples, spec.channels)
-    low, high = parts.min(axis=0).mean(axis=1), parts.max(axis=0).mean(axis=1)
+    if spec.beams is BeamRule.SECTOR_MINIMUM:
+        met_m = np.array(lengths_m).reshape(6, spec.rays, spec.samples)
+        low, high = _of_the_nearest(parts, met_m)
+    else:
+        low, high = parts.min(axis=0).mean(axis=1), parts.max(axis=0).mean(axis=1)
     return 255.0 * low, 255.0 * high
+
+
+def _of_the_nearest(parts: Floats, met_m: Floats) -> tuple[Floats, Floats]:
+    """Least and greatest brightness of the nearest of each ray's samples: twice (rays, channels).
+
+    What one sample surely meets hides whatever is farther; anything up to there may be the nearest.
+    """
+    surely_m = met_m.max(axis=0).min(axis=1)[np.newaxis, :, np.newaxis]
+    may_be = (met_m <= surely_m + LENGTH_ERROR_M)[..., np.newaxis]
+    low = np.where(may_be, parts, 9.0).min(axis=(0, 2))
+    return low, np.where(may_be, parts, 0.0).max(axis=(0, 2))
 
 
 def _between(middle_m: float, reach_m: float, length_m: float) -> range:

@@ -72,7 +72,7 @@ def contract_of(
     bus: "Bus",
     stop: Callable[[], bool],
     who: str,
-    bounds: "Bounds",
+    bounds: "Bounds | None",
 ) -> "PolicyContract | None":
     """The contract that a body follows: of a policy file, or of the runtime on the bus.
 
@@ -81,7 +81,7 @@ def contract_of(
         bus: where to ask.
         stop: ends the waiting.
         who: the name of the waiting command, for its notice.
-        bounds: what the contract may ask for at most, wherever it comes from.
+        bounds: what the contract may ask for at most, wherever it comes from; None: anything.
 
     Returns:
         The contract, or None when asked to stop before anyone answered.

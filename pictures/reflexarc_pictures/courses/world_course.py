@@ -57,13 +57,11 @@ def drive_in_world(
         met = bool(simulation.step(pilot.act(simulation.stacks))[0])
         snapshots.append(_snapshot(simulation, snapshots[-1], met))
         progress(step + 1, steps)
-    params = simulation.params
-    bearings_rad = np.arctan2(params.eye.left, params.eye.ahead).astype(np.float64)
     return Course(
         title=f"{world.name}, seed {seed}",
         period_s=world.dt_s,
         snapshots=snapshots,
-        eye=eye_of(contract, bearings_rad),
+        eye=eye_of(contract, simulation.bearings_rad),
         bright=BRIGHT[contract.retina.shading],
         scenery=WorldScenery(simulation),
         radius_m=world.chassis.radius_m,

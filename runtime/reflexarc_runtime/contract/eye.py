@@ -23,12 +23,12 @@ class Shading(StrEnum):
 
 
 class BeamRule(StrEnum):
-    """Which beams of a range scan a ray takes."""
+    """What a ray shows of the directions within its sector: beams of a scan, or its own samples."""
 
     NEAREST_BEAM = "nearest_beam"
-    """The one whose bearing is nearest to the ray's."""
+    """The beam whose bearing is nearest to the ray's; of several samples the mean."""
     SECTOR_MINIMUM = "sector_minimum"
-    """The nearest return of all beams in the ray's sector; reserved: no sense has it yet."""
+    """The nearest return of all beams in the ray's sector; of several samples the nearest."""
 
 
 @dataclass(frozen=True)
@@ -52,10 +52,12 @@ class RetinaSpec:
     channels: int = 1
     """1 (grey) or 3 (RGB)."""
     samples: int = 1
-    """Directions, evenly within a ray's sector, of whose brightness a ray shows the mean. With more
-    than 1, edges move smoothly from ray to ray (anti-aliasing)."""
+    """Directions, evenly within a ray's sector, in which an eye without a scanner looks. More than
+    1: by `sector_minimum` nothing slips between two rays that is wider than the gap between two
+    samples; by `nearest_beam` edges move smoothly from ray to ray (anti-aliasing)."""
     beams: BeamRule = BeamRule.NEAREST_BEAM
-    """Which beams of a range scan a ray takes."""
+    """What a ray shows of its sector. What is trained anew asks for `sector_minimum`; a contract
+    that names no rule is one of before, and means this one."""
 
     def __post_init__(self) -> None:
         _require(1 <= self.rays <= 4096, "retina.rays", "1 to 4096", self.rays)

@@ -11,7 +11,7 @@ import numpy as np
 
 from reflexarc_runtime.arrays import Retina
 from reflexarc_runtime.beams import Beams, Fan, fan_of
-from reflexarc_runtime.contract.eye import RetinaSpec, Shading
+from reflexarc_runtime.contract.eye import BeamRule, RetinaSpec, Shading
 from reflexarc_runtime.errors import ContractError
 from reflexarc_runtime.sensing.ray_values import FULL_SCALE, ray_bearing_rad
 from reflexarc_runtime.sensing.scan import Scan
@@ -40,7 +40,9 @@ def why_no_ranges(spec: RetinaSpec) -> str:
         return f"{spec.eyes} eyes"
     if spec.channels != 1:
         return f"{spec.channels} channels"
-    return f"rays that show the mean of {spec.samples} directions" if spec.samples != 1 else ""
+    if spec.samples != 1 and spec.beams is not BeamRule.SECTOR_MINIMUM:
+        return f"rays that show the mean of {spec.samples} directions"
+    return ""
 
 
 def beams_of_retina(retina: Retina, spec: RetinaSpec) -> Beams:

@@ -5,11 +5,11 @@ import math
 import numpy as np
 
 from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_runtime.contract.eye import RetinaSpec, Shading
-from reflexarc_runtime.errors import WorldError
-from reflexarc_runtime.sensing.ray_values import nearest_beam, ray_bearing_rad
+from reflexarc_runtime.contract.eye import BeamRule, RetinaSpec, Shading
+from reflexarc_runtime.sensing.ray_values import ray_bearing_rad
 from reflexarc_sim_bridge.arrays.layout import TILE_RAYS, EyeParams, Floats32
-from reflexarc_sim_bridge.worlds.world import Scanner, World
+from reflexarc_sim_bridge.arrays.sub_rays import sub_rays
+from reflexarc_sim_bridge.worlds.world import World
 
 STEEPEST = np.float32(1e-9)
 """Components of a direction count as no smaller: their reciprocals stay finite."""
@@ -21,16 +21,12 @@ _WIDE_RAD = 0.99 * math.pi
 def eye_params(contract: PolicyContract, world: World) -> EyeParams:
     """The eyes of a contract in a world, whose scanner and dead sectors they have.
 
-    Behind a scanner a ray looks along the beam nearest to its bearing: what the runtime would take
-    from the whole sweep, without casting the other beams.
-
     Raises:
         WorldError: the scanner does not cover the field of view.
     """
     spec = contract.retina
-    bearings = _bearings(spec, spec.rays * spec.samples)
-    if world.scanner is not None:
-        bearings = [_beam_bearing_rad(bearing, world.scanner) for bearing in bearings]
+    bearings, samples = sub_rays(spec, world.scanner)
+    blended = 1 if spec.beams is BeamRule.SECTOR_MINIMUM else samples
     # The last tile is filled up with copies of the last ray.
     padding = -len(bearings) % TILE_RAYS
     tile_rad = max(
@@ -39,7 +35,8 @@ def eye_params(contract: PolicyContract, world: World) -> EyeParams:
     )
     return EyeParams(
         rays=spec.rays,
-        samples=spec.samples,
+        samples=samples,
+        blended=blended,
         eyes=spec.eyes,
         channels=spec.channels,
         frames=spec.frames,
@@ -48,12 +45,11 @@ def eye_params(contract: PolicyContract, world: World) -> EyeParams:
         nearness=spec.shading is Shading.NEARNESS,
         is_wide=bearings[0] - bearings[-1] > _WIDE_RAD,
         tile_is_wide=tile_rad > _WIDE_RAD,
-        is_plain=(spec.eyes, spec.channels, spec.samples) == (1, 1, 1)
-        and spec.rays % TILE_RAYS == 0,
+        is_plain=(spec.eyes, spec.channels, blended) == (1, 1, 1) and spec.rays % TILE_RAYS == 0,
         turns=turns(contract),
         ahead=np.cos(bearings + bearings[-1:] * padding).astype(np.float32),
         left=np.sin(bearings + bearings[-1:] * padding).astype(np.float32),
-        alive=np.array([_is_alive(b, world) for b in _bearings(spec, spec.rays)], np.bool_),
+        alive=np.array([_is_alive(ray, spec, world) for ray in range(spec.rays)], np.bool_),
     )
 
 
@@ -62,9 +58,10 @@ def turns(contract: PolicyContract) -> bool:
     return any(action.angular_radps != 0.0 for action in contract.actions)
 
 
-def seen_behind_m(spec: RetinaSpec) -> float:
+def seen_behind_m(spec: RetinaSpec, world: World) -> float:
     """How far behind an eye that looks ahead sees: range · (−cos φ) of its outermost bearing φ."""
-    outermost_rad = ray_bearing_rad(0, spec.rays * spec.samples, spec.fov_rad)
+    bearings = sub_rays(spec, world.scanner).bearings_rad
+    outermost_rad = max(abs(bearings[0]), abs(bearings[-1]))
     return spec.range_m * max(0.0, -math.cos(outermost_rad))
 
 
@@ -74,19 +71,6 @@ def reciprocals(components: Floats32) -> Floats32:
     return (1.0 / np.copysign(steepest, components)).astype(np.float32)
 
 
-def _bearings(spec: RetinaSpec, rays: int) -> list[float]:
-    return [ray_bearing_rad(ray, rays, spec.fov_rad) for ray in range(rays)]
-
-
-def _beam_bearing_rad(bearing_rad: float, scanner: Scanner) -> float:
-    beam = nearest_beam(bearing_rad, scanner.start_rad, scanner.step_rad)
-    if beam >= scanner.beams:
-        raise WorldError(
-            f"world.scanner: a sweep of {scanner.sweep_rad:.3f} rad has no beam at "
-            f"{bearing_rad:.3f} rad; expected one that covers the field of view"
-        )
-    return scanner.start_rad + beam * scanner.step_rad
-
-
-def _is_alive(bearing_rad: float, world: World) -> bool:
+def _is_alive(ray: int, spec: RetinaSpec, world: World) -> bool:
+    bearing_rad = ray_bearing_rad(ray, spec.rays, spec.fov_rad)
     return not any(low <= bearing_rad <= high for low, high in world.senses.dead_sectors)

@@ -64,7 +64,7 @@ PLANE_DTYPE = np.dtype(
         *((name, np.float64) for name in ("noise", "dropout", "background")),
         # `across`: chunks from side to side, 0 where there are no sides.
         *((name, np.int64) for name in ("edges", "across", "stream", "layers", "corridor")),
-        *((name, np.int64) for name in ("after_contact", "latency_steps")),
+        *((name, np.int64) for name in ("after_contact", "latency_steps", "gap_steps")),
     ],
     align=True,
 )
@@ -108,6 +108,8 @@ AGENT_DTYPE = np.dtype(
         *((name, np.float64) for name in ("x_m", "y_m", "heading_rad", "distance_m")),
         *((name, np.float64) for name in ("linear_mps", "lateral_mps", "angular_radps")),
         ("looks", np.int64),
+        # The step from which on a new retina comes.
+        ("due", np.int64),
         ("is_inside", np.int64),
     ],
     align=True,
@@ -142,7 +144,9 @@ class EyeParams(NamedTuple):
 
     rays: int
     samples: int
-    """Sub-rays of a ray; it shows their mean."""
+    """Sub-rays of a ray."""
+    blended: int
+    """Sub-rays whose mean a ray shows: all of its own, or 1 where it shows the nearest of them."""
     eyes: int
     channels: int
     frames: int
@@ -154,7 +158,7 @@ class EyeParams(NamedTuple):
     tile_is_wide: bool
     """The same of the rays of one tile."""
     is_plain: bool
-    """One grey eye, one sample, rays in whole tiles: the common case."""
+    """One grey eye, nothing blended, rays in whole tiles: the common case."""
     turns: bool
     """Whether agents can look elsewhere than along x."""
     ahead: Floats32

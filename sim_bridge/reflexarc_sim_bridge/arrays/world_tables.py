@@ -106,6 +106,7 @@ def _write_plane(row: Table, world: World, contract: PolicyContract) -> None:
     row["most_angular_radps"] = chassis.turn_acceleration_radps2 * world.dt_s
     row["noise"], row["dropout"] = senses.noise, senses.dropout
     row["background"], row["latency_steps"] = senses.background, senses.latency_steps
+    row["gap_steps"] = senses.gap_steps
     row["edges"] = (PERIODIC, UNBOUNDED, OPEN)[
         (Edges.PERIODIC, Edges.UNBOUNDED, Edges.OPEN).index(world.edges)
     ]
@@ -124,7 +125,7 @@ def _aside_m(contract: PolicyContract, world: World) -> float:
 
 
 def _behind_m(contract: PolicyContract, world: World) -> float:
-    seen_m = _range_m(contract) if turns(contract) else seen_behind_m(contract.retina)
+    seen_m = _range_m(contract) if turns(contract) else seen_behind_m(contract.retina, world)
     return max(seen_m, _step_m(contract, world))
 
 

@@ -9,15 +9,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reflexarc_runtime.arrays import Retina
-from reflexarc_runtime.beams import Beams, fan_of
+from reflexarc_runtime.beams import Beams, Fan
 from reflexarc_runtime.contract.body_limits import BodyLimits
-from reflexarc_runtime.contract.body_spec import Footprint
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.errors import WorldError
 from reflexarc_runtime.guard import Guard
 from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_runtime.messages.body_info import BodyInfo
-from reflexarc_runtime.sensing.ray_values import ray_bearing_rad
 from reflexarc_runtime.sweep import Speeds
 from reflexarc_sim_bridge.body.gate.limits import Motion, Twist
 from reflexarc_sim_bridge.simulation.simulation import Simulation
@@ -82,7 +80,8 @@ class Body:
             _limits_of(contract).narrowed(world.limits),
         )
         self.simulation = Simulation(
-            replace(world, dt_s=step_s),
+            # On the bus the sensor's period is the bridge's own rate.
+            replace(world, dt_s=step_s, senses=replace(world.senses, gap_steps=1)),
             contract,
             np.array([seed], np.uint64),
             lanes=np.array([number], np.uint64),
@@ -91,6 +90,7 @@ class Body:
         self.held_back = 0
         """Steps at which its own check made it slower, or stand."""
         self._check = _check_of(world, contract, step_s) if checks else None
+        self._fan = _fan_of(self.simulation)
 
     @property
     def limits(self) -> BodyLimits:
@@ -125,12 +125,10 @@ class Body:
         spec = self.contract.retina
         distances_m = self.simulation.distances().astype(np.float64)
         ranges_m = np.where(distances_m < spec.range_m, distances_m, math.inf)
-        rays = spec.rays * spec.samples
-        first_rad = ray_bearing_rad(0, rays, spec.fov_rad)
-        beams = Beams(fan_of(first_rad, -spec.fov_rad / rays, rays), ranges_m)
         state = self.simulation.params.agents.state[0]
         ahead, left, turn = state["linear_mps"], state["lateral_mps"], state["angular_radps"]
-        share = check.share(twist, beams, 0.0, (float(ahead), float(left), float(turn)))
+        seen = Beams(self._fan, ranges_m)
+        share = check.share(twist, seen, 0.0, (float(ahead), float(left), float(turn)))
         self.held_back += share < 1.0
         return share * twist[0], share * twist[1], share * twist[2]
 
@@ -175,11 +173,16 @@ def _check_of(world: World, contract: PolicyContract, step_s: float) -> Guard:
     """
     if contract.retina.eyes != 1:
         raise WorldError(f"body: expected one eye to check with, got {contract.retina.eyes}")
-    chassis = world.chassis
-    braking = chassis.acceleration_mps2 if math.isfinite(chassis.acceleration_mps2) else None
-    outline = Footprint(radius_m=chassis.radius_m)
-    known = GuardSettings(CHECK_MARGIN_M, outline, chassis.lag_s, braking)
+    body = world.body
+    delay_s, braking = body.actuation_delay_s, body.deceleration_mps2
+    known = GuardSettings(CHECK_MARGIN_M, body.footprint, delay_s, braking)
     return Guard(known, contract.actions, step_s)
+
+
+def _fan_of(simulation: Simulation) -> Fan:
+    """The directions in which its eye looks."""
+    bearings_rad, half_rad = simulation.bearings_rad, 0.5 * simulation.contract.retina.fov_rad
+    return Fan(np.cos(bearings_rad), np.sin(bearings_rad), -half_rad, half_rad)
 
 
 def _check_speed(contract: PolicyContract, step_s: float) -> None:

@@ -53,6 +53,7 @@ def step_agent(
     state.contacts += met
     set_place(plane, state, state.cell_x, state.x_m + ahead_m, state.cell_y, state.y_m + left_m)
     if met and not goes_on:
+        state.due = 0  # what a slow sensor sent last is of another place
         call(work.parts.put, (params, work, i))
     else:
         keep_near(params, work, i)

@@ -12,6 +12,7 @@ from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_sim_bridge.arrays.agent_arrays import agents_at_zero
 from reflexarc_sim_bridge.arrays.eyes import eye_params
 from reflexarc_sim_bridge.arrays.layout import Params
+from reflexarc_sim_bridge.arrays.sub_rays import sub_rays
 from reflexarc_sim_bridge.arrays.world_tables import world_tables, write_world
 from reflexarc_sim_bridge.native.cache import prepare
 from reflexarc_sim_bridge.native.function_pointers import FunctionPointer
@@ -143,6 +144,15 @@ class Simulation:
         return self.params.agents.state["contacts"]
 
     @property
+    def bearings_rad(self) -> npt.NDArray[np.float64]:
+        """Where the sub-rays of an eye look, ray by ray: (rays · samples,), or as many beams.
+
+        Behind a scanner a ray may have all beams of its sector; some then stand there twice.
+        """
+        spec, scanner = self.contract.retina, self.world.drawn(0).scanner
+        return np.array(sub_rays(spec, scanner).bearings_rad)
+
+    @property
     def stacks(self) -> RetinaBatch:
         """What the policies see after the last look: (n, frames, eyes, rays, channels).
 
@@ -267,15 +277,15 @@ class Simulation:
             self._put(int(run[0]), int(run[-1]) + 1)
 
     def distances(self) -> npt.NDArray[np.float32]:
-        """What every ray of the first agent's first eye would meet now: (rays · samples,), m.
+        """What each sub-ray of the first agent's first eye would meet now: as `bearings_rad`, m.
 
         The range where it would meet nothing. No look: nothing is remembered, nothing disturbed.
         """
-        held, spec = self._new_held(self._motions), self.contract.retina
+        held, eye = self._new_held(self._motions), self.params.eye
         call_cast(cast_for(self.params, self._motions), held)
         self.require_nothing_lost(held)
         distance_m: npt.NDArray[np.float32] = held.value.work.distance_m
-        return distance_m[: spec.rays * spec.samples]
+        return distance_m[: eye.rays * eye.samples]
 
     def outlines_near(self, agent: int) -> list[Outline]:
         """Obstacles near an agent, where it sees them (y may leave the period), for drawing.

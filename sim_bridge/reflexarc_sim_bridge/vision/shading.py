@@ -34,7 +34,7 @@ value = compiled_inline(ray_values.value)
 def shade_tiles(
     eye: EyeParams, work: Workspace, background: float, values: npt.NDArray[np.uint8]
 ) -> None:
-    """Value of each ray of a grey eye without samples whose rays fill whole tiles: (rays,)."""
+    """Value of each ray of a grey eye that blends nothing, whose rays fill whole tiles: (rays,)."""
     for first in range(0, eye.rays, TILE_RAYS):
         distance_m, paint = work.distance_m[first:], work.paint[first:]
         _shade_tile(eye, distance_m, paint, eye.alive[first:], background, values[first:])
@@ -59,11 +59,25 @@ def _shade_tile(
 def shade_rays(
     eye: EyeParams, work: Workspace, background: float, values: npt.NDArray[np.uint8], start: int
 ) -> None:
-    """Value of each ray from what its sub-rays met: `values` from `start` on."""
+    """Value of each ray from what its sub-rays met, or from what was kept of them."""
+    bright = work.bright[: eye.rays * eye.blended]
     for channel in range(eye.channels):
-        _shade_subrays(eye, work.distance_m, work.paint, channel, background, work.bright)
-        _add_up(eye.rays, eye.samples, work.bright, work.total)
-        _round(eye.alive, eye.samples, eye.channels, work.total, values, start + channel)
+        _shade_subrays(eye, work.distance_m, work.paint, channel, background, bright)
+        _add_up(eye.rays, eye.blended, bright, work.total)
+        _round(eye.alive, eye.blended, eye.channels, work.total, values, start + channel)
+
+
+@compiled_disjoint
+def keep_nearest(rays: int, samples: int, distance_m: Floats32, paint: Floats32) -> None:
+    """Of each ray's sub-rays keep what the nearest met: in front of the arrays, one a ray."""
+    for ray in range(rays):
+        first = ray * samples
+        nearest_m, tint = distance_m[first], paint[first]
+        for k in range(first + 1, first + samples):
+            met_m = distance_m[k]
+            tint = paint[k] if met_m < nearest_m else tint
+            nearest_m = met_m if met_m < nearest_m else nearest_m
+        distance_m[ray], paint[ray] = nearest_m, tint
 
 
 @compiled_disjoint

@@ -65,10 +65,14 @@ def _of_agent(world: World) -> Iterator[Scenario]:
     senses = world.senses
     if senses.background > 0.0:
         yield Scenario.APPEARANCE
-    timeless = Senses(background=senses.background, latency_steps=senses.latency_steps)
+    timeless = Senses(
+        background=senses.background,
+        latency_steps=senses.latency_steps,
+        gap_steps=senses.gap_steps,
+    )
     if senses != timeless or world.scanner is not None:
         yield Scenario.SENSES
-    if senses.latency_steps:
+    if senses.latency_steps or senses.gap_steps > 1:
         yield Scenario.TIMING
     if world.chassis != Chassis():
         yield Scenario.BODY

@@ -13,6 +13,7 @@ from enum import StrEnum
 from typing import Protocol
 
 from reflexarc_runtime.contract.body_limits import BodyLimits
+from reflexarc_runtime.contract.body_spec import BodySpec, Footprint
 from reflexarc_sim_bridge.worlds.checks import Span, require, require_within
 from reflexarc_sim_bridge.worlds.grid import CHUNK_M, chunks_across
 from reflexarc_sim_bridge.worlds.layers import Corridor, Gates, Layer, Scatter
@@ -20,6 +21,7 @@ from reflexarc_sim_bridge.worlds.layers import Corridor, Gates, Layer, Scatter
 MAX_LAYERS = 5
 """One at rest and four that move."""
 MAX_LATENCY_STEPS = 64
+MAX_GAP_STEPS = 64
 MAX_DEAD_SECTORS = 8
 
 
@@ -83,6 +85,9 @@ class Senses:
     """Bearings, lowest and highest (rad, to the left positive), between which rays read 0."""
     latency_steps: int = 0
     """A retina is so many steps old when the agent sees it."""
+    gap_steps: int = 1
+    """A new retina comes after 1 to so many steps, drawn evenly each time; in between the last one
+    stays: a slow sensor, with jitter and lost scans."""
     background: float = 0.0
     """Value of a ray that meets nothing within its range, as a share of full scale."""
 
@@ -95,6 +100,7 @@ class Senses:
             holds = -math.tau <= low_rad <= high_rad <= math.tau
             require(holds, "senses.dead_sectors", "(low, high) rad", (low_rad, high_rad))
         require_within("senses.latency_steps", self.latency_steps, 0, MAX_LATENCY_STEPS)
+        require_within("senses.gap_steps", self.gap_steps, 1, MAX_GAP_STEPS)
         require_within("senses.background", self.background, 0.0, 1.0)
 
 
@@ -143,7 +149,7 @@ class World:
     dt_s: float = 0.1
     """Duration of a step."""
     scanner: Scanner | None = None
-    """Agents see through this scanner, each ray the beam nearest to it; None: along their rays."""
+    """Agents see through this scanner, by the rule of their eye; None: along their rays."""
     stream: int = 0
     """Worlds of one seed and different streams share no random number."""
 
@@ -155,6 +161,16 @@ class World:
         self._check_open_sides()
         self._check_corridors()
         self._check_gates()
+
+    @property
+    def body(self) -> BodySpec:
+        """Its body, as a contract names it: what follows with a lag, stops as late as that lag."""
+        braking = self.chassis.acceleration_mps2
+        return BodySpec(
+            Footprint(radius_m=self.chassis.radius_m),
+            self.chassis.lag_s,
+            braking if math.isfinite(braking) else None,
+        )
 
     @property
     def reach_m(self) -> float:

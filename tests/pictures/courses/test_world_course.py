@@ -1,9 +1,11 @@
 import math
 
 import numpy as np
+import pytest
 
 from reflexarc_pictures.courses.world_course import drive_in_world
 from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
+from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_sim_bridge.worlds.files import WORLDS
 from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
 
@@ -30,3 +32,15 @@ def test_where_the_world_begins_anew_the_way_goes_on():
     np.testing.assert_allclose(steps_m[~put], math.hypot(0.1, 0.1), rtol=1e-6)
     assert way_m[:, 1].max() > 20.0
     assert put.sum() == len(course.contacts) > 0
+
+
+@pytest.mark.parametrize("rays", [5, 16])
+def test_behind_a_scanner_every_beam_is_drawn_where_it_looks(rays: int):
+    eye = RetinaSpec(rays=rays)
+    course = drive_in_world(WORLDS["scanned"], reference_contract(eye), ConstantPolicy(0), 0, 0.5)
+    for snapshot in course.snapshots:
+        assert snapshot.rays_m is not None
+        assert snapshot.rays_m.shape == course.eye.bearings_rad.shape
+    beams = np.degrees(course.eye.bearings_rad) + 90.0
+    assert len(np.unique(np.round(beams, 6))) == 181
+    np.testing.assert_allclose(beams, np.round(beams), atol=1e-6)

@@ -8,7 +8,7 @@ import pytest
 
 from reflexarc_runtime.contract.body_spec import BodySpec, Footprint
 from reflexarc_runtime.contract.contract import METADATA_KEY, PolicyContract, why_unsealed
-from reflexarc_runtime.contract.eye import RetinaSpec
+from reflexarc_runtime.contract.eye import BeamRule, RetinaSpec
 from reflexarc_runtime.contract.state_spec import StateSpec
 from reflexarc_runtime.contract.text import seal
 from reflexarc_runtime.errors import ContractError, ReflexarcError
@@ -84,7 +84,8 @@ def test_an_old_text_loads_with_a_note_and_means_what_it_meant():
         del document[name]
     del document["state"], document["retina"]["beams"], document["golden"]["sequences"]
     old = json.dumps({**document, "schema": 2})
-    assert PolicyContract.from_json(old) == PolicyContract(retina=FULL.retina)
+    one_beam = replace(FULL.retina, beams=BeamRule.NEAREST_BEAM)
+    assert PolicyContract.from_json(old) == PolicyContract(retina=one_beam)
     assert "schema 2, which has no digest" in why_unsealed(old)
     assert why_unsealed(FULL.to_json()) == ""
 

@@ -221,7 +221,7 @@ def test_a_state_of_another_form_is_refused_and_changes_nothing() -> None:
 
 def test_a_scanner_that_does_not_cover_the_eye_is_refused() -> None:
     narrow = dataclasses.replace(REFERENCE, scanner=Scanner(91, 1.5))
-    with pytest.raises(WorldError, match="covers the field of view"):
+    with pytest.raises(WorldError, match=r"world\.scanner: .*cover.* the field of view"):
         Simulation(narrow, CONTRACT, test_seeds(1))
 
 

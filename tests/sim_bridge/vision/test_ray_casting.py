@@ -3,13 +3,12 @@ import itertools
 import math
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_runtime.contract.eye import RetinaSpec, Shading
+from reflexarc_runtime.contract.eye import BeamRule, RetinaSpec, Shading
 from reflexarc_runtime.sensing import ray_values
 from reflexarc_runtime.sensing.retina import retina_from_scan
 from reflexarc_runtime.sensing.scan import Scan
@@ -203,7 +202,9 @@ def test_a_ray_of_several_samples_shows_the_mean_of_its_sub_rays() -> None:
     scene = [box(3.0, 1.5, 0.3, 0.4), disc(2.5, 0.2, 0.4, (0.2, 0.4, 0.9)), disc(2.0, -2.0, 0.9)]
     for samples, channels in itertools.product((2, 3, 16), (1, 3)):
         fine = eye_contract(rays=16 * samples, channels=channels)
-        smooth = eye_contract(rays=16, samples=samples, channels=channels)
+        smooth = eye_contract(
+            rays=16, samples=samples, channels=channels, beams=BeamRule.NEAREST_BEAM
+        )
         parts = scene_of(scene, fine).sense()[0, 0].astype(float)
         mean = parts.reshape(16, samples, channels).mean(axis=1)
         seen = scene_of(scene, smooth).sense()[0, 0]
@@ -235,18 +236,88 @@ def test_two_eyes_stand_half_a_baseline_to_each_side() -> None:
 # Behind a scanner
 
 
-def test_behind_a_scanner_the_eye_sees_what_the_runtime_takes_from_the_sweep() -> None:
-    """181 rays over 181° stand at the beams of a sweep of 181 beams over 180°."""
-    seeds, scanner = test_seeds(64), Scanner()
-    every_beam = RetinaSpec(rays=181, fov_rad=math.pi * 181 / 180, range_m=5.0)
-    swept = Simulation(World("plain"), reference_contract(every_beam), seeds).sense()
-    eye = reference_contract().retina
-    seen = Simulation(World("scanned", scanner=scanner), reference_contract(), seeds).sense()
-    for agent in range(64):
-        lengths_m = 5.0 * (1.0 - swept[agent, 0, ::-1, 0] / 255.0)
-        scan = Scan(scanner.start_rad, -scanner.start_rad, lengths_m)
-        expected: npt.NDArray[np.uint8] = retina_from_scan(scan, eye)
-        assert np.abs(seen[agent].astype(int) - expected.astype(int)).max() <= 1
+EYES = [
+    RetinaSpec(rays=16),
+    RetinaSpec(rays=7, fov_rad=2.0),
+    RetinaSpec(rays=64, range_m=3.0, samples=3),
+    RetinaSpec(rays=180),  # a beam on each line between two sectors
+    RetinaSpec(rays=90, fov_rad=3.0, shading=Shading.COLOUR),
+]
+
+
+@pytest.mark.parametrize("rule", BeamRule)
+@pytest.mark.parametrize("eye", EYES)
+def test_behind_a_scanner_the_eye_sees_what_the_runtime_makes_of_the_sweep(
+    eye: RetinaSpec, rule: BeamRule
+) -> None:
+    """The sweep is cast whole: 181 rays over 181° stand at the 181 beams over 180°."""
+    eye, scanner = dataclasses.replace(eye, beams=rule), Scanner()
+    every_beam = RetinaSpec(rays=181, fov_rad=math.pi * 181 / 180, range_m=eye.range_m)
+    differs = 0
+    for seed in test_seeds(24):
+        seeds = np.array([seed])
+        plain = Simulation(World("plain"), reference_contract(every_beam), seeds)
+        lengths_m = plain.distances()[::-1].astype(np.float64)
+        ranges_m = np.where(lengths_m < eye.range_m, lengths_m, math.inf)
+        expected = retina_from_scan(Scan(scanner.start_rad, -scanner.start_rad, ranges_m), eye)
+        scanned = Simulation(World("scanned", scanner=scanner), reference_contract(eye), seeds)
+        assert np.abs(scanned.sense()[0].astype(int) - expected.astype(int)).max() <= 1
+        differs += int((scanned.stacks[0, 0] != expected).sum())
+    assert differs <= 2  # bearings are rounded; a beam may graze
+
+
+def test_only_the_beams_of_a_sector_count_and_all_of_them_do() -> None:
+    """A post in each ray's sector, 1° off its edge, is seen by that ray alone."""
+    x_m, y_m = STANDS_AT_M
+    eye = RetinaSpec(rays=4, fov_rad=math.pi, beams=BeamRule.SECTOR_MINIMUM)
+    for bearing_deg, ray in ((46.0, 0), (44.0, 1), (1.0, 1), (-1.0, 2), (-44.0, 2), (-89.0, 3)):
+        bearing_rad = math.radians(bearing_deg)
+        post = disc(x_m + 2.0 * math.cos(bearing_rad), y_m + 2.0 * math.sin(bearing_rad), 0.01)
+        scene = scene_of([post], PolicyContract(retina=eye), scanner=Scanner())
+        assert np.flatnonzero(scene.sense()[0, 0, :, 0]).tolist() == [ray]
+        nearest = int(scene.distances().argmin())
+        assert abs(float(scene.distances()[nearest]) - 1.99) < 1e-4
+        assert abs(float(scene.bearings_rad[nearest]) - bearing_rad) < 1e-9
+
+
+# The nearest of several samples
+
+
+def test_a_ray_shows_its_nearest_sample_and_with_one_sample_the_rules_are_one() -> None:
+    scene = [box(3.0, 1.5, 0.3, 0.4), disc(2.5, 0.2, 0.4), disc(2.0, -2.0, 0.9)]
+    for samples in (1, 2, 3, 16):
+        nearest = eye_contract(samples=samples, beams=BeamRule.SECTOR_MINIMUM)
+        fine = eye_contract(rays=16 * samples, beams=BeamRule.NEAREST_BEAM)
+        parts = scene_of(scene, fine).sense()[0, 0, :, 0].reshape(16, samples)
+        np.testing.assert_array_equal(
+            scene_of(scene, nearest).sense()[0, 0, :, 0], parts.max(axis=1)
+        )
+
+
+@pytest.mark.parametrize("shading", Shading)
+@pytest.mark.parametrize("channels", [1, 3])
+@pytest.mark.parametrize("side", [1, -1])
+def test_the_nearest_thing_hides_a_brighter_one_beside_it(
+    shading: Shading, channels: int, side: int
+) -> None:
+    x_m, y_m = STANDS_AT_M
+    dark, bright = (0.2, 0.2, 0.2), (1.0, 1.0, 1.0)
+    near, far = (
+        box(x_m + 1.5, y_m + side * 10.0, 0.5, 10.0, dark),
+        box(x_m + 2.0, y_m - side * 10.0, 0.5, 10.0, bright),
+    )
+    eye = RetinaSpec(
+        rays=1,
+        samples=2,
+        fov_rad=0.1,
+        channels=channels,
+        shading=shading,
+        beams=BeamRule.SECTOR_MINIMUM,
+    )
+    seen = scene_of([near, far], PolicyContract(retina=eye)).sense()[0, 0, 0]
+    length_m = 1.0 / math.cos(0.025)
+    wanted = ray_values.shade(0.2, length_m, 5.0, shading is Shading.NEARNESS)
+    assert seen.tolist() == [wanted] * channels
 
 
 def test_a_sideways_agent_and_a_turning_one_with_heading_0_see_the_same() -> None:

@@ -2,13 +2,16 @@ import dataclasses
 import math
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 
 from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_runtime.contract.eye import RetinaSpec, Shading
+from reflexarc_runtime.contract.eye import BeamRule, RetinaSpec, Shading
 from reflexarc_sim_bridge.arrays.eyes import eye_params
 from reflexarc_sim_bridge.simulation.simulation import Simulation
+from reflexarc_sim_bridge.worlds.layers import Scatter
 from reflexarc_sim_bridge.worlds.seeds import test_seeds
+from reflexarc_sim_bridge.worlds.shapes import Discs
 from reflexarc_sim_bridge.worlds.world import Scanner, Senses, World
 from support.scenes import STANDS_AT_M, scene_of
 from support.slow_geometry import Floats, box
@@ -37,7 +40,8 @@ def test_without_disturbances_an_empty_world_is_dark_and_a_background_shines() -
 def test_a_background_is_behind_what_is_met_and_fills_half_a_ray_by_half() -> None:
     x_m, y_m = STANDS_AT_M
     scene = [box(x_m + 2.0, y_m + 10.0, 1.0, 10.0)]  # the left half of what lies ahead
-    senses, spec = Senses(background=0.2), RetinaSpec(rays=1, samples=2, shading=Shading.COLOUR)
+    senses = Senses(background=0.2)
+    spec = RetinaSpec(rays=1, samples=2, shading=Shading.COLOUR, beams=BeamRule.NEAREST_BEAM)
     seen = scene_of(scene, PolicyContract(retina=spec), senses=senses).sense()
     assert seen.item() == math.floor(255 * (1.0 + 0.2) / 2 + 0.5)
 
@@ -114,6 +118,66 @@ def test_with_latency_agents_see_what_was_there_some_steps_ago(latency: int) -> 
     assert len(set(now)) > 60
 
 
+@pytest.mark.parametrize(("latency", "frames"), [(0, 1), (0, 3), (2, 1), (2, 3)])
+def test_a_slow_sensor_sends_a_new_retina_after_one_to_so_many_steps(
+    latency: int, frames: int
+) -> None:
+    """What it sends is what a quick one sees then; the gaps are even; a stack keeps what came."""
+    steps, most, eye = 120, 4, contract(rays=64, frames=frames)
+    quick = World("quick", layers=SOME, senses=Senses(latency_steps=latency))
+    slow = dataclasses.replace(quick, senses=Senses(latency_steps=latency, gap_steps=most))
+    every, free = looks(quick, contract(rays=64), steps)
+    stacks, _ = looks(slow, eye, steps)
+    gaps: list[int] = []
+    for agent in free:
+        came = [0]
+        for step in range(1, steps):
+            if (stacks[step, agent] != stacks[step - 1, agent]).any():
+                came.append(step)
+            recent = [came[max(0, len(came) - frames + k)] for k in range(frames)]
+            np.testing.assert_array_equal(stacks[step, agent], every[recent, agent, 0])
+        gaps += np.diff(came[1:]).tolist()  # a late sense shows its first retina for longer
+    assert len(gaps) > 200
+    assert max(gaps) == most
+    shares = np.bincount(gaps, minlength=most + 1)[1:] / len(gaps)
+    assert np.abs(shares - 1 / most).max() < 4 * math.sqrt(3 / 16 / len(gaps))
+
+
+SOME = (Scatter(0.4, shapes=(Discs((0.1, 0.2)),)),)
+
+
+def looks(
+    world: World, eye: PolicyContract, steps: int
+) -> tuple[npt.NDArray[np.uint8], npt.NDArray[np.int64]]:
+    """Stacks of agents that go straight on: (steps, agents, frames, values); who met nothing."""
+    simulation, seen = Simulation(world, eye, test_seeds(48)), []
+    for _ in range(steps):
+        simulation.sense()
+        seen.append(simulation.stacks.reshape(48, eye.retina.frames, -1).copy())
+        simulation.step(np.zeros(48, np.int64))
+    return np.array(seen), np.flatnonzero(simulation.contacts == 0)
+
+
+def test_after_a_contact_a_slow_sensor_looks_anew() -> None:
+    """What it saw last was of another place."""
+    slow = World("slow", layers=(Scatter(0.5),), senses=Senses(gap_steps=64))
+    eyes, quick = (
+        Simulation(world, contract(), test_seeds(64))
+        for world in (slow, dataclasses.replace(slow, senses=Senses()))
+    )
+    eyes.sense()
+    contacts = 0
+    for _ in range(30):
+        met = eyes.step(np.zeros(64, np.int64))
+        quick.restore(eyes.state())
+        quick.params.agents.state["due"] = 0
+        seen, there = eyes.sense(), quick.sense()
+        np.testing.assert_array_equal(seen[met], there[met])
+        assert (seen[~met] != there[~met]).any()
+        contacts += int(met.sum())
+    assert contacts > 10
+
+
 @pytest.mark.parametrize("latency", [0, 2])
 def test_a_stack_holds_the_last_retinas_oldest_first(latency: int) -> None:
     world = World("late", senses=Senses(latency_steps=latency))
@@ -131,7 +195,8 @@ def test_a_stack_holds_the_last_retinas_oldest_first(latency: int) -> None:
 
 def test_an_eye_behind_a_scanner_looks_along_its_beams() -> None:
     scanner = Scanner(beams=19, sweep_rad=math.pi)
-    eye = eye_params(contract(rays=7), dataclasses.replace(EMPTY, scanner=scanner))
+    one_beam = contract(rays=7, beams=BeamRule.NEAREST_BEAM)
+    eye = eye_params(one_beam, dataclasses.replace(EMPTY, scanner=scanner))
     bearings = np.arctan2(eye.left, eye.ahead)[:7]  # filled up to a whole tile
     beams = (bearings + math.pi / 2) / (math.pi / 18)
     np.testing.assert_allclose(beams, np.round(beams), atol=1e-5)

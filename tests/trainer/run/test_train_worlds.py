@@ -83,7 +83,7 @@ def test_policy_is_measured_in_the_last_world(config: TrainConfig) -> None:
 
 def test_a_family_of_worlds_is_learned_in(small_batched_config: TrainConfig) -> None:
     config = dataclasses.replace(small_batched_config, worlds=(TrainingWorld("randomised"),))
-    assert isinstance(config.goal_world, WorldFamily)
+    assert isinstance(config.goal.source(), WorldFamily)
     learner = new_learner(config)
     learner.run(320)
     again = new_learner(config)

@@ -15,12 +15,14 @@ from typing import Any, Literal, Self
 from reflexarc_runtime.config.checks import require, require_one_of
 from reflexarc_runtime.config.fill import fill
 from reflexarc_runtime.config.source import MappingSource
+from reflexarc_runtime.contract.body_spec import BodySpec, Footprint
 from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_runtime.contract.eye import RetinaSpec
+from reflexarc_runtime.contract.eye import BeamRule, RetinaSpec
 from reflexarc_runtime.contract.motion import Action, sideways_actions
 from reflexarc_runtime.contract.provenance import Provenance
 from reflexarc_runtime.errors import ReflexarcError, UsageError
-from reflexarc_sim_bridge.worlds.world import WorldSource
+from reflexarc_sim_bridge.worlds.world import World, WorldSource
+from reflexarc_trainer.config.embodied import embodied
 from reflexarc_trainer.config.learner_config import (
     BatchedConfig,
     ExplorationConfig,
@@ -28,6 +30,7 @@ from reflexarc_trainer.config.learner_config import (
     NetworkConfig,
     OnlineConfig,
 )
+from reflexarc_trainer.config.older_configs import as_of_today, require_parts
 from reflexarc_trainer.config.training_world import TrainingWorld
 
 __all__ = [
@@ -44,18 +47,12 @@ __all__ = [
 MOST_WORLDS = 64
 
 _OTHER_VERSION = "configuration: not one of this version"
-_PARTS = (
-    ("worlds",),
-    ("retina", "shading"),
-    ("network",),
-    ("learner", "exploration"),
-    ("learner", "online"),
-    ("learner", "batched"),
-    ("validation",),
-)
-"""What a configuration of any version has."""
-
 Motion = Literal["sideways", "turning"]
+
+
+def eye_of_today() -> RetinaSpec:
+    """The eye of a policy that is trained anew: no post slips between two of its rays."""
+    return RetinaSpec(beams=BeamRule.SECTOR_MINIMUM)
 
 
 @dataclass(frozen=True)
@@ -109,8 +106,14 @@ class TrainConfig:
     rate_hz: float = 50.0
     """Rate at which the exported policy is meant to run."""
     max_input_age_s: float = 0.1
-    """Age above which the exported policy takes an input for stale."""
-    retina: RetinaSpec = field(default_factory=RetinaSpec)
+    """Age above which the exported policy takes an input for stale. It learns with a sensor that
+    sends so late and so seldom: see `embodied.py`."""
+    recovery_inputs: int = 3
+    """Good inputs in a row before the exported policy may drive."""
+    body: BodySpec | None = None
+    """The body that it learns with, in every world; None: that of each world. The contract names
+    it, or that of the last world."""
+    retina: RetinaSpec = field(default_factory=eye_of_today)
     """The eye."""
     network: NetworkConfig = field(default_factory=NetworkConfig)
     """The network."""
@@ -129,6 +132,9 @@ class TrainConfig:
             self.network.hidden,
         )
         require_one_of(Motion, "motion", self.motion)
+        outline = self.body.footprint if self.body is not None else Footprint()
+        round_one = outline == Footprint(radius_m=outline.radius_m)
+        require(round_one, "body.footprint", "a radius: bodies are round here", outline)
         require(1 <= len(self.worlds) <= MOST_WORLDS, "worlds", "1 to 64", len(self.worlds))
         for name in ("forward_mps", "lateral_mps", "angular_radps"):
             speed = getattr(self, name)
@@ -142,7 +148,11 @@ class TrainConfig:
     @property
     def goal_world(self) -> WorldSource:
         """The world that the policy is meant for, as the simulation takes it."""
-        return self.goal.source()
+        return self.source_of(self.goal)
+
+    def source_of(self, world: TrainingWorld) -> WorldSource:
+        """A world with the body and the sensor of this run, as the simulation takes it."""
+        return embodied(world.source(), self.body, self.max_input_age_s)
 
     def resolved(self) -> dict[str, Any]:
         """The configuration as plain JSON values, every default filled in."""
@@ -168,9 +178,9 @@ class TrainConfig:
         if not isinstance(document, Mapping):
             got = type(document).__name__
             raise UsageError(f"{_OTHER_VERSION} (expected a mapping, got {got}); train anew")
-        source = MappingSource(_with_layers(document), "configuration")
+        source = MappingSource(as_of_today(document), "configuration")
         try:
-            _require_parts(source)
+            require_parts(source)
             return fill(cls, source)
         except ReflexarcError as error:
             raise UsageError(f"{_OTHER_VERSION} ({error}); train anew") from None
@@ -182,8 +192,17 @@ class TrainConfig:
             actions=self._actions(),
             rate_hz=self.rate_hz,
             max_input_age_s=self.max_input_age_s,
+            recovery_inputs=self.recovery_inputs,
+            body=self._body(),
             provenance=provenance or Provenance(),
         )
+
+    def _body(self) -> BodySpec:
+        """The body that the contract names; worlds of a family have no body in common."""
+        if self.body is not None:
+            return self.body
+        world = self.goal.source()
+        return world.body if isinstance(world, World) else BodySpec()
 
     def _actions(self) -> tuple[Action, ...]:
         if self.motion == "turning":
@@ -198,21 +217,3 @@ def turning_actions(forward_mps: float, angular_radps: float) -> tuple[Action, .
         Action("left", forward_mps, 0.0, angular_radps),
         Action("right", forward_mps, 0.0, -angular_radps),
     )
-
-
-def _require_parts(source: MappingSource) -> None:
-    """Refuse a document without the parts that every version wrote; later fields have defaults."""
-    for path in _PARTS:
-        part: Any = source.document
-        for name in path:
-            part = part.get(name) if isinstance(part, Mapping) else None
-        if not part:
-            raise source.complaint(path, "missing")
-
-
-def _with_layers(document: Mapping[str, Any]) -> dict[str, Any]:
-    """A configuration of when there was one hidden layer, whose `hidden` is a plain number."""
-    network = document.get("network")
-    if isinstance(network, dict) and isinstance(network.get("hidden"), int):
-        network = {**network, "hidden": [network["hidden"]]}
-    return {**document, "network": network}

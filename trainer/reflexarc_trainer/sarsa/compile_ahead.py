@@ -48,7 +48,8 @@ def compile_side_by_side(config: TrainConfig) -> None:
         if parts and has_room() and is_shared() and not is_kept(advance):
             given = json.dumps(config.resolved()).encode()
             helped.enter_context(at_work(__name__, given))
-        Simulation(config.worlds[0].source(), config.contract(), np.zeros(1, np.uint64))
+        world = config.source_of(config.worlds[0])
+        Simulation(world, config.contract(), np.zeros(1, np.uint64))
         with compilation(parts) as compiling, compiling.part("how it learns"):
             helped.close()  # waits for the second process
             compile_learner(config)

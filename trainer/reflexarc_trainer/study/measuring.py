@@ -10,6 +10,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from reflexarc_runtime.contract.body_spec import BodySpec
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.motion import Action
 from reflexarc_runtime.errors import UsageError
@@ -25,6 +26,7 @@ from reflexarc_sim_bridge.evaluation.simple_policies import BlindPolicy
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.seeds import test_seeds
 from reflexarc_sim_bridge.worlds.world import WorldSource
+from reflexarc_trainer.config.embodied import embodied
 from reflexarc_trainer.config.training_world import TrainingWorld
 from reflexarc_trainer.policy.weights import network_of
 from reflexarc_trainer.run.train import CHUNK_STEPS
@@ -98,31 +100,36 @@ def _figures(unit: Unit, learner: Learner) -> dict[str, float | None]:
     """The figures of the greedy policy, by the names of the fields of `Result`."""
     policy, contract = GreedyPolicy(network_of(learner), unit.config), unit.config.contract()
     assert unit.world is not None  # filled in
-    contacts = _contacts(policy, contract, unit.world, unit.evaluation)
-    blind = _blind_contacts(contract.actions, unit.world, unit.evaluation)
+    config, scale = unit.config, unit.evaluation
+    contacts = _contacts(policy, contract, config.source_of(unit.world), scale)
+    blind = _blind_contacts(contract.actions, unit.world, config.body, scale)
     figures = {
         "contacts_per_100m": contacts,
         "share_of_blind": contacts / blind if blind else None,
     }
     if unit.measure is Measure.EDGE_INDEX:
-        world = unit.world.source()
+        world = config.source_of(unit.world)
         figures["edge_index"] = measure_edge_index(policy, contract, world, unit.evaluation)
     return figures
 
 
 @lru_cache(maxsize=64)
-def _blind_contacts(actions: tuple[Action, ...], world: TrainingWorld, scale: Evaluation) -> float:
+def _blind_contacts(
+    actions: tuple[Action, ...], world: TrainingWorld, body: BodySpec | None, scale: Evaluation
+) -> float:
     """Contacts per 100 m of an agent that never steers, in the same worlds; its eye has no effect.
 
     Measured once per process.
     """
-    return _contacts(BlindPolicy(len(actions)), PolicyContract(actions=actions), world, scale)
+    contract = PolicyContract(actions=actions)
+    source = embodied(world.source(), body, contract.max_input_age_s)
+    return _contacts(BlindPolicy(len(actions)), contract, source, scale)
 
 
 def _contacts(
     policy: GreedyPolicy | BlindPolicy,
     contract: PolicyContract,
-    world: TrainingWorld,
+    world: WorldSource,
     scale: Evaluation,
 ) -> float:
     score = measure_contacts(
@@ -131,6 +138,6 @@ def _contacts(
         agents=scale.agents,
         steps=scale.steps,
         discard=scale.discard,
-        world=world.source(),
+        world=world,
     )
     return score.contacts_per_100m

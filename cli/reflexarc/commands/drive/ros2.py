@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 from reflexarc.terminal.output import aside, console, facts, plain, print_json
 from reflexarc.terminal.signals import StopFlag
+from reflexarc.wiring.body_flags import BodyFlags
 from reflexarc.wiring.bus_flags import Joining
 from reflexarc.wiring.limit_flags import LimitFlags
 from reflexarc.wiring.robot_router import joined
@@ -77,6 +78,7 @@ class Ros2Command:
     """The robot's own frame, from which x leads ahead."""
     rate: float = 50.0
     """Commands to the robot, a second, at least."""
+    body: BodyFlags = field(default_factory=BodyFlags)
     robot_limits: LimitFlags = field(default_factory=LimitFlags)
     scanner: ScanFlags = field(default_factory=ScanFlags)
     auto_arm: bool = False
@@ -105,6 +107,7 @@ class Ros2Command:
             if client and not bus.is_client:
                 aside.print(NOT_A_CLIENT)
             with bus:
+                self.body.check_runtime(bus, stop, "reflexarc ros2")
                 account = self._serve(bus, route, settings, stop)
         self._tell(account)
         return 0

@@ -16,6 +16,7 @@ from reflexarc.wiring.guard_flags import GuardFlags
 from reflexarc.wiring.sense_flags import SenseFlags
 from reflexarc.wiring.watching import Watching
 from reflexarc_runtime.contract.bounds import Bounds
+from reflexarc_runtime.contract.stopping import check_speed
 from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:
@@ -70,6 +71,8 @@ class RunCommand:
     """SCHED_FIFO priority, 1 to 99; 0: ordinary scheduling."""
     bounds: Bounds = field(default_factory=Bounds)
     sensing: SenseFlags = field(default_factory=SenseFlags)
+    allow_fast: bool = False
+    """Drive faster than the eye of the policy, its delays and its body's brakes allow."""
     guarding: GuardFlags = field(default_factory=GuardFlags)
     watching: Watching = field(default_factory=Watching)
     joining: Joining = field(default_factory=Joining)
@@ -112,6 +115,9 @@ class RunCommand:
             finding = trial.finding()
         policy = load_policy(self.policy, self.backend, bounds=self.bounds)
         check_fits(finding, policy, in_real_time=not self.lockstep)
+        warning = check_speed(policy.contract, allow=self.allow_fast)
+        if warning:
+            aside.print(f"reflexarc run: {warning}", soft_wrap=True)
         return policy
 
     def _check_flags(self) -> None:

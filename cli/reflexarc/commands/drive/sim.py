@@ -11,6 +11,7 @@ from reflexarc.terminal.output import aside, console, facts, plain, print_json
 from reflexarc.terminal.signals import StopFlag
 from reflexarc.wiring.bus_flags import Joining, contract_of
 from reflexarc.wiring.fleet import drive_together
+from reflexarc_runtime.contract.body_fit import check_body
 from reflexarc_runtime.contract.bounds import Bounds
 from reflexarc_runtime.errors import UsageError
 
@@ -67,6 +68,8 @@ class SimCommand:
     check: bool = False
     """Let the body look for itself, along its own rays, whether a commanded way is free; it then
     goes slower, or stands, whatever the runtime says."""
+    allow_body: bool = False
+    """Let a policy drive that learned with a smaller, quicker or prompter body than the world's."""
     auto_arm: bool = True
     """Obey from the start, and again after a reset; else only after `reflexarc arm`."""
     hold_to_run: bool = False
@@ -120,6 +123,7 @@ class SimCommand:
             contract = contract_of(self.policy, bus, stop, self._who(robot.robot), self.bounds)
             if contract is None:
                 return None
+            check_body(contract.body, self._drawn_world.body, allow=self.allow_body)
             return self._drive(bus, contract, stop, script, robot.robot, number)
 
     def _who(self, robot: str) -> str:

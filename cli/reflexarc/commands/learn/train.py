@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from reflexarc.terminal.output import aside, console, facts, print_json
 from reflexarc.terminal.signals import StopFlag
+from reflexarc_runtime.contract.stopping import check_speed
 from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:
@@ -15,7 +16,8 @@ if TYPE_CHECKING:
     from reflexarc_trainer.run.history import Row
     from reflexarc_trainer.run.train import TrainResult
 
-_GIVEN_ONCE = ("steps", "worlds", "init_from", "stop_at")
+_BODY = ("max_input_age", "radius", "deceleration", "delay")
+_GIVEN_ONCE = ("steps", "worlds", "init_from", "stop_at", *_BODY)
 
 
 @dataclass(frozen=True)
@@ -32,13 +34,14 @@ class TrainCommand:
       reflexarc train --preset paper --seed 3 --out runs/paper-3
       reflexarc train --out runs/paper-3 --resume
       reflexarc train --stop-at 5
+      reflexarc train --preset lidar --radius 0.3 --deceleration 1 --delay 0.2
       reflexarc train --worlds tier-05:1 tier-15:1 tier-25:2
       reflexarc train --worlds forest --init-from runs/reflex-0/policy-best.onnx --steps 100000
     """
 
     preset: str = "reflex"
     """reflex: the default; paper: the paper's learner and eye; binocular: two eyes; rover: a body
-    that turns; lidar: for range scanners; and more, see --presets."""
+    that turns; lidar, rover-lidar: for range scanners; and more, see --presets."""
     presets: bool = False
     """Say what each preset is for and what it reaches, and do nothing."""
     seed: int = 0
@@ -48,6 +51,17 @@ class TrainCommand:
     worlds: tuple[str, ...] = ()
     """Worlds to learn in, one after another, names or files; NAME:SHARE for its share of the
     steps. The policy is measured in the last."""
+    max_input_age: float | None = None
+    """Age in seconds up to which the policy takes inputs: it learns with a sensor that sends so
+    late and so seldom. For a lidar: two of its periods and a little, or three."""
+    radius: float | None = None
+    """Radius of the body in metres; by default that of the world."""
+    deceleration: float | None = None
+    """How hard the body brakes and speeds up, m/s²; by default as in the world."""
+    delay: float | None = None
+    """Seconds after which the body obeys; by default as in the world."""
+    allow_fast: bool = False
+    """Learn to drive faster than the eye, all delays and the body's brakes allow."""
     init_from: Path | None = None
     """Begin with the weights of this policy, of the same eye, actions and network."""
     stop_at: float | None = None
@@ -103,7 +117,30 @@ class TrainCommand:
         if self.worlds:
             config = replace(config, worlds=tuple(map(parse_training_world, self.worlds)))
         validation = replace(config.validation, stop_at=self.stop_at)
-        return replace(config, validation=validation)
+        config = self._with_body(replace(config, validation=validation))
+        warning = check_speed(config.contract(), allow=self.allow_fast)
+        if warning:
+            aside.print(f"reflexarc train: {warning}", soft_wrap=True)
+        return config
+
+    def _with_body(self, config: "TrainConfig") -> "TrainConfig":
+        """The body and the sensor that the flags name, and otherwise those of the world."""
+        from dataclasses import replace
+
+        from reflexarc_runtime.contract.body_spec import Footprint
+
+        if self.max_input_age is not None:
+            config = replace(config, max_input_age_s=self.max_input_age)
+        if self.radius is self.deceleration is self.delay is None:
+            return config
+        body = config.contract().body
+        given = {
+            "footprint": None if self.radius is None else Footprint(radius_m=self.radius),
+            "deceleration_mps2": self.deceleration,
+            "actuation_delay_s": self.delay,
+        }
+        known = {name: value for name, value in given.items() if value is not None}
+        return replace(config, body=replace(body, **known))  # type: ignore[arg-type]  # each its own
 
     def _check_resume(self) -> None:
         for name in _GIVEN_ONCE if self.resume else ():

@@ -8,7 +8,8 @@ import pytest
 from reflexarc.commands.learn.train import TrainCommand
 from reflexarc.main import main
 from reflexarc.terminal.progress import said_of, show_progress
-from reflexarc_runtime.errors import UsageError
+from reflexarc_runtime.contract.body_spec import BodySpec, Footprint
+from reflexarc_runtime.errors import ReflexarcError, UsageError
 from reflexarc_trainer.config.presets import HELP, preset_named
 from reflexarc_trainer.config.train_config import TrainConfig
 from reflexarc_trainer.run.train import TrainingProgress
@@ -34,10 +35,37 @@ def test_flags_change_what_they_name() -> None:
     ]
 
 
+def test_the_body_and_the_sensor_are_in_the_contract() -> None:
+    command = TrainCommand(max_input_age=0.4, radius=0.3, deceleration=1.5, delay=0.2)
+    config = configured(command)
+    contract, world = config.contract(), config.goal_world.drawn(0)
+    assert contract.max_input_age_s == 0.4
+    assert contract.body == BodySpec(Footprint(radius_m=0.3), 0.2, 1.5) == world.body
+    assert world.senses.gap_steps == 4
+
+
+def test_what_is_not_said_of_a_body_is_that_of_the_world() -> None:
+    body = configured(TrainCommand(preset="rover", radius=0.3)).contract().body
+    assert body == BodySpec(Footprint(radius_m=0.3), 0.1, 2.0)
+
+
+def test_a_body_that_cannot_stand_before_what_it_sees_is_refused_until_a_flag_allows_it(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """1.41 m/s · 0.22 s + 1.41² / (2 · 0.2) = 5.31 m, of 5 m."""
+    with pytest.raises(ReflexarcError, match=r"needs 5\.31 m .* sees 5 m .*--allow-fast"):
+        configured(TrainCommand(deceleration=0.2))
+    config = configured(TrainCommand(deceleration=0.2, allow_fast=True))
+    assert config.contract().body.deceleration_mps2 == 0.2
+    assert not capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     "flags",
     [
         {"steps": 5},
+        {"radius": 0.0},
+        {"max_input_age": 0.3},
         {"worlds": ("plane",)},
         {"init_from": Path("p.onnx")},
         {"stop_at": 0.0},

@@ -72,8 +72,8 @@ def test_a_disc_on_the_left_is_on_the_left_of_the_retina():
     ranges_m = [1.0 if 0.5 < bearing < 0.9 else math.inf for bearing in bearings]
     got = decode_scan(laser_scan(ranges_m, step_rad=math.pi / 180).serialize())
     retina = retina_from_scan(got.sweep, RetinaSpec(rays=16))[0, :, 0]
-    # Ray i looks to π (0.5 − (i + 0.5) / 16): 0.69 and 0.88 rad for i = 4 and 3, 0.49 for 5.
-    assert np.flatnonzero(retina).tolist() == [3, 4]
+    # The sector of ray i ends at π (0.5 − i / 16): 0.98, 0.79, 0.59 and 0.39 rad for 3, 4, 5 and 6.
+    assert np.flatnonzero(retina).tolist() == [3, 4, 5]
 
 
 def test_angle_max_is_not_believed():

@@ -151,7 +151,9 @@ class BatchedLearner:
         return WorldAccess(step, held, self._simulation.params.agents.stack)
 
     def _world_of_stage(self, stage: int) -> Simulation:
-        return Simulation(self.config.worlds[stage].source(), self.contract, _seeds(self.config))
+        return Simulation(
+            self.config.source_of(self.config.worlds[stage]), self.contract, _seeds(self.config)
+        )
 
     def _enter(self, stage: int) -> None:
         """Put the agents into the worlds of a stage, unless they are there."""

@@ -155,7 +155,8 @@ class OnlineLearner:
 
     def _world_of_stage(self, stage: int) -> Simulation:
         seeds = np.array([TRAINING_SEEDS[self.config.seed % len(TRAINING_SEEDS)]], np.uint64)
-        return Simulation(self.config.worlds[stage].source(), self.contract, seeds)
+        world = self.config.source_of(self.config.worlds[stage])
+        return Simulation(world, self.contract, seeds)
 
     def _enter(self, stage: int) -> None:
         """Put the agent into the world of a stage, unless it is there."""

@@ -1,0 +1,82 @@
+"""Training worlds with the body and the sensor that a policy will have.
+
+A body is a disc. It follows its commands with a lag of first order, whose time constant is the
+delay: after a stop it goes on as far as a body that obeys after that delay. Its linear speeds
+change by no more in a second than it brakes. A sensor sends a new retina after 1 to n steps, drawn
+evenly each time, where n steps are the largest age of an input: as late and as seldom as the
+runtime accepts it.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+from reflexarc_runtime.contract.body_spec import BodySpec
+from reflexarc_sim_bridge.worlds.world import World, WorldSource
+
+_SLACK = 1e-9
+"""Ages and durations of steps are decimal fractions, whose ratio is rounded."""
+
+
+@dataclass(frozen=True)
+class Embodied:
+    """A family of worlds, each with a policy's body and sensor."""
+
+    source: WorldSource
+    body: BodySpec | None
+    max_input_age_s: float
+
+    @property
+    def name(self) -> str:
+        """See `WorldSource.name`."""
+        return self.source.name
+
+    @property
+    def description(self) -> str:
+        """See `WorldSource.description`."""
+        return self.source.description
+
+    @property
+    def blind_contacts_per_100m(self) -> float | None:
+        """See `WorldSource.blind_contacts_per_100m`: unknown, as for every family."""
+        return None
+
+    @property
+    def fullest(self) -> tuple[World, ...]:
+        """See `WorldSource.fullest`."""
+        return tuple(map(self._with_body, self.source.fullest))
+
+    def drawn(self, seed: int) -> World:
+        """See `WorldSource.drawn`."""
+        return self._with_body(self.source.drawn(seed))
+
+    def _with_body(self, world: World) -> World:
+        return with_body(world, self.body, self.max_input_age_s)
+
+
+def embodied(source: WorldSource, body: BodySpec | None, max_input_age_s: float) -> WorldSource:
+    """Worlds with a body, and with a sensor as slow as inputs may be old.
+
+    Args:
+        source: the world, or family of worlds.
+        body: the body; None: each world's own.
+        max_input_age_s: largest age of an input.
+    """
+    if isinstance(source, World):
+        return with_body(source, body, max_input_age_s)
+    return Embodied(source, body, max_input_age_s)
+
+
+def with_body(world: World, body: BodySpec | None, max_input_age_s: float) -> World:
+    """One world with a body and a sensor: see `embodied`."""
+    gap_steps = max(world.senses.gap_steps, math.floor(max_input_age_s / world.dt_s + _SLACK))
+    world = replace(world, senses=replace(world.senses, gap_steps=gap_steps))
+    if body is None:
+        return world
+    braking = body.deceleration_mps2
+    chassis = replace(
+        world.chassis,
+        radius_m=body.footprint.radius_m,
+        lag_s=body.actuation_delay_s,
+        acceleration_mps2=math.inf if braking is None else braking,
+    )
+    return replace(world, chassis=chassis)
