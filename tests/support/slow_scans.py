@@ -153,16 +153,15 @@ def _bounds(
     known = [_light(s.told, spec) for s in surely if s.told != UNKNOWN]
     unknown_surely = blind_surely or not lights
     unknown_perhaps = blind_perhaps or not known
-    full, none = Fraction(255), Fraction(0)
+    full = Fraction(255)
     if crossed:
         return _Look(full, full, False, False)
     if unknown_surely:
         return _Look(full, full, not touched, True)
-    if not surely:  # one of them, and it is not known which
-        all_lights = [_light(s.told, spec) for s in perhaps]
-        least = min(all_lights, default=none)
-    else:
-        least = max(known, default=full)
+    if known:
+        least = max(known)
+    else:  # some of those at the border, and it is not known which
+        least = min(lights) if surely else min(_light(s.told, spec) for s in perhaps)
     most = full if unknown_perhaps or touched else max(lights)
     return _Look(least, most, False, unknown_perhaps)
 

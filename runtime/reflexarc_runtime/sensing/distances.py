@@ -60,8 +60,8 @@ def beams_of_retina(retina: Retina, spec: RetinaSpec) -> Beams:
 def beams_of_scan(scan: Scan) -> Beams:
     """The beams as they were measured, seen from the point about which the robot turns.
 
-    Of a scanner that sits elsewhere something too near to be measured is on its beam and at the
-    scanner's own place: it is somewhere between.
+    Of a scanner that sits elsewhere, something too near to be measured is very near in the
+    direction of its beam and in that of the scanner: whatever goes towards it goes towards either.
     """
     fan = fan_of(scan.start_rad, scan.step_rad, len(scan.ranges_m))
     if scan.is_centred:
@@ -78,7 +78,7 @@ def beams_of_scan(scan: Scan) -> Beams:
     if (ranges_m == -math.inf).any():
         place_m = math.hypot(scan.x_m, scan.y_m)
         cos, sin = np.append(cos, scan.x_m / place_m), np.append(sin, scan.y_m / place_m)
-        away_m = np.append(away_m, place_m)
+        away_m = np.append(away_m, -math.inf)
     return Beams(_narrowed(replace(fan, cos=cos, sin=sin), scan), away_m)
 
 

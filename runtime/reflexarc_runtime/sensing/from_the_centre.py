@@ -55,7 +55,7 @@ def returns_from_centre(scan: Scan, spec: RetinaSpec) -> Ranges:
 
 
 def _seen(scan: Scan, returns_m: Ranges, spec: RetinaSpec) -> tuple[Ranges, Ranges]:
-    """Bearing and distance of the end of each beam, from the centre."""
+    """Bearing, −π to π, and distance of the end of each beam, from the centre."""
     fan = fan_of(scan.start_rad, scan.step_rad, len(returns_m))
     met = returns_m > 0.0
     far_m = spec.range_m + math.hypot(scan.x_m, scan.y_m)
@@ -65,7 +65,7 @@ def _seen(scan: Scan, returns_m: Ranges, spec: RetinaSpec) -> tuple[Ranges, Rang
         bearings_rad, away_m = np.arctan2(y_m, x_m), np.hypot(x_m, y_m)
     if met.all():
         return bearings_rad, away_m
-    own_rad = scan.start_rad + scan.step_rad * np.arange(len(returns_m))
+    own_rad = np.arctan2(fan.sin, fan.cos)
     return np.where(met, bearings_rad, own_rad), np.where(met, away_m, returns_m)
 
 

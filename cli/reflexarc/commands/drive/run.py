@@ -156,7 +156,8 @@ class RunCommand:
         notices = Notices(self._say, controller.contract, self.input)
         wish = Wish("reflexarc run", f"{self.input}s", controller.sense.topic.key(robot))
         waiting = Waiting(bus, replace(wish, advice=self._advice()), came)
-        with watching as watch, notices, waiting:
+        # The watchdog ends first: whoever speaks may be at it for longer than a tick may take.
+        with notices, waiting, watching as watch:
             words = f"{self.policy} on {self.backend}; {said}; watchdog {watch.state}"
             aside.print(f"reflexarc run: {words}", soft_wrap=True)
             node = self._node(controller, inbox, outlets, sink, run_id, bus.sender, watch, notices)

@@ -1,6 +1,7 @@
 """The robot's scans, passed on to our bus as they come."""
 
 import logging
+import re
 from collections import Counter
 from typing import TYPE_CHECKING
 
@@ -19,6 +20,10 @@ if TYPE_CHECKING:
 MOST_REASONS = 16
 """So many different reasons are counted apart."""
 
+_AGAIN_NS = 60_000_000_000
+"""A reason that was not heard for so long is said again: the robot was well in between."""
+_NUMBER = re.compile(r"[\d.]+")
+
 _LOG = logging.getLogger(__name__)
 
 
@@ -34,20 +39,26 @@ class ScanRelay:
         self._publisher, self._scanner = publisher, scanner
         self.scans = 0
         self.refused: Counter[str] = Counter()
+        self._words: dict[str, str] = {}
+        self._last_ns: dict[str, int] = {}
 
     def hear(self, message: Message) -> None:
         """Take one message off the robot's wire; called on a thread of the bus. Never raises."""
         try:
             payload = encode_scan(decode_scan(message.payload, self._scanner))
         except UnusableMessageError as error:
-            self._refuse(str(error))
+            self._refuse(str(error), message.received_ns)
             return
         self.scans += 1
         self._publisher.put(payload, message.received_ns)
 
-    def _refuse(self, reason: str) -> None:
-        if reason not in self.refused and len(self.refused) >= MOST_REASONS:
-            reason = "for other reasons"  # their numbers differ, and memory is bounded
-        self.refused[reason] += 1
-        if self.refused[reason] == 1:
+    def _refuse(self, reason: str, now_ns: int) -> None:
+        """Count a refusal under the first words of its kind, which differ in their numbers."""
+        kind = _NUMBER.sub("#", reason)
+        if kind not in self._words and len(self._words) >= MOST_REASONS:
+            kind = reason = "for other reasons"  # memory is bounded
+        self.refused[self._words.setdefault(kind, reason)] += 1
+        last_ns = self._last_ns.get(kind)
+        self._last_ns[kind] = now_ns
+        if last_ns is None or now_ns - last_ns > _AGAIN_NS:
             _LOG.warning("a scan of the robot is refused: %s (said once)", reason)
