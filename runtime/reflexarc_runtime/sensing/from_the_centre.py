@@ -63,6 +63,7 @@ def _seen(scan: Scan, returns_m: Ranges, spec: RetinaSpec) -> tuple[Ranges, Rang
     with np.errstate(invalid="ignore"):  # what is too near or unknown has no place
         x_m, y_m = scan.x_m + lengths_m * fan.cos, scan.y_m + lengths_m * fan.sin
         bearings_rad, away_m = np.arctan2(y_m, x_m), np.hypot(x_m, y_m)
+    away_m[returns_m >= far_m] = math.inf  # rounded, it might be within the eye's range
     if met.all():
         return bearings_rad, away_m
     own_rad = np.arctan2(fan.sin, fan.cos)

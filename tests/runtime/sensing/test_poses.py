@@ -5,10 +5,11 @@ A thing 1 m away from 30° to 60° on the left of the scanner, a wall 2 m behind
 
 import math
 
+import numpy as np
 import pytest
 from foxglove_schemas_protobuf.LaserScan_pb2 import LaserScan
 
-from reflexarc_runtime.contract.eye import RetinaSpec
+from reflexarc_runtime.contract.eye import BeamRule, RetinaSpec, Shading
 from reflexarc_runtime.messages.wire import (
     Message,
     Stamp,
@@ -17,6 +18,8 @@ from reflexarc_runtime.messages.wire import (
     protobuf_encoding,
 )
 from reflexarc_runtime.sensing.mounting import Mount, Sector, pose_of
+from reflexarc_runtime.sensing.retina import retina_from_scan
+from reflexarc_runtime.sensing.scan import Scan
 from reflexarc_runtime.sensing.sense_settings import SenseSettings
 from reflexarc_runtime.sensing.senses import ScanSense
 
@@ -122,3 +125,12 @@ def test_what_the_robot_sees_of_itself_is_not_free():
     post = Sector(math.radians(-11), math.radians(11))
     retina = seen(scan, SenseSettings(ignored=(post,)))
     assert retina == [0, 0, 0, 204, 204, 0, 0, 255, 255, *[0] * 7]
+
+
+def test_a_beam_that_meets_nothing_is_dark_where_it_leads_through_the_robot_s_centre():
+    beams = np.full(2, math.inf)  # at −45° and 45°, from behind on the right: the left one does
+    scan = Scan(-math.pi / 4, math.pi / 4, beams, x_m=-0.15, y_m=-0.15)
+    eye = RetinaSpec(
+        range_m=12.0, shading=Shading.COLOUR, fov_rad=1.5, beams=BeamRule.SECTOR_MINIMUM
+    )
+    assert retina_from_scan(scan, eye).max() == 0
