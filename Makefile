@@ -61,8 +61,8 @@ wheel: $(STAMP)  ## build dist/reflexarc-*.whl
 golden: $(STAMP) ## rebuild the golden logs; look at the difference before you commit it
 	$(BIN)/python tests/golden/build.py
 
-real-input: $(STAMP) ## a reflex on real lidar logs: DATA="intel.log.gz …" (CARMEN) → table and picture
-	@test -n "$(DATA)" || { echo 'real-input: DATA="path/to/intel.log.gz …": which CARMEN logs?' >&2; exit 2; }
+real-input: $(STAMP) ## a reflex on real lidar logs: DATA="intel.log.gz …" (CARMEN, CoreSLAM) → table and pictures
+	@test -n "$(DATA)" || { echo 'real-input: DATA="path/to/intel.log.gz …": which lidar logs?' >&2; exit 2; }
 	$(BIN)/python docs/real_input.py $(DATA)
 
 worlds: $(STAMP) ## check and draw every shipped world → docs/worlds.md and its pictures

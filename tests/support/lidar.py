@@ -84,7 +84,8 @@ def slow_retinas(
     nearest = beams - 1 - np.argmin(backwards, axis=1)
     distances = ranges_m[:, nearest]
     seen = (distances > 0) & (distances < far_m)
-    return 255 * np.where(seen, far_m - np.where(seen, distances, far_m), 0.0) / far_m
+    bright = np.where(seen, far_m - np.where(seen, distances, far_m), 0.0) / far_m
+    return 255 * np.where(np.isnan(distances), 1.0, bright)  # what is unknown is not free
 
 
 HALF_CARMEN_RAD = math.pi / 2

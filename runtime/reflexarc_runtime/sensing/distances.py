@@ -4,6 +4,7 @@ A ray of `nearness` with value v means something of unknown colour at range · (
 a dark thing looks as if it were farther away. 0 means nothing within the range.
 """
 
+import math
 from dataclasses import replace
 from functools import lru_cache
 
@@ -16,6 +17,9 @@ from reflexarc_runtime.errors import ContractError
 from reflexarc_runtime.sensing.ray_values import FULL_SCALE, ray_bearing_rad
 from reflexarc_runtime.sensing.scan import Scan
 from reflexarc_runtime.sweep import Floats
+
+_NEAR_M = 0.5
+"""How far from a scanner the edge of its sector is looked at, as the robot's centre sees it."""
 
 
 def check_tells_ranges(spec: RetinaSpec) -> None:
@@ -56,7 +60,11 @@ def beams_of_retina(retina: Retina, spec: RetinaSpec) -> Beams:
 
 
 def beams_of_scan(scan: Scan) -> Beams:
-    """The beams as they were measured, seen from the point about which the robot turns."""
+    """The beams as they were measured, seen from the point about which the robot turns.
+
+    Of a scanner that sits elsewhere, something too near to be measured is very near in the
+    direction of its beam and in that of the scanner: whatever goes towards it goes towards either.
+    """
     fan = fan_of(scan.start_rad, scan.step_rad, len(scan.ranges_m))
     if scan.is_centred:
         return Beams(fan, scan.ranges_m)
@@ -67,10 +75,33 @@ def beams_of_scan(scan: Scan) -> Beams:
     away_m = np.hypot(x_m, y_m)
     met &= away_m > 0.0
     per_m = 1.0 / np.where(met, away_m, 1.0)
-    shifted = replace(
-        fan, cos=np.where(met, x_m * per_m, fan.cos), sin=np.where(met, y_m * per_m, fan.sin)
+    cos, sin = np.where(met, x_m * per_m, fan.cos), np.where(met, y_m * per_m, fan.sin)
+    away_m = np.where(met, away_m, np.where(lengths_m > 0.0, 0.0, ranges_m))
+    if (ranges_m == -math.inf).any():
+        place_m = math.hypot(scan.x_m, scan.y_m)
+        cos, sin = np.append(cos, scan.x_m / place_m), np.append(sin, scan.y_m / place_m)
+        away_m = np.append(away_m, -math.inf)
+    return Beams(_narrowed(replace(fan, cos=cos, sin=sin), scan), away_m)
+
+
+def _narrowed(fan: Fan, scan: Scan) -> Fan:
+    """Without the part of the sector in which only what is far away is seen from the scanner."""
+    if fan.left_rad - fan.right_rad >= 2.0 * math.pi:
+        return fan
+    right_rad, left_rad = (
+        math.remainder(_near_edge_rad(edge_rad, scan) - edge_rad, 2.0 * math.pi)
+        for edge_rad in (fan.right_rad, fan.left_rad)
     )
-    return Beams(shifted, np.where(met, away_m, np.where(lengths_m > 0.0, 0.0, ranges_m)))
+    return replace(
+        fan,
+        right_rad=fan.right_rad + max(right_rad, 0.0),
+        left_rad=fan.left_rad + min(left_rad, 0.0),
+    )
+
+
+def _near_edge_rad(edge_rad: float, scan: Scan) -> float:
+    y_m = scan.y_m + _NEAR_M * math.sin(edge_rad)
+    return math.atan2(y_m, scan.x_m + _NEAR_M * math.cos(edge_rad))
 
 
 @lru_cache(maxsize=16)

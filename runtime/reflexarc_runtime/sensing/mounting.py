@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import lru_cache, partial
 
 import numpy as np
 from foxglove_schemas_protobuf.Pose_pb2 import Pose
@@ -13,6 +13,9 @@ from reflexarc_runtime.sensing.scan import Scan, UnusableScanError
 
 LEAST_UPRIGHT = math.cos(math.radians(15.0))
 """A scanner that is tilted by more than 15° scans the floor, or the sky."""
+
+FARTHEST_M = 10.0
+"""A pose that puts a scanner farther from its robot's centre is one on a map."""
 
 _require = partial(require, error=UsageError)
 
@@ -60,15 +63,27 @@ def mount_of(pose: Pose) -> Mount:
     A pose that was left out (all zeros) is the robot's centre, looking ahead.
 
     Raises:
-        UnusableScanError: no pose, or a scanner that is neither upright nor upside down.
+        UnusableScanError: no pose, one on a map, or a scanner that is neither upright nor upside
+            down.
     """
     q, place = pose.orientation, pose.position
-    if not all(map(math.isfinite, (q.x, q.y, q.z, q.w, place.x, place.y, place.z))):
+    return _mount((place.x, place.y, place.z), (q.x, q.y, q.z, q.w))
+
+
+@lru_cache(maxsize=16)
+def _mount(place_m: tuple[float, ...], turn: tuple[float, ...]) -> Mount:
+    if not all(map(math.isfinite, (*place_m, *turn))):
         raise UnusableScanError("a pose that is not finite")
-    length = math.hypot(q.x, q.y, q.z, q.w)
+    place_x_m, place_y_m, _ = place_m
+    away_m = math.hypot(place_x_m, place_y_m)
+    if away_m > FARTHEST_M:
+        raise UnusableScanError(
+            f"a scanner {away_m:.1f} m from the robot's centre; --mount if its pose is on a map"
+        )
+    length = math.hypot(*turn)
     if length == 0.0:
-        return Mount(place.x, place.y)
-    x, y, z, w = q.x / length, q.y / length, q.z / length, q.w / length
+        return Mount(place_x_m, place_y_m)
+    x, y, z, w = (part / length for part in turn)
     upright = 1.0 - 2.0 * (x * x + y * y)
     if abs(upright) < LEAST_UPRIGHT:
         raise UnusableScanError(
@@ -76,7 +91,7 @@ def mount_of(pose: Pose) -> Mount:
             "ground's"
         )
     yaw_rad = math.atan2(2.0 * (x * y + w * z), 1.0 - 2.0 * (y * y + z * z))
-    return Mount(place.x, place.y, yaw_rad, upright < 0.0)
+    return Mount(place_x_m, place_y_m, yaw_rad, upright < 0.0)
 
 
 def pose_of(mount: Mount) -> Pose:
@@ -93,10 +108,13 @@ def pose_of(mount: Mount) -> Pose:
 
 def mounted(scan: Scan, mount: Mount) -> Scan:
     """A scan of a scanner's own frame in the robot's."""
+    if mount == CENTRED:
+        return scan
     start_rad, end_rad, ranges_m = scan.start_rad, scan.end_rad, scan.ranges_m
     if mount.upside_down:
         start_rad, end_rad, ranges_m = -end_rad, -start_rad, ranges_m[::-1]
-    return Scan(start_rad + mount.yaw_rad, end_rad + mount.yaw_rad, ranges_m, mount.x_m, mount.y_m)
+    yaw_rad = math.remainder(mount.yaw_rad, 2.0 * math.pi)
+    return Scan(start_rad + yaw_rad, end_rad + yaw_rad, ranges_m, mount.x_m, mount.y_m)
 
 
 def without(scan: Scan, sectors: tuple[Sector, ...]) -> Scan:

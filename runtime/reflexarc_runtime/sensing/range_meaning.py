@@ -73,6 +73,8 @@ class RangeMeaning:
                 what is said here.
         """
         least, most = self._limits(min_m, max_m)
+        if not self.no_return and least <= 0.0 and most == math.inf and (ranges_m >= 0.0).all():
+            return ranges_m  # as most scans on our bus are
         nothing = self._nothing(ranges_m)
         self._check(ranges_m[~nothing])
         read = np.where(nothing | (ranges_m >= most), math.inf, ranges_m)
@@ -81,8 +83,8 @@ class RangeMeaning:
         return np.where((read >= 0.0) | (read == -math.inf), read, math.nan)
 
     def _limits(self, min_m: float, max_m: float) -> tuple[float, float]:
-        least = min_m if self.min_m is None else self.min_m
-        most = max_m if self.max_m is None else self.max_m
+        least = min_m if self.min_m is None else _single(self.min_m)
+        most = max_m if self.max_m is None else _single(self.max_m)
         if not least < math.inf:
             raise UnusableScanError(f"range_min is {least:g}; --range-min METRES says what it is")
         if not most > max(0.0, least):
@@ -118,6 +120,11 @@ class RangeMeaning:
                 f"a range of {farthest_m:g} m, beyond --range-max {self.max_m:g}; if it stands for "
                 f"nothing met: --no-return {farthest_m:g}"
             )
+
+
+def _single(limit_m: float) -> float:
+    """A limit not above what it becomes in single precision, in which ranges come."""
+    return min(limit_m, float(np.float32(limit_m)))
 
 
 def _distance_m(word: str) -> float:

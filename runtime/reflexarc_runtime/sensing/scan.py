@@ -9,6 +9,8 @@ MIN_STEP_RAD = 1e-9
 """Smallest angle between beams that is accepted; below it, the index of a beam may overflow."""
 MOST_TURNS = 1.1
 """Some scanners measure a little more than a full turn; more than that are degrees, or nonsense."""
+FARTHEST_RAD = 6.0 * math.pi
+"""No bearing is more turns away from ahead: degrees, or nonsense."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +57,7 @@ def check_sweep(scan: Scan) -> None:
 
 
 def check_turns(scan: Scan) -> None:
-    """Refuse a sweep over more than a turn.
+    """Refuse a sweep over more than a turn, or many turns away.
 
     Raises:
         UnusableScanError: it is one.
@@ -65,4 +67,9 @@ def check_turns(scan: Scan) -> None:
         raise UnusableScanError(
             f"beams from {scan.start_rad:.3f} to {scan.end_rad:.3f} rad, which is {turns:.1f} "
             "turns; if the driver counts in degrees: --angles degrees"
+        )
+    if max(abs(scan.start_rad), abs(scan.end_rad)) > FARTHEST_RAD:
+        raise UnusableScanError(
+            f"beams from {scan.start_rad:.3f} to {scan.end_rad:.3f} rad, many turns from ahead; "
+            "if the driver counts in degrees: --angles degrees"
         )

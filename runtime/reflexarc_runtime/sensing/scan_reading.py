@@ -5,7 +5,7 @@ import math
 import numpy as np
 from foxglove_schemas_protobuf.LaserScan_pb2 import LaserScan
 
-from reflexarc_runtime.sensing.mounting import mount_of, mounted, without
+from reflexarc_runtime.sensing.mounting import CENTRED, mount_of, mounted, without
 from reflexarc_runtime.sensing.scan import Scan, UnusableScanError
 from reflexarc_runtime.sensing.sense_settings import SenseSettings
 
@@ -21,5 +21,7 @@ def read_scan(scan: LaserScan, settings: SenseSettings) -> Scan:
     meaning = settings.meaning
     start_rad, end_rad = meaning.radians(scan.start_angle), meaning.radians(scan.end_angle)
     own = Scan(start_rad, end_rad, meaning.read(np.array(scan.ranges, np.float64)))
-    mount = mount_of(scan.pose) if settings.mount is None else settings.mount
+    mount = settings.mount
+    if mount is None:
+        mount = mount_of(scan.pose) if scan.HasField("pose") else CENTRED
     return without(mounted(own, mount), settings.ignored)

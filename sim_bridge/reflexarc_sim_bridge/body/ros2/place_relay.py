@@ -54,7 +54,7 @@ class PoseRelay:
         try:
             pose = decode_odometry(message.payload)
         except UnusableMessageError as error:
-            self.refusals.count(str(error))
+            self.refusals.count(str(error), message.received_ns)
             return
         self.poses += 1
         self._publisher.put(pose.SerializeToString(), message.received_ns)
@@ -104,7 +104,7 @@ class TransformRelay:
                 for transform in decode_transforms(message.payload):
                     use(transform, message.received_ns)
             except UnusableMessageError as error:
-                self.refusals.count(str(error))
+                self.refusals.count(str(error), message.received_ns)
 
     def _pass_on(self, transform: FrameTransform, now_ns: int) -> None:
         throttle = self._throttles.get(transform.child_frame_id)

@@ -59,7 +59,7 @@ class ScanRelay:
             scan = self._decode(message)
             payload = encode_scan(scan)
         except UnusableMessageError as error:
-            self._refusals.count(str(error))
+            self._refusals.count(str(error), message.received_ns)
             return
         self.scans += 1
         self._stamps.note(message.received_ns, scan.stamp_ns)

@@ -3,10 +3,14 @@ from typing import Any
 import pytest
 
 from reflexarc_runtime.messages.wire import Message
+from reflexarc_runtime.sensing.range_meaning import RangeMeaning
+from reflexarc_sim_bridge.body.ros2.messages import RosScanner
 from reflexarc_sim_bridge.body.ros2.scan_relay import ScanRelay
 from reflexarc_sim_bridge.body.ros2.stamps import ScanStamps
 from support.ros2 import Time, laser_scan
 from support.spoken import Spoken
+
+SECOND_NS = 1_000_000_000
 
 
 def message(payload: bytes, received_ns: int = 0) -> Message:
@@ -37,3 +41,19 @@ def test_what_is_no_scan_is_counted_by_reason_and_said_once(caplog: pytest.LogCa
     assert spoken.said == []
     assert scans.refused == {"no little-endian CDR": 2, "fewer than 2 or more than 100000 beams": 1}
     assert [record.levelname for record in caplog.records] == ["WARNING", "WARNING"]
+
+
+def test_reasons_that_differ_in_their_numbers_are_one_and_said_again_after_a_good_while(
+    caplog: pytest.LogCaptureFixture,
+):
+    spoken: Any = Spoken()
+    scans = ScanRelay(spoken, RosScanner(RangeMeaning(max_m=3.0)))
+    for second in range(40):
+        far = laser_scan([1.0, 4.0 + 0.1 * second]).serialize()
+        scans.hear(message(far, received_ns=second * SECOND_NS))
+    assert list(scans.refused.values()) == [40]
+    assert len(caplog.records) == 1
+    assert "a range of 4 m, beyond --range-max 3" in caplog.text
+    scans.hear(message(far, received_ns=200 * SECOND_NS))
+    assert len(caplog.records) == 2
+    assert len(scans.refused) == 1
