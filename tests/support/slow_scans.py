@@ -153,6 +153,10 @@ def _bounds(
     known = [_light(s.told, spec) for s in surely if s.told != UNKNOWN]
     unknown_surely = blind_surely or not lights
     unknown_perhaps = blind_perhaps or not known
+    if spec.beams is BeamRule.SECTOR_MINIMUM and not (known and max(known) > 0):
+        mostly = _mostly_unknown(surely, perhaps)
+        unknown_surely = unknown_surely or (mostly[0] and not any(lights))
+        unknown_perhaps = unknown_perhaps or mostly[1]
     full = Fraction(255)
     if crossed:
         return _Look(full, full, False, False)
@@ -164,6 +168,15 @@ def _bounds(
         least = min(lights) if surely else min(_light(s.told, spec) for s in perhaps)
     most = full if unknown_perhaps or touched else max(lights)
     return _Look(least, most, False, unknown_perhaps)
+
+
+def _mostly_unknown(surely: list[Seen], perhaps: list[Seen]) -> tuple[bool, bool]:
+    """Whether more than half of a sector's beams are unknown: surely; and perhaps."""
+    borders = [s for s in perhaps if s not in surely]
+    least = sum(s.told == UNKNOWN for s in surely)
+    most = sum(s.told == UNKNOWN for s in perhaps)
+    known_most = len(surely) - least + sum(s.told != UNKNOWN for s in borders)
+    return least > known_most, most > len(surely) - least
 
 
 def _light(told: Told, spec: RetinaSpec) -> Fraction:

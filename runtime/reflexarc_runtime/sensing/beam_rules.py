@@ -51,7 +51,36 @@ def returns_seen(scan: Scan, spec: RetinaSpec) -> Ranges:
     if len(beams) == len(starts):
         return returns_m
     nearest_m: Ranges = np.fmin.reduceat(returns_m, starts)  # NaN only where nothing is known
-    return nearest_m
+    unknown = np.isnan(returns_m)
+    if not unknown.any():
+        return nearest_m
+    unknowns = np.add.reduceat(unknown, starts, dtype=np.int64)
+    return without_guesses(nearest_m, unknowns, np.diff(starts, append=len(beams)), spec)
+
+
+def without_guesses(
+    nearest_m: Ranges, unknowns: Indices, beams: Indices, spec: RetinaSpec
+) -> Ranges:
+    """The nearest returns of sectors, where those that show nothing are known by half their beams.
+
+    Args:
+        nearest_m: (rays,).
+        unknowns: how many beams of each sector are unknown.
+        beams: how many it has.
+        spec: the eye.
+    """
+    guessed = (nearest_m >= spec.range_m) & (2 * unknowns > beams)
+    known_m: Ranges = np.where(guessed, math.nan, nearest_m)
+    return known_m
+
+
+def looks_at(scan: Scan, spec: RetinaSpec) -> Looks:
+    """The beams that each look of an eye takes from a scan around the robot's centre.
+
+    Raises:
+        UnusableScanError: see `returns_seen`.
+    """
+    return _even_looks(scan.start_rad, scan.end_rad, len(scan.ranges_m), spec)
 
 
 def told(ranges_m: Ranges) -> Ranges:
@@ -98,7 +127,8 @@ def _even_looks(start_rad: float, end_rad: float, count: int, spec: RetinaSpec) 
         return Looks(nearest, looks)
     bearings_rad: Ranges = start_rad + scan.step_rad * np.arange(count, dtype=np.float64)
     rays, beams = in_sectors(bearings_rad, spec)
-    rays, beams = np.concatenate([rays, looks]), np.concatenate([beams, nearest])
+    bare = (np.bincount(rays, minlength=spec.rays) == 0).nonzero()[0]
+    rays, beams = np.concatenate([rays, bare]), np.concatenate([beams, nearest[bare]])
     order = np.argsort(rays.astype(np.int16), kind="stable")  # at most 4096; sorted by radix
     return Looks(beams[order], np.searchsorted(rays[order], looks))
 

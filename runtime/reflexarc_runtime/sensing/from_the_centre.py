@@ -21,6 +21,7 @@ from reflexarc_runtime.sensing.beam_rules import (
     in_sectors,
     looks_of,
     told,
+    without_guesses,
 )
 from reflexarc_runtime.sensing.scan import Scan, check_sweep
 
@@ -41,7 +42,10 @@ def returns_from_centre(scan: Scan, spec: RetinaSpec) -> Ranges:
         rays, beams = in_sectors(bearings_rad, spec)
         nearest_m = np.full(spec.rays, math.nan)
         np.fmin.at(nearest_m, rays, away_m[beams])
-        bare = (np.bincount(rays, minlength=spec.rays) == 0).nonzero()[0]
+        counts = np.bincount(rays, minlength=spec.rays)
+        unknowns = np.bincount(rays, np.isnan(away_m[beams]), spec.rays)
+        nearest_m = without_guesses(nearest_m, unknowns.astype(np.int64), counts, spec)
+        bare = (counts == 0).nonzero()[0]
     else:
         nearest_m = np.empty(looks_of(spec))
         bare = np.arange(len(nearest_m))

@@ -72,7 +72,7 @@ def test_what_is_too_near_to_be_measured_is_as_bright_as_can_be():
 
 def test_a_gap_ahead_is_refused_and_the_reason_names_the_flag():
     beams = np.full(181, math.inf)
-    beams[60:122] = 0.0
+    beams[72:110] = 0.0
     with pytest.raises(UnusableScanError, match=r"rays ahead unknown.*--no-return zero"):
         retina_from_scan(Scan(-math.pi / 2, math.pi / 2, beams), EYE)
 

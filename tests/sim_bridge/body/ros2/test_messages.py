@@ -9,7 +9,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from pycdr2 import Endianness
 
-from reflexarc_runtime.contract.eye import RetinaSpec
+from reflexarc_runtime.contract.eye import BeamRule, RetinaSpec
 from reflexarc_runtime.contract.motion import Action
 from reflexarc_runtime.sensing.retina import retina_from_scan
 from reflexarc_sim_bridge.body.ros2.messages import (
@@ -71,7 +71,9 @@ def test_a_disc_on_the_left_is_on_the_left_of_the_retina():
     bearings = [-math.pi / 2 + beam * math.pi / 180 for beam in range(181)]
     ranges_m = [1.0 if 0.5 < bearing < 0.9 else math.inf for bearing in bearings]
     got = decode_scan(laser_scan(ranges_m, step_rad=math.pi / 180).serialize())
-    retina = retina_from_scan(got.sweep, RetinaSpec(rays=16))[0, :, 0]
+    retina = retina_from_scan(got.sweep, RetinaSpec(rays=16, beams=BeamRule.SECTOR_MINIMUM))[
+        0, :, 0
+    ]
     # The sector of ray i ends at π (0.5 − i / 16): 0.98, 0.79, 0.59 and 0.39 rad for 3, 4, 5 and 6.
     assert np.flatnonzero(retina).tolist() == [3, 4, 5]
 

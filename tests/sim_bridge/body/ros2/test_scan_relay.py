@@ -47,7 +47,7 @@ def test_reasons_that_differ_in_their_numbers_are_one_and_said_again_after_a_goo
     caplog: pytest.LogCaptureFixture,
 ):
     spoken: Any = Spoken()
-    scans = ScanRelay(spoken, RosScanner(RangeMeaning(max_m=3.0)))
+    scans = ScanRelay(spoken, ScanStamps(), RosScanner(RangeMeaning(max_m=3.0)))
     for second in range(40):
         far = laser_scan([1.0, 4.0 + 0.1 * second]).serialize()
         scans.hear(message(far, received_ns=second * SECOND_NS))
