@@ -1,14 +1,28 @@
 """How far behind messages are, without comparing two clocks.
 
-Arrival minus stamp is the difference of two clocks plus the time on the way. Its least value in
-recent minutes stands for a message that came without waiting; what another one took longer, it
-waited somewhere: a queue two seconds deep is two seconds old, however regularly it delivers.
+Arrival minus stamp is the difference of two clocks plus the time on the way. Its least value so far
+stands for a message that came without waiting; what another one took longer, it waited somewhere: a
+queue two seconds deep is two seconds old, however regularly it delivers.
+
+Clocks drift, so the least value may rise, by 1 ms a second: a queue of two seconds that stays is
+not forgotten before half an hour. Clocks also step. A stamp that goes back, or a message that comes
+earlier than any could, tells nothing of the way; then what it was behind stays, and the time since
+the message before is added, as if it had been sent right behind that one. So no step makes a
+picture younger than it is, but for one: a clock that steps forward by just as much as a queue is
+deep looks like the end of that queue.
 """
 
 from dataclasses import dataclass
 
 WINDOW_NS = 60_000_000_000
-"""The least value counts for one to two windows: clocks of different speed drift apart."""
+"""The least value counts for one to two windows; then it may have risen."""
+DRIFT_NS = 1_000_000
+"""A second: more than two clocks drift apart, of which the worst lose 0.5 ms a second."""
+STEP_NS = 50_000_000
+"""A delay so far below the least one: the sender's clock stepped. By less, it is the least one that
+had waited, as where a stream begins."""
+
+_SECOND_NS = 1_000_000_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,6 +35,11 @@ class LeastDelay:
     """In this window."""
     before_ns: int
     """In the window before."""
+
+    @property
+    def best_ns(self) -> int:
+        """What a message takes that does not wait."""
+        return min(self.least_ns, self.before_ns)
 
     def behind_ns(self, delay_ns: int) -> int:
         """How much longer than the least one a message took, in nanoseconds."""
@@ -35,10 +54,73 @@ def least_after(known: LeastDelay | None, delay_ns: int, now_ns: int) -> LeastDe
         delay_ns: its arrival, on the receiver's clock, minus its stamp, on the sender's.
         now_ns: its arrival.
     """
-    if known is None or now_ns - known.since_ns >= 2 * WINDOW_NS:
+    if known is None:
         return LeastDelay(now_ns, delay_ns, delay_ns)
-    if now_ns - known.since_ns >= WINDOW_NS:
-        return LeastDelay(now_ns, delay_ns, known.least_ns)
+    elapsed_ns = now_ns - known.since_ns
+    if elapsed_ns >= WINDOW_NS:
+        highest_ns = known.best_ns + elapsed_ns * DRIFT_NS // _SECOND_NS
+        return LeastDelay(now_ns, delay_ns, min(known.least_ns, highest_ns))
     if delay_ns >= known.least_ns:
         return known
     return LeastDelay(known.since_ns, delay_ns, known.before_ns)
+
+
+@dataclass(frozen=True, slots=True)
+class Backlog:
+    """How far behind its sender's best the last message of a stream came."""
+
+    behind_ns: int = 0
+    stamp_ns: int = 0
+    """Of that message; 0: it had none, and tells nothing."""
+    received_ns: int = 0
+    """When it came."""
+    least: LeastDelay | None = None
+    """None: nothing is known of its sender's clock."""
+
+    def after(
+        self, stamp_ns: int, received_ns: int, silence_ns: int, *, overtaken: bool = False
+    ) -> "Backlog":
+        """After one more message.
+
+        Args:
+            stamp_ns: its time on its sender's clock; 0: none.
+            received_ns: its arrival, on the receiver's clock.
+            silence_ns: whoever was silent for longer may have begun anew, with another clock.
+            overtaken: whether its number is below the last one's: then an earlier stamp is no step
+                of a clock.
+        """
+        delay_ns, least = received_ns - stamp_ns, self.least
+        since_ns = max(0, received_ns - self.received_ns)
+        if stamp_ns < self.stamp_ns and since_ns > silence_ns:
+            return begun(0, stamp_ns, received_ns)
+        if self._has_stepped(stamp_ns, delay_ns, overtaken):
+            return begun(self.behind_ns + since_ns, stamp_ns, received_ns)
+        if least is None or not stamp_ns:
+            return begun(self.behind_ns, stamp_ns, received_ns)
+        least = least_after(least, delay_ns, received_ns)
+        return Backlog(least.behind_ns(delay_ns), stamp_ns, received_ns, least)
+
+    def _has_stepped(self, stamp_ns: int, delay_ns: int, overtaken: bool) -> bool:
+        if stamp_ns < self.stamp_ns:
+            return not overtaken
+        return self.least is not None and delay_ns < self.least.best_ns - STEP_NS
+
+
+NO_BACKLOG = Backlog()
+
+
+def begun(behind_ns: int, stamp_ns: int, received_ns: int) -> Backlog:
+    """A stream of whose clock nothing is known but how far behind its last message came."""
+    if not stamp_ns:
+        return Backlog(behind_ns, 0, received_ns)
+    best_ns = received_ns - stamp_ns - behind_ns
+    return Backlog(behind_ns, stamp_ns, received_ns, LeastDelay(received_ns, best_ns, best_ns))
+
+
+BACKLOG = "a backlog"
+"""How the words of `backlog_in_words` end."""
+
+
+def backlog_in_words(behind_ns: int) -> str:
+    """Why a message that has just come is old all the same."""
+    return f"{behind_ns * 1e-9:.1f} s behind its sender's best: {BACKLOG}"

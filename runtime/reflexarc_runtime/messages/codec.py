@@ -37,6 +37,7 @@ class Status:
     recording: str = "off"
     guard: str = ""
     watchdog: str = ""
+    sensor: str = ""
 
 
 def timestamp(time_ns: int) -> Timestamp:

@@ -65,7 +65,7 @@ def test_a_sensor_slower_than_the_policy_s_patience_is_named(period_ms: int, fit
         period.saw(number * period_ms * MS)
         period.saw(number * period_ms * MS)  # the next tick uses it again
     assert period.period_ns == period_ms * MS
-    words = misfit(period.period_ns, CONTRACT, "scan")
+    words = misfit(period, CONTRACT, "scan")
     assert (not words) is fits
     if words:
         assert f"scans every {period_ms} ms, the policy takes inputs of at most 100 ms" in words
