@@ -55,6 +55,8 @@ class Ros2Command:
     """ROS_DOMAIN_ID; it counts with rmw."""
     rate: float = 50.0
     """Commands to the robot, a second, at least."""
+    ignore_scan_stamps: bool = False
+    """Age counts from a scan's arrival alone: for simulators whose time runs slower than ours."""
     robot_limits: LimitFlags = field(default_factory=LimitFlags)
     scanner: ScanFlags = field(default_factory=ScanFlags)
     auto_arm: bool = False
@@ -96,6 +98,7 @@ class Ros2Command:
             check_topic("--command", self.command),
             self.stamped,
             self._scanner(),
+            not self.ignore_scan_stamps,
         )
         for key in (SCAN.key(self.joining.robot), COMMAND.key(self.joining.robot)):
             if key in (route.scan_key, route.command_key):

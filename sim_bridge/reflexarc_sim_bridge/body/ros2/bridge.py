@@ -1,7 +1,8 @@
 """The bridge between a robot that speaks ROS 2 and our bus, where that robot is the body.
 
 Scans are passed on as they come: their source time is the moment of arrival on this machine's
-monotonic clock, which the command repeats; the header's own stamp stays in the message. Commands go
+monotonic clock, less what they waited before it, which the command repeats; the header's own stamp
+stays in the message. Commands go
 the other way through the gate, when they arrive and at the latest at a fixed period: what no longer
 holds becomes a standstill. So a runtime that dies, a scanner that dies and a bus that fails all
 stop the robot, within the command's validity and one period.
@@ -63,6 +64,8 @@ class Route:
     """Whether that one takes `geometry_msgs/TwistStamped`, or `Twist`."""
     scanner: RosScanner = STANDARD
     """What is known of the scanner beside what its messages say."""
+    heeds_stamps: bool = True
+    """Whether the stamps of scans tell how old they are."""
 
     @property
     def command_type(self) -> RosType:
@@ -133,7 +136,7 @@ class RosBridge:
         self._inbox = inbox
         # A flood of commands must not push a stop out of a full inbox.
         self._controls = Inbox()
-        self._scans = ScanRelay(bus.publisher(SCAN), route.scanner)
+        self._scans = ScanRelay(bus.publisher(SCAN), route.scanner, heeds_stamps=route.heeds_stamps)
         wheel = bus.publisher_of_key(route.command_key, CDR, Quality.CONTROL)
         twists = TwistPublisher(wheel, route.stamped, wall_offset_ns)
         gate = Gate.closed(bus.sender, settings, latch.stopped if latch else "")

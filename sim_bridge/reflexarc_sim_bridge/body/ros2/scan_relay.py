@@ -1,9 +1,14 @@
-"""The robot's scans, passed on to our bus as they come."""
+"""The robot's scans, passed on to our bus as they come, with the time at which they were taken.
+
+That time is on this machine's clock: the arrival, minus how far behind the driver's best the scan
+came, by the stamp in its header. So runtime and gate both see a queue between driver and bridge.
+"""
 
 import logging
 from collections import Counter
 from typing import TYPE_CHECKING
 
+from reflexarc_runtime.backlog import NO_BACKLOG
 from reflexarc_runtime.messages.wire import Message
 from reflexarc_sim_bridge.body.ros2.messages import (
     STANDARD,
@@ -19,6 +24,9 @@ if TYPE_CHECKING:
 MOST_REASONS = 16
 """So many different reasons are counted apart."""
 
+SILENCE_NS = 1_000_000_000
+"""A driver that was silent for longer may have begun anew, with another clock."""
+
 _LOG = logging.getLogger(__name__)
 
 
@@ -28,22 +36,40 @@ class ScanRelay:
     Args:
         publisher: of our own scans.
         scanner: what is known of the robot's scanner.
+        heeds_stamps: whether the stamps in the headers count; not those of a simulator whose time
+            runs slower than ours.
     """
 
-    def __init__(self, publisher: "Publisher", scanner: RosScanner = STANDARD) -> None:
+    def __init__(
+        self,
+        publisher: "Publisher",
+        scanner: RosScanner = STANDARD,
+        *,
+        heeds_stamps: bool = True,
+    ) -> None:
         self._publisher, self._scanner = publisher, scanner
+        self._heeds_stamps = heeds_stamps
+        self._backlog = NO_BACKLOG
         self.scans = 0
         self.refused: Counter[str] = Counter()
 
     def hear(self, message: Message) -> None:
         """Take one message off the robot's wire; called on a thread of the bus. Never raises."""
         try:
-            payload = encode_scan(decode_scan(message.payload, self._scanner))
+            scan = decode_scan(message.payload, self._scanner)
         except UnusableMessageError as error:
             self._refuse(str(error))
             return
         self.scans += 1
-        self._publisher.put(payload, message.received_ns)
+        taken_ns = self._taken_ns(scan.stamp_ns, message.received_ns)
+        self._publisher.put(encode_scan(scan), taken_ns)
+
+    def _taken_ns(self, stamp_ns: int, received_ns: int) -> int:
+        """When a scan would have come without a queue."""
+        if not self._heeds_stamps:
+            return received_ns
+        self._backlog = self._backlog.after(max(0, stamp_ns), received_ns, SILENCE_NS)
+        return max(0, received_ns - self._backlog.behind_ns)
 
     def _refuse(self, reason: str) -> None:
         if reason not in self.refused and len(self.refused) >= MOST_REASONS:
