@@ -177,9 +177,7 @@ class Controller:
         stamp, newest = sensed.stamp, state.newest
         overtaken = newest is not None and stamp.sequence < newest.stamp.sequence
         silence_ns = self.contract.max_input_age_ns
-        return state.backlog.after(
-            stamp.time_ns, sensed.received_ns, silence_ns, overtaken=overtaken
-        )
+        return state.backlog.after(stamp.time_ns, sensed.received_ns, silence_ns, overtaken)
 
     def _source(self, bound: BoundBody | None, sensed: Sensed) -> BoundBody:
         """The source after a good message: another one only after this one's silence."""
@@ -199,9 +197,8 @@ class Controller:
             return Verdict.OVERRUN, state.overrun
         if state.fault:
             return Verdict.INVALID_INPUT, state.fault
-        frozen = self._frozen(state)
-        if frozen:
-            return Verdict.INVALID_INPUT, frozen
+        if state.still.driven_ns and self._is_frozen(state.still):
+            return Verdict.INVALID_INPUT, self._frozen_words()
         stranger = self._stranger(state, now_ns)
         if stranger:
             return Verdict.TWO_SOURCES, f"another {stranger} sends as well"
@@ -218,16 +215,17 @@ class Controller:
             return Verdict.RECOVERING, f"{state.streak} of {wanted} good inputs in a row"
         return Verdict.OK, ""
 
-    def _frozen(self, state: State) -> str:
-        """Why the picture is believed to be frozen, in words; empty if it is not."""
+    def _is_frozen(self, still: Still) -> bool:
         settings = self.sense.settings
         if settings is None or settings.frozen_after_s is None:
-            return ""
-        if state.still.driven_ns <= settings.frozen_after_s * 1e9:
-            return ""
+            return False
+        return still.driven_ns > settings.frozen_after_s * 1e9
+
+    def _frozen_words(self) -> str:
+        limit_s = (self.sense.settings or DEFAULT).frozen_after_s
         return (
             f"the same {self.sense.topic.name} all the time, while the body was told to drive for "
-            f"{settings.frozen_after_s:g} s (--frozen-after): does its driver hang?"
+            f"{limit_s:g} s (--frozen-after): does its driver hang?"
         )
 
     def _stranger(self, state: State, now_ns: int) -> str:
@@ -323,6 +321,7 @@ class Controller:
         Where the policy was not asked, or failed, its memory begins anew.
         """
         is_good = outcome.verdict in ASKED
+        still, now_ns = state.still, decision.now_ns
         return State(
             index=state.index + 1,
             streak=0 if outcome.verdict in _ENDS_STREAKS else state.streak,
@@ -337,14 +336,8 @@ class Controller:
             moving=self._told(state, decision),
             ranges=state.ranges,
             backlog=state.backlog,
-            still=self._still(state, decision),
+            still=still.told(not decision.command.is_safe, now_ns) if still.picture else still,
         )
-
-    def _still(self, state: State, decision: Decision) -> Still:
-        """For how long the body was told to drive by this picture, with this tick."""
-        if not state.still.picture:
-            return state.still
-        return state.still.told(not decision.command.is_safe, decision.now_ns)
 
     def _conclude(self, state: State, inputs: Inputs, now_ns: int, outcome: Outcome) -> Decision:
         used = _input_of(state.newest, state.backlog.behind_ns, now_ns)

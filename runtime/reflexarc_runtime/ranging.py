@@ -52,7 +52,7 @@ def _aged(known: RangeState, ranged: Ranged, silence_ns: int) -> Backlog:
     """How far behind newly accepted ranges came."""
     stamp, newest = ranged.stamp, known.newest
     overtaken = newest is not None and stamp.sequence < newest.stamp.sequence
-    return known.backlog.after(stamp.time_ns, ranged.received_ns, silence_ns, overtaken=overtaken)
+    return known.backlog.after(stamp.time_ns, ranged.received_ns, silence_ns, overtaken)
 
 
 def _is_newer(ranged: Ranged, newest: Ranged | None) -> bool:

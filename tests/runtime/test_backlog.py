@@ -1,7 +1,7 @@
 """A queue is noticed by its delay alone, whatever the two clocks say."""
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from reflexarc_runtime.backlog import NO_BACKLOG, WINDOW_NS, LeastDelay, least_after
@@ -133,3 +133,16 @@ def test_messages_that_were_overtaken_in_a_queue_do_not_pass_for_a_clock_s_step(
         known = known.after(stamp_ms * MS, arrived_ms * MS, SILENCE_NS, overtaken=overtaken)
         behind.append(known.behind_ns // MS)
     assert min(behind) >= 1950
+
+
+@given(st.lists(st.integers(0, 40), min_size=200, max_size=200))
+@settings(deadline=None)
+def test_over_many_windows_it_is_the_least_delay_s_own_account(delays_ms: list[int]):
+    known, least = NO_BACKLOG, None
+    for number, delay_ms in enumerate(delays_ms):
+        stamp_ms = 1 + 1000 * number  # three windows
+        arrived_ns = (stamp_ms + delay_ms) * MS
+        known = known.after(stamp_ms * MS, arrived_ns, SILENCE_NS)
+        least = least_after(least, delay_ms * MS, arrived_ns)
+        assert known.least == least
+        assert known.behind_ns == least.behind_ns(delay_ms * MS)

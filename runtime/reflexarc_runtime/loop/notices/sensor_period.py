@@ -76,5 +76,5 @@ def misfit(period: SensorPeriod, contract: PolicyContract, sensor: str) -> str:
 
 
 def _advice_s(period_ms: float) -> float:
-    """Twice the period, so that one message may be lost; in steps of 50 ms."""
-    return -(-2 * period_ms // 50) * 0.05
+    """Two periods and a half, so that one message may be lost, and jitter; in steps of 50 ms."""
+    return -(-2.5 * period_ms // 50) * 0.05

@@ -80,7 +80,7 @@ def test_too_slow_a_sensor_is_said_once():
             notices.saw(replace(DECISION, input=used))
         wait_until(lambda: said, "a notice", 10.0)
     assert len(said) == 1
-    assert "--max-input-age 0.4" in said[0]
+    assert "--max-input-age 0.5" in said[0]
 
 
 @pytest.mark.parametrize(
