@@ -113,6 +113,19 @@ def test_stamps_that_never_change_are_old_and_none_at_all_are_no_knowledge(stamp
     assert driven(messages)[-1].verdict.name == expected
 
 
+def test_pictures_that_overtake_one_another_in_a_queue_stay_old():
+    pairs = [number for at in range(5, 45, 2) for number in (at + 1, at)]
+    queue = [
+        retina_message(
+            number,
+            (2003 + PERIOD_MS * place) * MS,
+            source_ns=(7_000 + PERIOD_MS * number) * MS,
+        )
+        for place, number in enumerate(pairs, 6)
+    ]
+    assert Verdict.OK not in {d.verdict for d in driven(late(*[3] * 5) + queue)[5:]}
+
+
 FROZEN = SenseSettings(frozen_after_s=0.2)
 
 
