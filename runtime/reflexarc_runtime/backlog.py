@@ -23,6 +23,11 @@ STEP_NS = 50_000_000
 """A delay so far below the least one: the sender's clock stepped. By less, it is the least one that
 had waited, as where a stream begins."""
 
+MOST_STAMP_NS = 1 << 61
+"""Seventy years; a later stamp tells nothing. So all numbers here fit a keyframe's 64 bits."""
+MOST_BEHIND_NS = 1 << 60
+"""Half as long: nobody drives by it either way."""
+
 _SECOND_NS = 1_000_000_000
 
 
@@ -67,7 +72,7 @@ def least_after(known: LeastDelay | None, delay_ns: int, now_ns: int) -> LeastDe
     return LeastDelay(known.since_ns, delay_ns, known.before_ns)
 
 
-class Backlog(NamedTuple):  # made at every input; a frozen dataclass takes four times as long
+class Lag(NamedTuple):  # made at every input; a frozen dataclass takes four times as long
     """How far behind its sender's best the last message of a stream came."""
 
     behind_ns: int = 0
@@ -80,7 +85,7 @@ class Backlog(NamedTuple):  # made at every input; a frozen dataclass takes four
 
     def after(
         self, stamp_ns: int, received_ns: int, silence_ns: int, overtaken: bool = False
-    ) -> "Backlog":
+    ) -> "Lag":
         """After one more message.
 
         Args:
@@ -90,6 +95,8 @@ class Backlog(NamedTuple):  # made at every input; a frozen dataclass takes four
             overtaken: whether its number is below the last one's: then an earlier stamp is no step
                 of a clock.
         """
+        if stamp_ns > MOST_STAMP_NS:
+            stamp_ns = 0
         last_ns, least = self.stamp_ns, self.least
         if least is None or stamp_ns < last_ns:
             return self._begun_anew(stamp_ns, received_ns, silence_ns, overtaken)
@@ -99,16 +106,16 @@ class Backlog(NamedTuple):  # made at every input; a frozen dataclass takes four
             return begun(self._grown_ns(received_ns), stamp_ns, received_ns)
         if delay_ns < least.least_ns or received_ns - least.since_ns >= WINDOW_NS:
             return self._followed(least, stamp_ns, received_ns)
-        return Backlog(behind_ns, stamp_ns, received_ns, least)
+        return Lag(behind_ns, stamp_ns, received_ns, least)
 
-    def _followed(self, least: LeastDelay, stamp_ns: int, received_ns: int) -> "Backlog":
+    def _followed(self, least: LeastDelay, stamp_ns: int, received_ns: int) -> "Lag":
         delay_ns = received_ns - stamp_ns
         least = least_after(least, delay_ns, received_ns)
-        return Backlog(least.behind_ns(delay_ns), stamp_ns, received_ns, least)
+        return Lag(least.behind_ns(delay_ns), stamp_ns, received_ns, least)
 
     def _begun_anew(
         self, stamp_ns: int, received_ns: int, silence_ns: int, overtaken: bool
-    ) -> "Backlog":
+    ) -> "Lag":
         """After a message whose sender's clock is not known, or went back."""
         if stamp_ns < self.stamp_ns:
             if received_ns - self.received_ns > silence_ns:
@@ -124,15 +131,16 @@ class Backlog(NamedTuple):  # made at every input; a frozen dataclass takes four
         return self.behind_ns + max(0, received_ns - self.received_ns)
 
 
-NO_BACKLOG = Backlog()
+NO_LAG = Lag()
 
 
-def begun(behind_ns: int, stamp_ns: int, received_ns: int) -> Backlog:
+def begun(behind_ns: int, stamp_ns: int, received_ns: int) -> Lag:
     """A stream of whose clock nothing is known but how far behind its last message came."""
+    behind_ns = min(behind_ns, MOST_BEHIND_NS)
     if not stamp_ns:
-        return Backlog(behind_ns, 0, received_ns)
+        return Lag(behind_ns, 0, received_ns)
     best_ns = received_ns - stamp_ns - behind_ns
-    return Backlog(behind_ns, stamp_ns, received_ns, LeastDelay(received_ns, best_ns, best_ns))
+    return Lag(behind_ns, stamp_ns, received_ns, LeastDelay(received_ns, best_ns, best_ns))
 
 
 BACKLOG = "a backlog"

@@ -15,7 +15,7 @@ from typing import cast
 import numpy as np
 
 from reflexarc_runtime.arrays import Memories, QValues, Retina, RetinaStack
-from reflexarc_runtime.backlog import NO_BACKLOG, Backlog, backlog_in_words
+from reflexarc_runtime.backlog import NO_LAG, Lag, backlog_in_words
 from reflexarc_runtime.beams import Beams
 from reflexarc_runtime.choice import Hold, choose
 from reflexarc_runtime.contract.contract import PolicyContract
@@ -151,7 +151,7 @@ class Controller:
             if source.sender != sensed.stamp.sender:
                 return replace(state, streak=0, source=source)
             if state.source is not None and state.source.sender != source.sender:
-                state = replace(state, streak=0, backlog=NO_BACKLOG)
+                state = replace(state, streak=0, backlog=NO_LAG)
         if state.streak and not _is_newer(sensed.stamp, state.newest):
             return state if source is state.source else replace(state, source=source)
         return State(  # every field by name: `replace` takes three times as long
@@ -168,11 +168,11 @@ class Controller:
             overrun=state.overrun,
             moving=state.moving,
             ranges=state.ranges,
-            backlog=self._aged(state, sensed) if self.rules.ages_backlogs else NO_BACKLOG,
+            backlog=self._aged(state, sensed) if self.rules.ages_backlogs else NO_LAG,
             still=state.still.seen(sensed.picture) if sensed.picture else MOVING,
         )
 
-    def _aged(self, state: State, sensed: Sensed) -> Backlog:
+    def _aged(self, state: State, sensed: Sensed) -> Lag:
         """How far behind a newly accepted message came."""
         stamp, newest = sensed.stamp, state.newest
         overtaken = newest is not None and stamp.sequence < newest.stamp.sequence

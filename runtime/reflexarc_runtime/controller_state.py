@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from reflexarc_runtime.arrays import Memories, Retina
-from reflexarc_runtime.backlog import NO_BACKLOG, Backlog
+from reflexarc_runtime.backlog import NO_LAG, Lag
 from reflexarc_runtime.choice import Hold
 from reflexarc_runtime.inertia import Moving
 from reflexarc_runtime.messages.wire import Message
@@ -60,7 +60,7 @@ class RangeState:
     """The sender whose ranges count; None before the first ones."""
     fault: str = ""
     """Why the newest message cannot be used; empty if it can."""
-    backlog: Backlog = NO_BACKLOG
+    backlog: Lag = NO_LAG
     """How far behind the newest ones came."""
 
 
@@ -95,7 +95,7 @@ class State:
     """How the body is believed to move, where a guard asks; None: not known yet."""
     ranges: RangeState = NO_RANGES
     """What came on the topic of the guard's own ranges, where it has one."""
-    backlog: Backlog = NO_BACKLOG
+    backlog: Lag = NO_LAG
     """How far behind the newest input came."""
     still: Still = MOVING
     """For how long the body was told to drive by one picture, where somebody asks."""

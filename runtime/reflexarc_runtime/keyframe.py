@@ -10,7 +10,7 @@ import numpy as np
 
 from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.arrays import Memories, Retina
-from reflexarc_runtime.backlog import NO_BACKLOG, Backlog, LeastDelay
+from reflexarc_runtime.backlog import NO_LAG, Lag, LeastDelay
 from reflexarc_runtime.choice import Hold
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.controller_state import BoundBody, RangeState, State
@@ -86,7 +86,7 @@ def decode_state(message: pb.Keyframe, contract: PolicyContract) -> State:
         source=_bound(message.source) if message.HasField("source") else None,
         ranges=_ranges(message),
         moving=_moving(message.moving) if message.HasField("moving") else None,
-        backlog=_waited(message.backlog) if message.HasField("backlog") else NO_BACKLOG,
+        backlog=_waited(message.backlog) if message.HasField("backlog") else NO_LAG,
         still=_unchanged(message.still) if message.HasField("still") else MOVING,
     )
 
@@ -134,8 +134,8 @@ def _swept(scan: Scan) -> pb.AcceptedScan:
     )
 
 
-def _backlog(backlog: Backlog) -> pb.Backlog | None:
-    if backlog == NO_BACKLOG:
+def _backlog(backlog: Lag) -> pb.Backlog | None:
+    if backlog == NO_LAG:
         return None
     known = backlog.least
     return pb.Backlog(
@@ -152,12 +152,12 @@ def _least(known: LeastDelay) -> pb.LeastDelay:
     )
 
 
-def _waited(said: pb.Backlog) -> Backlog:
+def _waited(said: pb.Backlog) -> Lag:
     least = None
     if said.HasField("least"):
         known = said.least
         least = LeastDelay(known.since_ns, known.least_ns, known.before_ns)
-    return Backlog(said.behind_ns, said.stamp_ns, said.received_ns, least)
+    return Lag(said.behind_ns, said.stamp_ns, said.received_ns, least)
 
 
 def _still(still: Still) -> pb.Still | None:
@@ -207,7 +207,7 @@ def _ranges(message: pb.Keyframe) -> RangeState:
         newest = Ranged(stamp, was.received_ns, _scan(was.scan))
     source = _bound(message.ranges_source) if message.HasField("ranges_source") else None
     late = message.HasField("ranges_backlog")
-    backlog = _waited(message.ranges_backlog) if late else NO_BACKLOG
+    backlog = _waited(message.ranges_backlog) if late else NO_LAG
     return RangeState(newest, source, message.ranges_fault, backlog)
 
 

@@ -6,7 +6,7 @@ else speaks is not believed, and shows. A scan that is broken is no range until 
 
 from dataclasses import replace
 
-from reflexarc_runtime.backlog import NO_BACKLOG, Backlog, backlog_in_words
+from reflexarc_runtime.backlog import NO_LAG, Lag, backlog_in_words
 from reflexarc_runtime.beams import Beams
 from reflexarc_runtime.controller_state import RangeState, bound_after
 from reflexarc_runtime.messages.wire import Message, UndecodableError, UnfitError
@@ -41,14 +41,14 @@ def heard(
         return replace(known, source=source)
     is_another = before is not None and before.sender != sender
     if known.fault or is_another or _is_newer(ranged, known.newest):
-        backlog = NO_BACKLOG
+        backlog = NO_LAG
         if ages_backlogs:
             backlog = _aged(RangeState() if is_another else known, ranged, oldest_ns)
         return RangeState(ranged, source, backlog=backlog)
     return replace(known, source=source)
 
 
-def _aged(known: RangeState, ranged: Ranged, silence_ns: int) -> Backlog:
+def _aged(known: RangeState, ranged: Ranged, silence_ns: int) -> Lag:
     """How far behind newly accepted ranges came."""
     stamp, newest = ranged.stamp, known.newest
     overtaken = newest is not None and stamp.sequence < newest.stamp.sequence

@@ -10,7 +10,8 @@ from reflexarc_runtime.controller import Controller
 from reflexarc_runtime.controller_state import Inputs, State
 from reflexarc_runtime.decision import Decision, Verdict
 from reflexarc_runtime.keyframe import decode_state, encode_state
-from reflexarc_runtime.messages.wire import Message
+from reflexarc_runtime.messages.codec import decision_to_protobuf
+from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp
 from reflexarc_runtime.messages_pb2 import Keyframe
 from reflexarc_runtime.rules import CURRENT_RULES, RULES, ControllerRules
 from reflexarc_runtime.sensing.sense_settings import SenseSettings
@@ -161,3 +162,23 @@ def test_nobody_who_did_not_ask_pays_for_it():
     sense = RetinaSense(SMALL.retina)
     assert sense.decode(retina_message(0, 0)).picture == b""
     assert {d.verdict for d in driven(pictures(*[7] * 50))[2:]} == {Verdict.OK}
+
+
+@settings(max_examples=200, deadline=None)
+@given(
+    st.lists(
+        st.tuples(
+            st.integers(0, 9), st.sampled_from([0, 1, 10**9, 1 << 60, 1 << 61, (1 << 63) - 1])
+        ),
+        max_size=30,
+    )
+)
+def test_no_stamps_whatever_raise_here_or_in_a_keyframe(stamps: list[tuple[int, int]]):
+    messages = []
+    for number, (sequence, stamp_ns) in enumerate(stamps):
+        at_ns = (7_000 + number * PERIOD_MS) * MS
+        good = retina_message(sequence, at_ns, source_ns=0)
+        stamp = pack_stamp(Stamp(sequence, stamp_ns))
+        messages += [replace(good, attachment=stamp), replace(good, payload=b"\xff")]
+    for decision in driven(messages, through_keyframes=True):
+        decision_to_protobuf(decision)

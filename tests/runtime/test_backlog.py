@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from reflexarc_runtime.backlog import NO_BACKLOG, WINDOW_NS, LeastDelay, least_after
+from reflexarc_runtime.backlog import NO_LAG, WINDOW_NS, LeastDelay, least_after
 
 MS = 1_000_000
 
@@ -71,7 +71,7 @@ def stream(delays_ms: list[int], steps: Steps, period_ms: int = 100):
     st.lists(st.tuples(st.integers(1, 59), st.sampled_from([-3000, 60_000])), max_size=3),
 )
 def test_no_step_of_the_sender_s_clock_makes_a_picture_younger(delays_ms: list[int], steps: Steps):
-    known, least_ms = NO_BACKLOG, 10**9
+    known, least_ms = NO_LAG, 10**9
     for arrived_ms, true_ms, clock_ms in stream(delays_ms, steps):
         known = known.after(clock_ms * MS, arrived_ms * MS, SILENCE_NS)
         least_ms = min(least_ms, true_ms)
@@ -80,7 +80,7 @@ def test_no_step_of_the_sender_s_clock_makes_a_picture_younger(delays_ms: list[i
 
 @pytest.mark.parametrize("step_ms", [-3000, 3000])
 def test_after_a_step_a_steady_stream_is_believed_again(step_ms: int):
-    known, found = NO_BACKLOG, []
+    known, found = NO_LAG, []
     for arrived_ms, _, clock_ms in stream([5] * 300, [(50, step_ms)], period_ms=20):
         known = known.after(clock_ms * MS, arrived_ms * MS, SILENCE_NS)
         found.append(known.behind_ns // MS)
@@ -89,14 +89,14 @@ def test_after_a_step_a_steady_stream_is_believed_again(step_ms: int):
 
 
 def test_without_stamps_nothing_is_known_and_age_counts_from_the_arrival():
-    known = NO_BACKLOG
+    known = NO_LAG
     for number in range(100):
         known = known.after(0, number * 20 * MS, SILENCE_NS)
         assert known.behind_ns == 0
 
 
 def test_stamps_that_end_leave_a_queue_as_deep_as_it_was():
-    known = NO_BACKLOG
+    known = NO_LAG
     for number, delay_ms in enumerate([0, 0, 2000]):
         stamp_ms = 1000 + 20 * number
         known = known.after(stamp_ms * MS, (stamp_ms + delay_ms) * MS, SILENCE_NS)
@@ -106,14 +106,14 @@ def test_stamps_that_end_leave_a_queue_as_deep_as_it_was():
 
 
 def test_a_stamp_that_never_changes_is_an_old_picture_again_and_again():
-    known = NO_BACKLOG
+    known = NO_LAG
     for number in range(101):
         known = known.after(7, number * 20 * MS, SILENCE_NS)
     assert known.behind_ns == 2000 * MS
 
 
 def test_a_sender_that_began_anew_is_believed_after_its_silence():
-    known = NO_BACKLOG
+    known = NO_LAG
     for number in range(50):
         known = known.after((10**6 + 20 * number) * MS, 20 * number * MS, SILENCE_NS)
     for number in range(50):  # a microcontroller: its clock begins at 0
@@ -123,7 +123,7 @@ def test_a_sender_that_began_anew_is_believed_after_its_silence():
 
 
 def test_messages_that_were_overtaken_in_a_queue_do_not_pass_for_a_clock_s_step():
-    known = NO_BACKLOG.after(10 * MS, 10 * MS, SILENCE_NS)
+    known = NO_LAG.after(10 * MS, 10 * MS, SILENCE_NS)
     sequence, behind = 0, []
     for place in range(1, 200):
         number = place + 1 if place % 2 else place - 1  # 2, 1, 4, 3, …
@@ -138,7 +138,7 @@ def test_messages_that_were_overtaken_in_a_queue_do_not_pass_for_a_clock_s_step(
 @given(st.lists(st.integers(0, 40), min_size=200, max_size=200))
 @settings(deadline=None)
 def test_over_many_windows_it_is_the_least_delay_s_own_account(delays_ms: list[int]):
-    known, least = NO_BACKLOG, None
+    known, least = NO_LAG, None
     for number, delay_ms in enumerate(delays_ms):
         stamp_ms = 1 + 1000 * number  # three windows
         arrived_ns = (stamp_ms + delay_ms) * MS

@@ -8,7 +8,7 @@ import logging
 from collections import Counter
 from typing import TYPE_CHECKING
 
-from reflexarc_runtime.backlog import NO_BACKLOG
+from reflexarc_runtime.backlog import NO_LAG
 from reflexarc_runtime.messages.wire import Message
 from reflexarc_sim_bridge.body.ros2.messages import (
     STANDARD,
@@ -49,7 +49,7 @@ class ScanRelay:
     ) -> None:
         self._publisher, self._scanner = publisher, scanner
         self._heeds_stamps = heeds_stamps
-        self._backlog = NO_BACKLOG
+        self._backlog = NO_LAG
         self.scans = 0
         self.refused: Counter[str] = Counter()
 
