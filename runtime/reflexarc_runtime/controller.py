@@ -15,6 +15,7 @@ from typing import cast
 import numpy as np
 
 from reflexarc_runtime.arrays import Memories, QValues, Retina, RetinaStack
+from reflexarc_runtime.backlog import NO_LAG, Lag, backlog_in_words
 from reflexarc_runtime.beams import Beams
 from reflexarc_runtime.choice import Hold, choose
 from reflexarc_runtime.contract.contract import PolicyContract
@@ -38,7 +39,11 @@ from reflexarc_runtime.policy.policy import Policy, RememberingPolicy
 from reflexarc_runtime.ranging import beams_of, heard, lack_of
 from reflexarc_runtime.rules import CURRENT_RULES, ControllerRules
 from reflexarc_runtime.sensing.senses import DEFAULT, Sense, Sensed
+from reflexarc_runtime.sensing.stillness import MOVING, Still
 from reflexarc_runtime.sweep import Speeds
+
+_ENDS_STREAKS = (Verdict.STALE_INPUT, Verdict.INVALID_INPUT)
+"""Verdicts after which good inputs must come in a row again."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +93,7 @@ class Controller:
         if self.guard is not None and outcome.hold is not None:
             outcome = self._guarded(self.guard, outcome, outcome.hold, state, now_ns)
         decision = self._conclude(state, inputs, now_ns, outcome)
-        return self._remember(state, outcome, self._told(state, decision)), decision
+        return self._remember(state, outcome, decision), decision
 
     def _moving(self, state: State, now_ns: int) -> Speeds | None:
         """How the body is believed to move; None where nobody asks. At first it stands."""
@@ -112,13 +117,16 @@ class Controller:
         if topic is STOP:
             return replace(state, stopped=stop_reason(message))
         if topic is RESET:
-            return replace(state, streak=0, stopped="") if is_reset(message) else state
+            if not is_reset(message):
+                return state
+            return replace(state, streak=0, stopped="", still=MOVING)
         if topic is OVERRUN:
             return replace(state, streak=0, overrun=lateness_of(message))
         if topic is not None and topic is self.ranges_topic and self.guard is not None:
             oldest_ns = self.guard.settings.ranges_oldest_ns
             settings = self.sense.settings or DEFAULT
-            return replace(state, ranges=heard(state.ranges, message, oldest_ns, settings))
+            ages = self.rules.ages_backlogs
+            return replace(state, ranges=heard(state.ranges, message, oldest_ns, settings, ages))
         return self._accept(state, message)
 
     @property
@@ -143,7 +151,7 @@ class Controller:
             if source.sender != sensed.stamp.sender:
                 return replace(state, streak=0, source=source)
             if state.source is not None and state.source.sender != source.sender:
-                state = replace(state, streak=0)
+                state = replace(state, streak=0, backlog=NO_LAG)
         if state.streak and not _is_newer(sensed.stamp, state.newest):
             return state if source is state.source else replace(state, source=source)
         return State(  # every field by name: `replace` takes three times as long
@@ -160,7 +168,16 @@ class Controller:
             overrun=state.overrun,
             moving=state.moving,
             ranges=state.ranges,
+            backlog=self._aged(state, sensed) if self.rules.ages_backlogs else NO_LAG,
+            still=state.still.seen(sensed.picture) if sensed.picture else MOVING,
         )
+
+    def _aged(self, state: State, sensed: Sensed) -> Lag:
+        """How far behind a newly accepted message came."""
+        stamp, newest = sensed.stamp, state.newest
+        overtaken = newest is not None and stamp.sequence < newest.stamp.sequence
+        silence_ns = self.contract.max_input_age_ns
+        return state.backlog.after(stamp.time_ns, sensed.received_ns, silence_ns, overtaken)
 
     def _source(self, bound: BoundBody | None, sensed: Sensed) -> BoundBody:
         """The source after a good message: another one only after this one's silence."""
@@ -180,18 +197,36 @@ class Controller:
             return Verdict.OVERRUN, state.overrun
         if state.fault:
             return Verdict.INVALID_INPUT, state.fault
+        if state.still.driven_ns and self._is_frozen(state.still):
+            return Verdict.INVALID_INPUT, self._frozen_words()
         stranger = self._stranger(state, now_ns)
         if stranger:
             return Verdict.TWO_SOURCES, f"another {stranger} sends as well"
         if state.newest is None:
             return Verdict.NO_INPUT, "nothing has arrived"
         age_ns, limit_ns = now_ns - state.newest.received_ns, self.contract.max_input_age_ns
+        behind_ns = state.backlog.behind_ns
         if age_ns > limit_ns:
             return Verdict.STALE_INPUT, f"older than {limit_ns / 1e6:g} ms"
+        if age_ns + behind_ns > limit_ns:
+            return Verdict.STALE_INPUT, backlog_in_words(behind_ns)
         wanted = self.contract.recovery_inputs
         if state.streak < wanted:
             return Verdict.RECOVERING, f"{state.streak} of {wanted} good inputs in a row"
         return Verdict.OK, ""
+
+    def _is_frozen(self, still: Still) -> bool:
+        settings = self.sense.settings
+        if settings is None or settings.frozen_after_s is None:
+            return False
+        return still.driven_ns > settings.frozen_after_s * 1e9
+
+    def _frozen_words(self) -> str:
+        limit_s = (self.sense.settings or DEFAULT).frozen_after_s
+        return (
+            f"the same {self.sense.topic.name} all the time, while the body was told to drive for "
+            f"{limit_s:g} s (--frozen-after): does its driver hang?"
+        )
 
     def _stranger(self, state: State, now_ns: int) -> str:
         """What spoke beside the sender that it is bound to; empty if nothing did."""
@@ -249,11 +284,13 @@ class Controller:
         if guard.settings.ranges:
             ranged = state.ranges.newest
             beams = beams_of(state.ranges, now_ns, guard.settings.ranges_oldest_ns)
-            return beams, 0.0 if ranged is None else max(0, now_ns - ranged.received_ns) * 1e-9
+            behind_ns = state.ranges.backlog.behind_ns
+            return beams, 0.0 if ranged is None else _age_s(ranged.received_ns, behind_ns, now_ns)
         newest = state.newest
         if newest is None:
             return None, 0.0
-        return self.sense.beams(newest), max(0, now_ns - newest.received_ns) * 1e-9
+        behind_ns = state.backlog.behind_ns
+        return self.sense.beams(newest), _age_s(newest.received_ns, behind_ns, now_ns)
 
     def _memory(self, state: State) -> Memories | None:
         spec = self.contract.state
@@ -278,15 +315,16 @@ class Controller:
         contract = self.contract
         return choose(held, q_values, winner, slot, contract.hold_slots, contract.margin)
 
-    def _remember(self, state: State, outcome: Outcome, moving: Moving | None) -> State:
+    def _remember(self, state: State, outcome: Outcome, decision: Decision) -> State:
         """The state after a tick. Any verdict but OK ends a hold.
 
         Where the policy was not asked, or failed, its memory begins anew.
         """
         is_good = outcome.verdict in ASKED
+        still, now_ns = state.still, decision.now_ns
         return State(
             index=state.index + 1,
-            streak=0 if outcome.verdict is Verdict.STALE_INPUT else state.streak,
+            streak=0 if outcome.verdict in _ENDS_STREAKS else state.streak,
             newest=state.newest,
             frames=state.frames,
             fault=state.fault,
@@ -295,12 +333,14 @@ class Controller:
             hold=outcome.hold,
             stopped=state.stopped,
             source=state.source,
-            moving=moving,
+            moving=self._told(state, decision),
             ranges=state.ranges,
+            backlog=state.backlog,
+            still=still.told(not decision.command.is_safe, now_ns) if still.picture else still,
         )
 
     def _conclude(self, state: State, inputs: Inputs, now_ns: int, outcome: Outcome) -> Decision:
-        used = _input_of(state.newest, now_ns)
+        used = _input_of(state.newest, state.backlog.behind_ns, now_ns)
         action, verdict = outcome.action, outcome.verdict
         if action != SAFE_ACTION and used is not None:
             motion, valid_for_ns = self.contract.actions[action], self.contract.max_input_age_ns
@@ -351,8 +391,12 @@ def _is_finite(q_values: tuple[float, ...], following: Memories | None) -> bool:
     return remembered and all(map(math.isfinite, q_values))
 
 
-def _input_of(newest: Sensed | None, now_ns: int) -> Input | None:
+def _age_s(received_ns: int, behind_ns: int, now_ns: int) -> float:
+    return (max(0, now_ns - received_ns) + behind_ns) * 1e-9
+
+
+def _input_of(newest: Sensed | None, behind_ns: int, now_ns: int) -> Input | None:
     if newest is None:
         return None
     stamp, received_ns = newest.stamp, newest.received_ns
-    return Input(stamp.sequence, stamp.time_ns, received_ns, now_ns - received_ns)
+    return Input(stamp.sequence, stamp.time_ns, received_ns, now_ns - received_ns + behind_ns)

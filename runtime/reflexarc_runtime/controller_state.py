@@ -3,11 +3,13 @@
 from dataclasses import dataclass
 
 from reflexarc_runtime.arrays import Memories, Retina
+from reflexarc_runtime.backlog import NO_LAG, Lag
 from reflexarc_runtime.choice import Hold
 from reflexarc_runtime.inertia import Moving
 from reflexarc_runtime.messages.wire import Message
 from reflexarc_runtime.sensing.ranges import Ranged
 from reflexarc_runtime.sensing.senses import Sensed
+from reflexarc_runtime.sensing.stillness import MOVING, Still
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +60,8 @@ class RangeState:
     """The sender whose ranges count; None before the first ones."""
     fault: str = ""
     """Why the newest message cannot be used; empty if it can."""
+    backlog: Lag = NO_LAG
+    """How far behind the newest ones came."""
 
 
 NO_RANGES = RangeState()
@@ -91,3 +95,7 @@ class State:
     """How the body is believed to move, where a guard asks; None: not known yet."""
     ranges: RangeState = NO_RANGES
     """What came on the topic of the guard's own ranges, where it has one."""
+    backlog: Lag = NO_LAG
+    """How far behind the newest input came."""
+    still: Still = MOVING
+    """For how long the body was told to drive by one picture, where somebody asks."""

@@ -10,6 +10,7 @@ import numpy as np
 
 from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.arrays import Memories, Retina
+from reflexarc_runtime.backlog import NO_LAG, Lag, LeastDelay
 from reflexarc_runtime.choice import Hold
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.controller_state import BoundBody, RangeState, State
@@ -19,6 +20,7 @@ from reflexarc_runtime.messages.wire import Stamp
 from reflexarc_runtime.sensing.ranges import Ranged
 from reflexarc_runtime.sensing.scan import Scan, UnusableScanError, check_sweep
 from reflexarc_runtime.sensing.senses import Sensed
+from reflexarc_runtime.sensing.stillness import MOVING, Still
 
 MAX_COUNT = 1 << 62
 """More ticks or inputs than any loop counts."""
@@ -53,6 +55,9 @@ def encode_state(state: State, policy_hash: str) -> bytes:
         ranges_source=None if ranges.source is None else _source(ranges.source),
         ranges_fault=ranges.fault,
         moving=None if state.moving is None else _told(state.moving),
+        backlog=_backlog(state.backlog),
+        ranges_backlog=_backlog(ranges.backlog),
+        still=_still(state.still),
     ).SerializeToString()
 
 
@@ -81,6 +86,8 @@ def decode_state(message: pb.Keyframe, contract: PolicyContract) -> State:
         source=_bound(message.source) if message.HasField("source") else None,
         ranges=_ranges(message),
         moving=_moving(message.moving) if message.HasField("moving") else None,
+        backlog=_waited(message.backlog) if message.HasField("backlog") else NO_LAG,
+        still=_unchanged(message.still) if message.HasField("still") else MOVING,
     )
 
 
@@ -127,6 +134,43 @@ def _swept(scan: Scan) -> pb.AcceptedScan:
     )
 
 
+def _backlog(backlog: Lag) -> pb.Backlog | None:
+    if backlog == NO_LAG:
+        return None
+    known = backlog.least
+    return pb.Backlog(
+        behind_ns=backlog.behind_ns,
+        stamp_ns=backlog.stamp_ns,
+        received_ns=backlog.received_ns,
+        least=None if known is None else _least(known),
+    )
+
+
+def _least(known: LeastDelay) -> pb.LeastDelay:
+    return pb.LeastDelay(
+        since_ns=known.since_ns, least_ns=known.least_ns, before_ns=known.before_ns
+    )
+
+
+def _waited(said: pb.Backlog) -> Lag:
+    least = None
+    if said.HasField("least"):
+        known = said.least
+        least = LeastDelay(known.since_ns, known.least_ns, known.before_ns)
+    return Lag(said.behind_ns, said.stamp_ns, said.received_ns, least)
+
+
+def _still(still: Still) -> pb.Still | None:
+    if still == MOVING:
+        return None
+    return pb.Still(picture=still.picture, driven_ns=still.driven_ns, told_ns=still.told_ns)
+
+
+def _unchanged(said: pb.Still) -> Still:
+    told_ns = said.told_ns if said.HasField("told_ns") else None
+    return Still(said.picture, said.driven_ns, told_ns)
+
+
 def _memory(state: State) -> pb.Memory | None:
     if state.following is None:
         return None
@@ -162,7 +206,9 @@ def _ranges(message: pb.Keyframe) -> RangeState:
         stamp = Stamp(was.sequence, was.source_time_ns, was.sender)
         newest = Ranged(stamp, was.received_ns, _scan(was.scan))
     source = _bound(message.ranges_source) if message.HasField("ranges_source") else None
-    return RangeState(newest, source, message.ranges_fault)
+    late = message.HasField("ranges_backlog")
+    backlog = _waited(message.ranges_backlog) if late else NO_LAG
+    return RangeState(newest, source, message.ranges_fault, backlog)
 
 
 def _scan(swept: pb.AcceptedScan) -> Scan:

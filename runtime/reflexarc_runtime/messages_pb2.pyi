@@ -102,7 +102,7 @@ class Decision(_message.Message):
     def __init__(self, index: _Optional[int] = ..., slot: _Optional[int] = ..., now_ns: _Optional[int] = ..., inputs: _Optional[int] = ..., input: _Optional[_Union[Input, _Mapping]] = ..., retina: _Optional[bytes] = ..., q_values: _Optional[_Iterable[float]] = ..., action: _Optional[int] = ..., verdict: _Optional[_Union[Verdict, str]] = ..., reason: _Optional[str] = ..., command: _Optional[_Union[Command, _Mapping]] = ..., policy_hash: _Optional[str] = ..., winner: _Optional[int] = ..., state: _Optional[_Iterable[float]] = ...) -> None: ...
 
 class Keyframe(_message.Message):
-    __slots__ = ("index", "policy_hash", "streak", "newest", "frames", "fault", "memory", "hold", "stopped", "source", "ranges", "ranges_source", "moving", "ranges_fault")
+    __slots__ = ("index", "policy_hash", "streak", "newest", "frames", "fault", "memory", "hold", "stopped", "source", "ranges", "ranges_source", "moving", "ranges_fault", "backlog", "ranges_backlog", "still")
     INDEX_FIELD_NUMBER: _ClassVar[int]
     POLICY_HASH_FIELD_NUMBER: _ClassVar[int]
     STREAK_FIELD_NUMBER: _ClassVar[int]
@@ -117,6 +117,9 @@ class Keyframe(_message.Message):
     RANGES_SOURCE_FIELD_NUMBER: _ClassVar[int]
     MOVING_FIELD_NUMBER: _ClassVar[int]
     RANGES_FAULT_FIELD_NUMBER: _ClassVar[int]
+    BACKLOG_FIELD_NUMBER: _ClassVar[int]
+    RANGES_BACKLOG_FIELD_NUMBER: _ClassVar[int]
+    STILL_FIELD_NUMBER: _ClassVar[int]
     index: int
     policy_hash: str
     streak: int
@@ -131,7 +134,42 @@ class Keyframe(_message.Message):
     ranges_source: Source
     moving: Moving
     ranges_fault: str
-    def __init__(self, index: _Optional[int] = ..., policy_hash: _Optional[str] = ..., streak: _Optional[int] = ..., newest: _Optional[_Union[Accepted, _Mapping]] = ..., frames: _Optional[_Iterable[bytes]] = ..., fault: _Optional[str] = ..., memory: _Optional[_Union[Memory, _Mapping]] = ..., hold: _Optional[_Union[Hold, _Mapping]] = ..., stopped: _Optional[str] = ..., source: _Optional[_Union[Source, _Mapping]] = ..., ranges: _Optional[_Union[Accepted, _Mapping]] = ..., ranges_source: _Optional[_Union[Source, _Mapping]] = ..., moving: _Optional[_Union[Moving, _Mapping]] = ..., ranges_fault: _Optional[str] = ...) -> None: ...
+    backlog: Backlog
+    ranges_backlog: Backlog
+    still: Still
+    def __init__(self, index: _Optional[int] = ..., policy_hash: _Optional[str] = ..., streak: _Optional[int] = ..., newest: _Optional[_Union[Accepted, _Mapping]] = ..., frames: _Optional[_Iterable[bytes]] = ..., fault: _Optional[str] = ..., memory: _Optional[_Union[Memory, _Mapping]] = ..., hold: _Optional[_Union[Hold, _Mapping]] = ..., stopped: _Optional[str] = ..., source: _Optional[_Union[Source, _Mapping]] = ..., ranges: _Optional[_Union[Accepted, _Mapping]] = ..., ranges_source: _Optional[_Union[Source, _Mapping]] = ..., moving: _Optional[_Union[Moving, _Mapping]] = ..., ranges_fault: _Optional[str] = ..., backlog: _Optional[_Union[Backlog, _Mapping]] = ..., ranges_backlog: _Optional[_Union[Backlog, _Mapping]] = ..., still: _Optional[_Union[Still, _Mapping]] = ...) -> None: ...
+
+class Backlog(_message.Message):
+    __slots__ = ("behind_ns", "stamp_ns", "received_ns", "least")
+    BEHIND_NS_FIELD_NUMBER: _ClassVar[int]
+    STAMP_NS_FIELD_NUMBER: _ClassVar[int]
+    RECEIVED_NS_FIELD_NUMBER: _ClassVar[int]
+    LEAST_FIELD_NUMBER: _ClassVar[int]
+    behind_ns: int
+    stamp_ns: int
+    received_ns: int
+    least: LeastDelay
+    def __init__(self, behind_ns: _Optional[int] = ..., stamp_ns: _Optional[int] = ..., received_ns: _Optional[int] = ..., least: _Optional[_Union[LeastDelay, _Mapping]] = ...) -> None: ...
+
+class LeastDelay(_message.Message):
+    __slots__ = ("since_ns", "least_ns", "before_ns")
+    SINCE_NS_FIELD_NUMBER: _ClassVar[int]
+    LEAST_NS_FIELD_NUMBER: _ClassVar[int]
+    BEFORE_NS_FIELD_NUMBER: _ClassVar[int]
+    since_ns: int
+    least_ns: int
+    before_ns: int
+    def __init__(self, since_ns: _Optional[int] = ..., least_ns: _Optional[int] = ..., before_ns: _Optional[int] = ...) -> None: ...
+
+class Still(_message.Message):
+    __slots__ = ("picture", "driven_ns", "told_ns")
+    PICTURE_FIELD_NUMBER: _ClassVar[int]
+    DRIVEN_NS_FIELD_NUMBER: _ClassVar[int]
+    TOLD_NS_FIELD_NUMBER: _ClassVar[int]
+    picture: bytes
+    driven_ns: int
+    told_ns: int
+    def __init__(self, picture: _Optional[bytes] = ..., driven_ns: _Optional[int] = ..., told_ns: _Optional[int] = ...) -> None: ...
 
 class Moving(_message.Message):
     __slots__ = ("twist", "commanded", "at_ns")
@@ -329,7 +367,7 @@ class Tick(_message.Message):
     def __init__(self, decision: _Optional[_Union[Decision, _Mapping]] = ..., timing: _Optional[_Union[Timing, _Mapping]] = ...) -> None: ...
 
 class Status(_message.Message):
-    __slots__ = ("node", "run_id", "policy_hash", "ticks", "rate_hz", "lateness_p50_ns", "lateness_p99_ns", "lateness_max_ns", "skipped_slots", "inbox_overflows", "verdicts", "recording", "guard", "watchdog")
+    __slots__ = ("node", "run_id", "policy_hash", "ticks", "rate_hz", "lateness_p50_ns", "lateness_p99_ns", "lateness_max_ns", "skipped_slots", "inbox_overflows", "verdicts", "recording", "guard", "watchdog", "sensor")
     class VerdictsEntry(_message.Message):
         __slots__ = ("key", "value")
         KEY_FIELD_NUMBER: _ClassVar[int]
@@ -351,6 +389,7 @@ class Status(_message.Message):
     RECORDING_FIELD_NUMBER: _ClassVar[int]
     GUARD_FIELD_NUMBER: _ClassVar[int]
     WATCHDOG_FIELD_NUMBER: _ClassVar[int]
+    SENSOR_FIELD_NUMBER: _ClassVar[int]
     node: str
     run_id: str
     policy_hash: str
@@ -365,7 +404,8 @@ class Status(_message.Message):
     recording: str
     guard: str
     watchdog: str
-    def __init__(self, node: _Optional[str] = ..., run_id: _Optional[str] = ..., policy_hash: _Optional[str] = ..., ticks: _Optional[int] = ..., rate_hz: _Optional[float] = ..., lateness_p50_ns: _Optional[int] = ..., lateness_p99_ns: _Optional[int] = ..., lateness_max_ns: _Optional[int] = ..., skipped_slots: _Optional[int] = ..., inbox_overflows: _Optional[int] = ..., verdicts: _Optional[_Mapping[str, int]] = ..., recording: _Optional[str] = ..., guard: _Optional[str] = ..., watchdog: _Optional[str] = ...) -> None: ...
+    sensor: str
+    def __init__(self, node: _Optional[str] = ..., run_id: _Optional[str] = ..., policy_hash: _Optional[str] = ..., ticks: _Optional[int] = ..., rate_hz: _Optional[float] = ..., lateness_p50_ns: _Optional[int] = ..., lateness_p99_ns: _Optional[int] = ..., lateness_max_ns: _Optional[int] = ..., skipped_slots: _Optional[int] = ..., inbox_overflows: _Optional[int] = ..., verdicts: _Optional[_Mapping[str, int]] = ..., recording: _Optional[str] = ..., guard: _Optional[str] = ..., watchdog: _Optional[str] = ..., sensor: _Optional[str] = ...) -> None: ...
 
 class Contact(_message.Message):
     __slots__ = ("count", "x_m", "y_m", "time_ns")

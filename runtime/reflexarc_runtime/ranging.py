@@ -6,6 +6,7 @@ else speaks is not believed, and shows. A scan that is broken is no range until 
 
 from dataclasses import replace
 
+from reflexarc_runtime.backlog import NO_LAG, Lag, backlog_in_words
 from reflexarc_runtime.beams import Beams
 from reflexarc_runtime.controller_state import RangeState, bound_after
 from reflexarc_runtime.messages.wire import Message, UndecodableError, UnfitError
@@ -15,7 +16,11 @@ from reflexarc_runtime.sensing.sense_settings import SenseSettings
 
 
 def heard(
-    known: RangeState, message: Message, oldest_ns: int, settings: SenseSettings
+    known: RangeState,
+    message: Message,
+    oldest_ns: int,
+    settings: SenseSettings,
+    ages_backlogs: bool,
 ) -> RangeState:
     """What is known after a message.
 
@@ -24,6 +29,7 @@ def heard(
         message: from the topic of the ranges.
         oldest_ns: how old ranges may be; a sender that is silent for longer has gone.
         settings: how a scan is read.
+        ages_backlogs: whether what it waited before its arrival counts.
     """
     try:
         ranged = decode_ranges(message, settings)
@@ -35,8 +41,18 @@ def heard(
         return replace(known, source=source)
     is_another = before is not None and before.sender != sender
     if known.fault or is_another or _is_newer(ranged, known.newest):
-        return RangeState(ranged, source)
+        backlog = NO_LAG
+        if ages_backlogs:
+            backlog = _aged(RangeState() if is_another else known, ranged, oldest_ns)
+        return RangeState(ranged, source, backlog=backlog)
     return replace(known, source=source)
+
+
+def _aged(known: RangeState, ranged: Ranged, silence_ns: int) -> Lag:
+    """How far behind newly accepted ranges came."""
+    stamp, newest = ranged.stamp, known.newest
+    overtaken = newest is not None and stamp.sequence < newest.stamp.sequence
+    return known.backlog.after(stamp.time_ns, ranged.received_ns, silence_ns, overtaken)
 
 
 def _is_newer(ranged: Ranged, newest: Ranged | None) -> bool:
@@ -52,8 +68,11 @@ def lack_of(known: RangeState, now_ns: int, oldest_ns: int) -> str:
         return f"no ranges: {known.fault}"
     if known.newest is None:
         return "no ranges yet"
-    age_ns = now_ns - known.newest.received_ns
-    return f"no ranges for {age_ns * 1e-9:.1f} s" if age_ns > oldest_ns else ""
+    age_ns, behind_ns = now_ns - known.newest.received_ns, known.backlog.behind_ns
+    if age_ns > oldest_ns:
+        return f"no ranges for {age_ns * 1e-9:.1f} s"
+    late = age_ns + behind_ns > oldest_ns
+    return f"ranges {backlog_in_words(behind_ns)}" if late else ""
 
 
 def beams_of(known: RangeState, now_ns: int, oldest_ns: int) -> Beams | None:

@@ -26,12 +26,24 @@ class ControllerRules:
     """A retina says which eye made it; a scan is turned as its scanner sits, and what lies too near
     to be measured, or is unknown, is no free way. Before, numbers were taken as they came."""
 
+    ages_backlogs: bool
+    """An input is as old as it waited since its arrival and before it: see `backlog`. Before, age
+    counted from the arrival alone."""
+
 
 RULES = {
-    1: ControllerRules(1, stop_is_a_message=False, one_source=False, checked_senses=False),
-    2: ControllerRules(2, stop_is_a_message=True, one_source=False, checked_senses=False),
-    3: ControllerRules(3, stop_is_a_message=True, one_source=True, checked_senses=False),
-    4: ControllerRules(4, stop_is_a_message=True, one_source=True, checked_senses=True),
+    1: ControllerRules(
+        1, stop_is_a_message=False, one_source=False, checked_senses=False, ages_backlogs=False
+    ),
+    2: ControllerRules(
+        2, stop_is_a_message=True, one_source=False, checked_senses=False, ages_backlogs=False
+    ),
+    3: ControllerRules(
+        3, stop_is_a_message=True, one_source=True, checked_senses=False, ages_backlogs=False
+    ),
+    4: ControllerRules(
+        4, stop_is_a_message=True, one_source=True, checked_senses=True, ages_backlogs=True
+    ),
 }
 CURRENT_RULES = RULES[4]
 

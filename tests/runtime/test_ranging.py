@@ -161,3 +161,17 @@ def test_settings_of_before_have_no_topic_of_their_own():
         replace(SETTINGS, ranges="sonar")
     with pytest.raises((LogError, UsageError)):
         GuardSettings.from_json(SETTINGS.to_json().replace("0.1", "NaN"))
+
+
+def test_ranges_out_of_a_queue_are_as_old_as_it_is_deep():
+    at_once = {slot: [scan_message(slot, slot * TICK_MS)] for slot in range(4)}
+    late = {
+        slot + 100: [
+            replace(scan_message(slot, slot * TICK_MS), received_ns=(slot + 100) * TICK_MS * MS)
+        ]
+        for slot in range(4, 8)
+    }
+    decisions = drive({**at_once, **late}, 108)
+    assert {d.verdict for d in decisions[:4]} == {Verdict.OK}
+    assert {d.verdict for d in decisions[104:]} == {Verdict.STUCK}
+    assert decisions[-1].reason == "ranges 2.0 s behind its sender's best: a backlog"

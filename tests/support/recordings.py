@@ -22,6 +22,7 @@ from reflexarc_runtime.loop.pacer import RatePacer
 from reflexarc_runtime.messages.codec import encode_retina
 from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp, protobuf_encoding
 from reflexarc_runtime.policy.policy import LoadedPolicy, load_policy
+from reflexarc_runtime.sensing.sense_settings import SenseSettings
 from reflexarc_runtime.sensing.senses import sense_for
 
 MS = 1_000_000
@@ -87,7 +88,9 @@ def drive(
     guard = None
     if run.guard:
         guard = Guard.for_contract(GuardSettings.from_json(run.guard), loaded.contract)
-    sense = sense_for(run.input, loaded.contract.retina, guarded=asks_the_input(guard))
+    senses = SenseSettings.from_json(run.senses) if run.senses else SenseSettings()
+    eye, guarded = loaded.contract.retina, asks_the_input(guard)
+    sense = sense_for(run.input, eye, senses, guarded=guarded)
     controller = Controller(loaded, loaded.contract, sense, loaded.policy_hash, guard=guard)
     outlets = Outlets(Nowhere(), Nowhere(), Nowhere())
     config = {"rate_hz": 50.0, "input": run.input}

@@ -15,6 +15,12 @@ class SenseFlags:
 
     allow_unstated_eye: bool = False
     """Take retinas that do not say which eye made them."""
+    frozen_after: float | None = None
+    """Refuse inputs that never change for so many seconds while the body is told to drive: their
+    driver hangs."""
+    least_returns: float | None = None
+    """Refuse scans of which fewer beams, as a share, have a return: the scanner is covered, or
+    broken."""
     scanner: ScanFlags = field(default_factory=ScanFlags)
 
     @property
@@ -28,5 +34,10 @@ class SenseFlags:
 
         scanner = self.scanner
         return SenseSettings(
-            self.allow_unstated_eye, scanner.known_mount, scanner.ignored, scanner.meaning
+            self.allow_unstated_eye,
+            scanner.known_mount,
+            scanner.ignored,
+            scanner.meaning,
+            self.frozen_after,
+            self.least_returns,
         )

@@ -14,6 +14,7 @@ import numpy as np
 
 from reflexarc_logs.reading.reader import Log
 from reflexarc_logs.replaying.loop_events import LoopEvent
+from reflexarc_runtime.backlog import begun
 from reflexarc_runtime.choice import Hold
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.controller_state import BoundBody, State
@@ -152,6 +153,7 @@ def state_behind(decision: Decision, contract: PolicyContract) -> State:
     used, frames = decision.input, tuple(stack)
     sender = decision.command.body or NO_SENDER
     stamp = Stamp(used.sequence, used.source_time_ns, sender)
+    behind_ns = used.age_ns - (decision.now_ns - used.received_ns)  # 0 before rules 4
     return State(
         index=decision.index + 1,
         streak=contract.recovery_inputs,
@@ -159,4 +161,5 @@ def state_behind(decision: Decision, contract: PolicyContract) -> State:
         frames=frames,
         hold=Hold(decision.action, decision.slot),
         source=BoundBody(sender, used.received_ns) if decision.command.body else None,
+        backlog=begun(behind_ns, used.source_time_ns, used.received_ns),
     )

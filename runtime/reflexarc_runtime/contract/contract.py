@@ -75,7 +75,7 @@ class PolicyContract:
         values = self.retina.frames * self.retina.size
         check_golden(self.golden, values, len(self.actions), self.state.size)
 
-    @property
+    @cached_property
     def max_input_age_ns(self) -> int:
         """`max_input_age_s` in nanoseconds."""
         return round(self.max_input_age_s * 1e9)

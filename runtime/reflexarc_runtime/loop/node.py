@@ -53,6 +53,7 @@ class Node:
         guard: str = "",
         watch: Watch | None = None,
         saw: Callable[[Decision], None] = lambda decision: None,
+        sensor: Callable[[int], str] = lambda now_ns: "",
     ) -> None:
         self._controller = controller
         self._pacer = pacer
@@ -64,7 +65,7 @@ class Node:
         self._overflows = overflows
         self._guard = guard or ("off" if controller.guard is None else "on")
         self._watch: Watch = watch or NoWatch()
-        self._saw = saw
+        self._saw, self._sensor = saw, sensor
         self._flood = FloodNotice(f"the runtime of {robot}")
         self._monitor = Monitor()
         self._state = State()
@@ -212,5 +213,6 @@ class Node:
             recording=self._sink.state,
             guard=f"{self._guard}: {lack}" if lack else self._guard,
             watchdog=self._watch.state,
+            sensor=self._sensor(now_ns),
         )
         self._outlets.status.put(encode_status(status), now_ns)

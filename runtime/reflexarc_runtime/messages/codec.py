@@ -38,6 +38,7 @@ class Status:
     recording: str = "off"
     guard: str = ""
     watchdog: str = ""
+    sensor: str = ""
 
 
 def timestamp(time_ns: int) -> Timestamp:

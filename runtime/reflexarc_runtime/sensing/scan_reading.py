@@ -24,4 +24,18 @@ def read_scan(scan: LaserScan, settings: SenseSettings) -> Scan:
     mount = settings.mount
     if mount is None:
         mount = mount_of(scan.pose) if scan.HasField("pose") else CENTRED
-    return without(mounted(own, mount), settings.ignored)
+    read = without(mounted(own, mount), settings.ignored)
+    if settings.least_returns is not None:
+        _check_returns(read, settings.least_returns)
+    return read
+
+
+def _check_returns(scan: Scan, least: float) -> None:
+    """Refuse a scan with hardly any return: of a scanner that is covered or broken."""
+    ranges_m = scan.ranges_m
+    returns, beams = int(np.count_nonzero(np.isfinite(ranges_m) & (ranges_m > 0.0))), len(ranges_m)
+    if returns < least * beams:
+        raise UnusableScanError(
+            f"{returns} of {beams} beams have a return, a share below {least:g} "
+            "(--least-returns): is the scanner covered, or broken?"
+        )

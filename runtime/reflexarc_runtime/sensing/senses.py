@@ -34,6 +34,7 @@ from reflexarc_runtime.sensing.scan import Scan, UnusableScanError
 from reflexarc_runtime.sensing.scan_reading import read_scan
 from reflexarc_runtime.sensing.scans_of_before import retina_of_before
 from reflexarc_runtime.sensing.sense_settings import SenseSettings
+from reflexarc_runtime.sensing.stillness import picture_of
 
 M = TypeVar("M", RawImage, LaserScan)
 
@@ -51,6 +52,8 @@ class Sensed:
     retina: Retina
     scan: Scan | None = None
     """The scan that the retina was made of, where a guard asks for it."""
+    picture: bytes = b""
+    """By which it is known again, where frozen pictures count."""
 
 
 class Sense(Protocol):
@@ -88,6 +91,7 @@ class RetinaSense:
     def __init__(self, spec: RetinaSpec, settings: SenseSettings | None = DEFAULT) -> None:
         self._spec, self.settings = spec, settings
         self._words = eye_in_words(spec)
+        self._knows_again = settings is not None and settings.frozen_after_s is not None
         self._fan, self._distances_m = fan_of_rays(spec), distances_of_values(spec.range_m)
 
     def beams(self, sensed: Sensed) -> Beams | None:
@@ -101,7 +105,9 @@ class RetinaSense:
         if self.settings is not None and image.frame_id != self._words:
             _check_eye(image.frame_id, self._spec, self.settings)
         retina = np.frombuffer(image.data, np.uint8).reshape(self._spec.shape)
-        return Sensed(stamp, message.received_ns, retina)
+        if not self._knows_again:
+            return Sensed(stamp, message.received_ns, retina)
+        return Sensed(stamp, message.received_ns, retina, None, picture_of(image.data))
 
 
 class ScanSense:
@@ -129,6 +135,7 @@ class ScanSense:
         check_scannable(spec)
         self._spec, self.settings = spec, settings
         self._keeps_scans = keeps_scans
+        self._knows_again = settings is not None and settings.frozen_after_s is not None
 
     def beams(self, sensed: Sensed) -> Beams | None:
         """See `Sense.beams`: the raw beams."""
@@ -141,7 +148,11 @@ class ScanSense:
             sweep, retina = self._read(scan)
         except UnusableScanError as error:
             raise UnfitError(f"scan: {error}") from None
-        return Sensed(stamp, message.received_ns, retina, sweep if self._keeps_scans else None)
+        kept = sweep if self._keeps_scans else None
+        if not self._knows_again:
+            return Sensed(stamp, message.received_ns, retina, kept)
+        picture = picture_of(np.array(scan.ranges, np.float64).tobytes())
+        return Sensed(stamp, message.received_ns, retina, kept, picture)
 
     def _read(self, scan: LaserScan) -> tuple[Scan, Retina]:
         """The scan in the robot's frame and by the standard, and its retina."""

@@ -79,6 +79,8 @@ class Ros2Command:
     rate: float = 50.0
     """Commands to the robot, a second, at least."""
     body: BodyFlags = field(default_factory=BodyFlags)
+    ignore_scan_stamps: bool = False
+    """Age counts from a scan's arrival alone: for simulators whose time runs slower than ours."""
     robot_limits: LimitFlags = field(default_factory=LimitFlags)
     scanner: ScanFlags = field(default_factory=ScanFlags)
     auto_arm: bool = False
@@ -137,6 +139,7 @@ class Ros2Command:
             self.tf and check_topic("--tf", self.tf),
             self.base,
             self._scanner(),
+            not self.ignore_scan_stamps,
         )
         self._check_keys(route)
         return route

@@ -207,6 +207,7 @@ class RunCommand:
             watch=watch,
             guard=self.guarding.state,
             saw=notices.saw,
+            sensor=notices.sensor,
         )
 
     def _pacer(self, rate_hz: float, inbox: "Inbox") -> "Pacer":

@@ -7,6 +7,7 @@ from queue import Empty, Full, Queue
 from types import TracebackType
 from typing import Self
 
+from reflexarc_runtime.backlog import BACKLOG
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.decision import Decision, Verdict
 from reflexarc_runtime.loop.notices.sensor_period import SensorPeriod, misfit
@@ -31,10 +32,10 @@ class Notices:
     """
 
     def __init__(self, say: Callable[[str], None], contract: PolicyContract, sensor: str) -> None:
-        self._say, self._contract, self._sensor = say, contract, sensor
+        self._say, self._contract, self._kind_of_sensor = say, contract, sensor
         self._period = SensorPeriod()
         self._kind = ""
-        self._misfit = False
+        self._misfit = ""
         self._queue: Queue[str] = Queue(_WAITING)
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._speak, name="notices", daemon=True)
@@ -54,7 +55,7 @@ class Notices:
 
     def saw(self, decision: Decision) -> None:
         """Look at a tick; called on the loop's thread, it never waits."""
-        if decision.verdict in TOLD:
+        if decision.verdict in TOLD or decision.reason.endswith(BACKLOG):
             kind = _NUMBER.sub("#", decision.reason)
             if kind != self._kind:
                 self._kind = kind
@@ -64,15 +65,17 @@ class Notices:
         if decision.input is not None:
             self._look_at_period(decision.input.received_ns)
 
+    def sensor(self, now_ns: int) -> str:
+        """How often inputs come, and whether the policy can live with it; for the status."""
+        return self._misfit or self._period.in_words(now_ns, self._kind_of_sensor)
+
     def _look_at_period(self, received_ns: int) -> None:
-        self._period.saw(received_ns)
-        period_ns = self._period.period_ns
-        if period_ns is None:
+        if not self._period.saw(received_ns) or self._period.period_ns is None:
             return
-        words = misfit(period_ns, self._contract, self._sensor)
+        words = misfit(self._period, self._contract, self._kind_of_sensor)
         if words and not self._misfit:
             self._put(words)
-        self._misfit = bool(words)
+        self._misfit = words
 
     def _put(self, words: str) -> None:
         try:

@@ -1,7 +1,8 @@
 """The bridge between a robot that speaks ROS 2 and our bus, where that robot is the body.
 
 Scans are passed on as they come: their source time is the moment of arrival on this machine's
-monotonic clock, which the command repeats; the header's own stamp stays in the message. Commands go
+monotonic clock, less what they waited before it, which the command repeats; the header's own stamp
+stays in the message. Commands go
 the other way through the gate, when they arrive and at the latest at a fixed period: what no longer
 holds becomes a standstill. So a runtime that dies, a scanner that dies and a bus that fails all
 stop the robot, within the command's validity and one period.
@@ -119,7 +120,10 @@ class RosBridge:
         # A flood of commands, or of anything else, must not push a stop out of a full inbox.
         self._controls, self._stops = Inbox(), Inbox()
         stamps, mounts = ScanStamps(), Mounts(route.base) if route.tf else None
-        self._scans = ScanRelay(bus.publisher(SCAN), stamps, route.scanner, mounts)
+        heeds = route.heeds_stamps
+        self._scans = ScanRelay(
+            bus.publisher(SCAN), stamps, route.scanner, mounts, heeds_stamps=heeds
+        )
         self._places = _Places(bus, route, mounts)
         wheel = bus.publisher_of_key(route.command_key, CDR, Quality.CONTROL)
         stamper = Stamper(route.stamp, wall_offset_ns, stamps) if route.stamped else None

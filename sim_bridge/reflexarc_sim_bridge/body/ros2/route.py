@@ -41,6 +41,8 @@ class Route:
     """The robot's own frame among its transforms."""
     scanner: RosScanner = STANDARD
     """What is known of the scanner beside what its messages say."""
+    heeds_stamps: bool = True
+    """Whether the stamps of scans tell how old they are."""
 
     @property
     def command_type(self) -> RosType:

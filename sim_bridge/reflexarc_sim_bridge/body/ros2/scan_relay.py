@@ -1,8 +1,13 @@
-"""The robot's scans, passed on to our bus as they come."""
+"""The robot's scans, passed on to our bus as they come, with the time at which they were taken.
+
+That time is on this machine's clock: the arrival, minus how far behind the driver's best the scan
+came, by the stamp in its header. So runtime and gate both see a queue between driver and bridge.
+"""
 
 from collections import Counter
 from typing import TYPE_CHECKING
 
+from reflexarc_runtime.backlog import NO_LAG
 from reflexarc_runtime.messages.wire import Message
 from reflexarc_sim_bridge.body.ros2.cdr import UnusableMessageError
 from reflexarc_sim_bridge.body.ros2.messages import (
@@ -19,6 +24,9 @@ from reflexarc_sim_bridge.body.ros2.stamps import ScanStamps
 if TYPE_CHECKING:
     from reflexarc_runtime.bus import Publisher
 
+SILENCE_NS = 1_000_000_000
+"""A driver that was silent for longer may have begun anew, with another clock."""
+
 
 class ScanRelay:
     """Passes on every scan that can be used, and counts the others by reason.
@@ -28,6 +36,8 @@ class ScanRelay:
         stamps: where it notes by which stamp of the robot's clock a scan is known.
         scanner: what is known of the robot's scanner.
         mounts: what the robot says of how it sits.
+        heeds_stamps: whether the stamps in the headers count; not those of a simulator whose time
+            runs slower than ours.
     """
 
     def __init__(
@@ -36,9 +46,13 @@ class ScanRelay:
         stamps: ScanStamps,
         scanner: RosScanner = STANDARD,
         mounts: Mounts | None = None,
+        *,
+        heeds_stamps: bool = True,
     ) -> None:
         self._publisher, self._stamps, self._scanner = publisher, stamps, scanner
         self._mounts = mounts
+        self._heeds_stamps = heeds_stamps
+        self._backlog = NO_LAG
         self.scans = 0
         self._refusals = Refusals("a scan")
 
@@ -62,5 +76,13 @@ class ScanRelay:
             self._refusals.count(str(error), message.received_ns)
             return
         self.scans += 1
-        self._stamps.note(message.received_ns, scan.stamp_ns)
-        self._publisher.put(payload, message.received_ns)
+        taken_ns = self._taken_ns(scan.stamp_ns, message.received_ns)
+        self._stamps.note(taken_ns, scan.stamp_ns)
+        self._publisher.put(payload, taken_ns)
+
+    def _taken_ns(self, stamp_ns: int, received_ns: int) -> int:
+        """When a scan would have come without a queue."""
+        if not self._heeds_stamps:
+            return received_ns
+        self._backlog = self._backlog.after(max(0, stamp_ns), received_ns, SILENCE_NS)
+        return max(0, received_ns - self._backlog.behind_ns)
