@@ -22,17 +22,27 @@ class Fan:
     """Lowest bearing that is seen."""
     left_rad: float
     """Highest bearing that is seen."""
+    blind: tuple[tuple[float, float], ...] = ()
+    """Sectors between them, right edge and left edge, in which nothing is seen."""
 
     def sees(self, bearing_rad: float) -> bool:
         """Whether a bearing lies in the sector that is seen."""
-        offset_rad = (bearing_rad - self.right_rad + _SLACK_RAD) % (2.0 * math.pi)
-        return offset_rad <= self.left_rad - self.right_rad + 2.0 * _SLACK_RAD
+        if any(_lies_in(bearing_rad, *sector) for sector in self.blind):
+            return False
+        return _lies_in(bearing_rad, self.right_rad, self.left_rad)
 
     def sees_arc(self, one_rad: float, other_rad: float) -> bool:
         """Whether all between two bearings lies in it. At its very edge the answer is no."""
+        if self.blind:
+            return False
         low_rad, width_rad = min(one_rad, other_rad), self.left_rad - self.right_rad
         offset_rad = (low_rad - self.right_rad) % (2.0 * math.pi)
         return offset_rad + abs(other_rad - one_rad) <= width_rad
+
+
+def _lies_in(bearing_rad: float, right_rad: float, left_rad: float) -> bool:
+    offset_rad = (bearing_rad - right_rad + _SLACK_RAD) % (2.0 * math.pi)
+    return offset_rad <= left_rad - right_rad + 2.0 * _SLACK_RAD
 
 
 @dataclass(frozen=True, slots=True, eq=False)

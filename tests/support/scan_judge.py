@@ -98,6 +98,9 @@ def check_guard(scan: Scan, beams: list[Beam], mount: Mount) -> None:
     for twist in AHEAD:
         share = GUARD.share(twist, ranges, AGE_S)
         if share > 0.0:
+            heading_rad = math.atan2(twist[1], twist[0])
+            nearest = min(beams, key=lambda beam: apart_rad(beam.bearing_rad, heading_rad))
+            assert not nearest.ignored, f"a motion into what is ignored: {twist}"
             way_m = share * (AGE_S + GUARD.valid_for_s + GUARD.settings.delay_s)
             met = [place for place in places if _lies_on_the_way(*place, twist, way_m)]
             assert not met, f"{met[0]} on the way of {twist}"
@@ -105,6 +108,8 @@ def check_guard(scan: Scan, beams: list[Beam], mount: Mount) -> None:
 
 def _place(beam: Beam, mount: Mount) -> tuple[float, float] | None:
     """Where the thing of a beam is, or may be."""
+    if beam.ignored:
+        return None  # it is the robot itself
     if beam.told == UNKNOWN:
         if mount.x_m or mount.y_m:
             return None  # it may be anywhere on the beam; the centre's own bearing counts

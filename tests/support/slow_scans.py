@@ -28,6 +28,8 @@ class Beam:
 
     bearing_rad: float
     told: Told
+    ignored: bool = False
+    """Whether it sees the robot itself."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +62,8 @@ def beams_in_axes(
     """The beams of a scanner that is mounted somehow, in the robot's axes."""
     bearings = [mount.yaw_rad + (-angle if mount.upside_down else angle) for angle in angles_rad]
     hidden = [any(_within(bearing, sector) for sector in ignored) for bearing in bearings]
-    return [Beam(b, UNKNOWN if h else t) for b, t, h in zip(bearings, told, hidden, strict=True)]
+    seen = zip(bearings, told, hidden, strict=True)
+    return [Beam(bearing, UNKNOWN if h else t, h) for bearing, t, h in seen]
 
 
 def _within(bearing_rad: float, sector: Sector) -> bool:

@@ -15,7 +15,7 @@ from reflexarc_runtime.beams import Beams, Fan, fan_of
 from reflexarc_runtime.contract.eye import BeamRule, RetinaSpec, Shading
 from reflexarc_runtime.errors import ContractError
 from reflexarc_runtime.sensing.ray_values import FULL_SCALE, ray_bearing_rad
-from reflexarc_runtime.sensing.scan import Scan
+from reflexarc_runtime.sensing.scan import IGNORED_M, Scan
 from reflexarc_runtime.sweep import Floats
 
 _NEAR_M = 0.5
@@ -65,10 +65,13 @@ def beams_of_scan(scan: Scan) -> Beams:
     Of a scanner that sits elsewhere, something too near to be measured is very near in the
     direction of its beam and in that of the scanner: whatever goes towards it goes towards either.
     """
-    fan = fan_of(scan.start_rad, scan.step_rad, len(scan.ranges_m))
+    fan, ranges_m = fan_of(scan.start_rad, scan.step_rad, len(scan.ranges_m)), scan.ranges_m
+    own = ranges_m == IGNORED_M
+    if own.any():  # nothing is there but the robot: it is touched by none, and sees nothing
+        fan = _blinded(scan.start_rad, scan.step_rad, len(ranges_m), own.tobytes())
+        ranges_m = np.where(own, math.inf, ranges_m)
     if scan.is_centred:
-        return Beams(fan, scan.ranges_m)
-    ranges_m = scan.ranges_m
+        return Beams(fan, ranges_m)
     met = np.isfinite(ranges_m) & (ranges_m > 0.0)
     lengths_m = np.where(met, ranges_m, 0.0)
     x_m, y_m = scan.x_m + lengths_m * fan.cos, scan.y_m + lengths_m * fan.sin
@@ -82,6 +85,18 @@ def beams_of_scan(scan: Scan) -> Beams:
         cos, sin = np.append(cos, scan.x_m / place_m), np.append(sin, scan.y_m / place_m)
         away_m = np.append(away_m, -math.inf)
     return Beams(_narrowed(replace(fan, cos=cos, sin=sin), scan), away_m)
+
+
+@lru_cache(maxsize=8)
+def _blinded(start_rad: float, step_rad: float, count: int, own: bytes) -> Fan:
+    """A fan that sees nothing in the sectors of its ignored beams."""
+    marked = np.frombuffer(own, np.bool_)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], marked, [False]]).astype(np.int8)))
+    sectors = [
+        (start_rad + (first - 0.5) * step_rad, start_rad + (last - 0.5) * step_rad)
+        for first, last in zip(edges[::2], edges[1::2], strict=True)
+    ]
+    return replace(fan_of(start_rad, step_rad, count), blind=tuple(sectors))
 
 
 def _narrowed(fan: Fan, scan: Scan) -> Fan:

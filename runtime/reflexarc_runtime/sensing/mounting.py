@@ -9,7 +9,7 @@ from foxglove_schemas_protobuf.Pose_pb2 import Pose
 
 from reflexarc_runtime.config.checks import require
 from reflexarc_runtime.errors import UsageError
-from reflexarc_runtime.sensing.scan import Scan, UnusableScanError
+from reflexarc_runtime.sensing.scan import IGNORED_M, Scan, UnusableScanError
 
 LEAST_UPRIGHT = math.cos(math.radians(15.0))
 """A scanner that is tilted by more than 15° scans the floor, or the sky."""
@@ -128,5 +128,5 @@ def without(scan: Scan, sectors: tuple[Sector, ...]) -> Scan:
     ranges_m = scan.ranges_m.copy()
     for sector in sectors:
         offset_rad = np.mod(bearings_rad - sector.right_rad, 2.0 * math.pi)
-        ranges_m[offset_rad <= sector.left_rad - sector.right_rad] = math.nan
+        ranges_m[offset_rad <= sector.left_rad - sector.right_rad] = IGNORED_M
     return replace(scan, ranges_m=ranges_m)

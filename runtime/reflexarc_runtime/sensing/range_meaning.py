@@ -11,12 +11,14 @@ from functools import partial
 
 import numpy as np
 
-from reflexarc_runtime.arrays import Ranges
+from reflexarc_runtime.arrays import Mask, Ranges
 from reflexarc_runtime.config.checks import require
 from reflexarc_runtime.errors import UsageError
-from reflexarc_runtime.sensing.scan import UnusableScanError
+from reflexarc_runtime.sensing.scan import IGNORED_M, UnusableScanError
 
 _NAN, _ZERO = "nan", "zero"
+_ALIKE = 1e-3
+"""Share of the limit by which ranges may differ that are one constant."""
 _CLOSE = 1e-5
 """Relative; ranges come in single precision."""
 
@@ -77,10 +79,12 @@ class RangeMeaning:
             return ranges_m  # as most scans on our bus are
         nothing = self._nothing(ranges_m)
         self._check(ranges_m[~nothing])
-        read = np.where(nothing | (ranges_m >= most), math.inf, ranges_m)
+        nothing |= self._beyond(ranges_m, most)
+        read = np.where(nothing, math.inf, ranges_m)
         read = np.where((read > 0.0) & (read < least), -math.inf, read)
         # A zero stays one: unknown, too, and the reason of a refusal can say what came.
-        return np.where((read >= 0.0) | (read == -math.inf), read, math.nan)
+        kept = (read >= 0.0) | (read == -math.inf) | (ranges_m == IGNORED_M)
+        return np.where(kept, read, math.nan)
 
     def _limits(self, min_m: float, max_m: float) -> tuple[float, float]:
         least = min_m if self.min_m is None else _single(self.min_m)
@@ -94,7 +98,7 @@ class RangeMeaning:
             )
         return least, most
 
-    def _nothing(self, ranges_m: Ranges) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+    def _nothing(self, ranges_m: Ranges) -> Mask:
         """Which ranges stand for nothing met, beside +inf and what is beyond the limit."""
         nothing = np.zeros(ranges_m.shape, np.bool_)
         if _NAN in self.no_return:
@@ -104,6 +108,19 @@ class RangeMeaning:
         for constant_m in self.constants_m:
             nothing |= np.isclose(ranges_m, constant_m, rtol=_CLOSE, atol=0.0)
         return nothing
+
+    def _beyond(self, ranges_m: Ranges, most: float) -> Mask:
+        """Which ranges are at the limit or beyond it, and so stand for nothing met.
+
+        A driver's constant for nothing met is one number. Where the ranges beyond a limit of its
+        own differ, it measured them, and its limit is wrong: they are what they are.
+        """
+        beyond: Mask = ranges_m >= most
+        if self.max_m is None and most < math.inf:
+            farther = np.isfinite(ranges_m) & (ranges_m > most * (1.0 + _ALIKE))
+            if farther.any() and np.ptp(ranges_m[farther]) > _ALIKE * most:
+                beyond &= ~farther
+        return beyond
 
     def _check(self, measured_m: Ranges) -> None:
         """Refuse measurements beyond what is said to be the end of them."""

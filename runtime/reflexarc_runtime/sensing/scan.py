@@ -7,6 +7,10 @@ from reflexarc_runtime.arrays import Ranges
 
 MIN_STEP_RAD = 1e-9
 """Smallest angle between beams that is accepted; below it, the index of a beam may overflow."""
+MOST_BEAMS = 1 << 14
+"""Finer than any scanner that is sold; reading more would take a loop's time."""
+IGNORED_M = -(2.0**-10)
+"""In place of the range of a beam on which the scanner sees its own robot; no driver writes it."""
 MOST_TURNS = 1.1
 """Some scanners measure a little more than a full turn; more than that are degrees, or nonsense."""
 FARTHEST_RAD = 6.0 * math.pi

@@ -6,7 +6,7 @@ import numpy as np
 from foxglove_schemas_protobuf.LaserScan_pb2 import LaserScan
 
 from reflexarc_runtime.sensing.mounting import CENTRED, mount_of, mounted, without
-from reflexarc_runtime.sensing.scan import Scan, UnusableScanError
+from reflexarc_runtime.sensing.scan import MOST_BEAMS, Scan, UnusableScanError
 from reflexarc_runtime.sensing.sense_settings import SenseSettings
 
 
@@ -18,6 +18,8 @@ def read_scan(scan: LaserScan, settings: SenseSettings) -> Scan:
     """
     if not (math.isfinite(scan.start_angle) and math.isfinite(scan.end_angle)):
         raise UnusableScanError("expected finite angles")
+    if len(scan.ranges) > MOST_BEAMS:
+        raise UnusableScanError(f"{len(scan.ranges)} beams, at most {MOST_BEAMS} may be")
     meaning = settings.meaning
     start_rad, end_rad = meaning.radians(scan.start_angle), meaning.radians(scan.end_angle)
     own = Scan(start_rad, end_rad, meaning.read(np.array(scan.ranges, np.float64)))

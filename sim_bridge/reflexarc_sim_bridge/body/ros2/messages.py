@@ -18,7 +18,7 @@ from foxglove_schemas_protobuf.LaserScan_pb2 import LaserScan
 from reflexarc_runtime.messages.codec import timestamp
 from reflexarc_runtime.sensing.mounting import CENTRED, Mount, Sector, mounted, pose_of, without
 from reflexarc_runtime.sensing.range_meaning import RangeMeaning
-from reflexarc_runtime.sensing.scan import Scan, UnusableScanError, check_turns
+from reflexarc_runtime.sensing.scan import MOST_BEAMS, Scan, UnusableScanError, check_turns
 from reflexarc_sim_bridge.body.gate.limits import Twist
 from reflexarc_sim_bridge.body.ros2.cdr import (
     SECOND_NS,
@@ -29,8 +29,8 @@ from reflexarc_sim_bridge.body.ros2.cdr import (
 )
 from reflexarc_sim_bridge.body.ros2.key_expressions import LASER_SCAN, TWIST, TWIST_STAMPED
 
-MAX_BEAMS = 100_000
-"""As our own scan has 8 bytes a beam and a payload at most 1 MiB."""
+MAX_BEAMS = MOST_BEAMS
+"""What the runtime would refuse need not be sent."""
 
 
 @dataclass(frozen=True)

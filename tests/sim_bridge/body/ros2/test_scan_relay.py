@@ -39,7 +39,7 @@ def test_what_is_no_scan_is_counted_by_reason_and_said_once(caplog: pytest.LogCa
     for payload in (b"noise", b"more noise", laser_scan([]).serialize()):
         scans.hear(message(payload))
     assert spoken.said == []
-    assert scans.refused == {"no little-endian CDR": 2, "fewer than 2 or more than 100000 beams": 1}
+    assert scans.refused == {"no little-endian CDR": 2, "fewer than 2 or more than 16384 beams": 1}
     assert [record.levelname for record in caplog.records] == ["WARNING", "WARNING"]
 
 
