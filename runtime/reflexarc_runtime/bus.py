@@ -10,7 +10,8 @@ import json
 import time
 import uuid
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 from itertools import islice
 from types import TracebackType
 from typing import Any, Self
@@ -24,18 +25,32 @@ from reflexarc_runtime.messages.wire import (
     MAX_ATTACHMENT_BYTES,
     MAX_ENCODING_CHARACTERS,
     MAX_PAYLOAD_BYTES,
+    NO_SENDER,
     TOO_LARGE,
     Message,
     Stamp,
+    UndecodableError,
     pack_stamp,
     protobuf_encoding,
+    unpack_stamp,
 )
 
 _MOST_OVERHEARD = 64
+_MOST_ANSWERS = 16
+"""To one query; a robot has one runtime, and few that wait."""
 MAX_MESSAGE_BYTES = 16 << 20
 """Larger ones Zenoh drops while it puts them together, so that nobody fills the memory of a robot;
 a policy file is the largest that anybody needs."""
 _RETRY = {"period_init_ms": 50, "period_max_ms": 500, "period_increase_factor": 2}
+
+
+@dataclass(frozen=True, slots=True)
+class PolicyAnswer:
+    """What somebody answered who was asked for the policy. Anybody can, and say any name."""
+
+    sender: bytes
+    """The identifier that its commands carry; `NO_SENDER` if it gave none."""
+    data: bytes
 
 
 class Publisher:
@@ -219,17 +234,38 @@ class Bus:
         return any(reply.ok is not None for reply in replies)
 
     def offer_policy(self, policy: bytes) -> None:
-        """Answer queries for the policy with the bytes of its file."""
+        """Answer queries for the policy with the bytes of its file, and with who answers."""
         key = policy_key(self._config.robot)
-        answer: Callable[[zenoh.Query], None] = lambda query: query.reply(key, policy)  # noqa: E731
+
+        def answer(query: zenoh.Query) -> None:
+            stamp = pack_stamp(Stamp(0, self._now_ns(), self.sender))
+            query.reply(key, policy, attachment=stamp)
+
         self._kept.append(self._session.declare_queryable(key, answer))
 
     def fetch_policy(self, timeout_s: float = 2.0) -> bytes | None:
         """Ask for the policy file; None if nobody answers."""
-        for reply in self._session.get(policy_key(self._config.robot), timeout=timeout_s):
+        return next((answer.data for answer in self.policy_answers(timeout_s)), None)
+
+    def policy_answers(self, timeout_s: float) -> Iterator[PolicyAnswer]:
+        """Ask everybody for the policy file: what comes within a time, of at most 16."""
+        replies = self._session.get(
+            policy_key(self._config.robot),
+            target=zenoh.QueryTarget.ALL,
+            consolidation=zenoh.ConsolidationMode.NONE,  # else one answer for each key
+            timeout=timeout_s,
+        )
+        for reply in islice(replies, _MOST_ANSWERS):
             if reply.ok is not None:
-                return reply.ok.payload.to_bytes()
-        return None
+                sample = reply.ok
+                yield PolicyAnswer(_sender_of(sample.attachment), sample.payload.to_bytes())
+
+
+def _sender_of(attachment: zenoh.ZBytes | None) -> bytes:
+    try:
+        return NO_SENDER if attachment is None else unpack_stamp(_head(attachment)).sender
+    except UndecodableError:
+        return NO_SENDER
 
 
 def _message(sample: zenoh.Sample, now_ns: int) -> Message:

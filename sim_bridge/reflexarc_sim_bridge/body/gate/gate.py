@@ -143,6 +143,14 @@ class Gate:
         """The gate of a body whose messages carry another identifier from now on."""
         return self if own == self.own else replace(self, own=own, wanted=None)
 
+    def under(self, settings: GateSettings) -> "Gate":
+        """The gate of a body that was built anew: it obeys nothing that was said before."""
+        return replace(self, settings=settings, wanted=None)
+
+    def waiting(self) -> "Gate":
+        """The gate that has forgotten what it was told last, and so stands until the next word."""
+        return self if self.wanted is None else replace(self, wanted=None)
+
     def hear(self, message: Message, now_ns: int) -> "Gate":
         """The gate after a message; never raises.
 
