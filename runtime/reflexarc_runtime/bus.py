@@ -7,7 +7,6 @@ own configuration, given as a file.
 """
 
 import json
-import time
 import uuid
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
@@ -129,6 +128,7 @@ class Bus:
         self._now_ns = now_ns
         self.sender = sender or uuid.uuid4().bytes
         self._kept: list[Any] = []
+        self._announced: set[str] = set()
         self._session = _open(config)
 
     def __enter__(self) -> Self:
@@ -148,10 +148,14 @@ class Bus:
         return self._config.robot
 
     @property
-    def place(self) -> str:
-        """Where the others are looked for, in words."""
-        file = self._config.zenoh_file
-        return f"tcp/{LOOPBACK}:{self._config.port}" if file is None else f"the peers of {file}"
+    def loneliness(self) -> str:
+        """What it means that nobody is connected, in words."""
+        file, place = self._config.zenoh_file, f"tcp/{LOOPBACK}:{self._config.port}"
+        if file is not None:
+            return f"nobody is connected by {file} (is the router there? are they started?)"
+        if self._config.listens:
+            return f"nobody has joined at {place} (is it started? with another --port?)"
+        return f"nobody answers at {place} (is the body started? another --port?)"
 
     @property
     def session_id(self) -> str:
@@ -188,10 +192,14 @@ class Bus:
 
         self._kept.append(self._session.declare_subscriber(key, on_sample))
 
-    def overhear(self, expressions: Iterable[str], seconds: float) -> dict[str, int]:
-        """Listen for a while to whatever matches key expressions: how often each key was heard.
+    def overhear(self, expressions: Iterable[str], wait: Callable[[], object]) -> dict[str, int]:
+        """Listen to whatever others send on key expressions: how often each key was heard.
 
         Of at most 64 keys; nothing of what they carry is looked at.
+
+        Args:
+            expressions: what to listen to.
+            wait: returns when it was long enough.
         """
         heard: Counter[str] = Counter()
 
@@ -200,17 +208,21 @@ class Bus:
             if key in heard or len(heard) < _MOST_OVERHEARD:
                 heard[key] += 1
 
-        listening = [self._session.declare_subscriber(each, count) for each in expressions]
-        time.sleep(seconds)
+        remote = zenoh.Locality.REMOTE
+        listening = [
+            self._session.declare_subscriber(each, count, allowed_origin=remote)
+            for each in expressions
+        ]
+        wait()
         for subscriber in listening:
             subscriber.undeclare()  # type: ignore[no-untyped-call]  # the stub has no type
         return dict(heard)
 
     def tokens(self, expression: str) -> list[str]:
-        """The liveliness tokens that match a key expression, of at most 64 nodes."""
+        """The liveliness tokens of others that match a key expression, of at most 64 nodes."""
         replies = self._session.liveliness().get(expression, timeout=1.0)
         found = (str(reply.ok.key_expr) for reply in replies if reply.ok is not None)
-        return list(islice(found, _MOST_OVERHEARD))
+        return [key for key in islice(found, _MOST_OVERHEARD) if key not in self._announced]
 
     @property
     def neighbours(self) -> int:
@@ -224,6 +236,7 @@ class Bus:
 
     def announce_key(self, key: str) -> Announcement:
         """Declare a liveliness token under any key, for as long as this session is open."""
+        self._announced.add(key)
         announcement = Announcement(lambda: self._session.liveliness().declare_token(key))
         self._kept.append(announcement)
         return announcement

@@ -41,6 +41,8 @@ class Asking:
     """Tells the user, in a line."""
     check: "Callable[[PolicyContract], object]" = lambda contract: None
     """Raises a `ReflexarcError` where nothing can be built for a contract."""
+    has_heard: bool = False
+    """Whether anybody has answered, whatever it was."""
     _known: "dict[bytes, PolicyContract | None]" = field(default_factory=dict)
 
     def anybody(self) -> Wanted | None:
@@ -70,6 +72,7 @@ class Asking:
         """The contract in an answer; None, and a line the first time, if it cannot be used."""
         from reflexarc_runtime.loop.contract_trial import tried_contract
 
+        self.has_heard = True
         digest = hashlib.sha256(answer.data).digest()
         if digest in self._known:
             return self._known[digest]

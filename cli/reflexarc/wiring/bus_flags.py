@@ -10,13 +10,12 @@ from reflexarc.terminal.output import aside
 
 if TYPE_CHECKING:
     from reflexarc.wiring.asking import Asking, Wanted
+    from reflexarc.wiring.waiting import Waiting
     from reflexarc_runtime.bus import Bus
     from reflexarc_runtime.bus_config import BusConfig
     from reflexarc_runtime.contract.bounds import Bounds
     from reflexarc_runtime.contract.contract import PolicyContract
 
-OTHERS = {"/tick": "another robot, --robot {first}?"}
-"""What to do where something else than the expected one is heard."""
 ASK_AGAIN_S = 0.1
 
 
@@ -115,11 +114,20 @@ def first_wanted(asking: "Asking", stop: Callable[[], bool], who: str) -> "Wante
 
     aside.print(f"{who}: waiting for a runtime to say what it wants to see …")
     bus = asking.bus
-    wish = Wish(who, "a runtime", policy_key(bus.robot), ("*/tick",), OTHERS)
+    wish = Wish(who, "a runtime", policy_key(bus.robot), ("*/tick",))
     found: Wanted | None = None
-    with Waiting(bus, wish, lambda: found is not None):
+    with Waiting(bus, wish, lambda: asking.has_heard):
         while not stop() and found is None:
             found = asking.anybody()
             if found is None:
                 time.sleep(ASK_AGAIN_S)  # without a runtime the query returns at once
     return found
+
+
+def waiting_for_commands(bus: "Bus", who: str, has_come: Callable[[], bool]) -> "Waiting":
+    """Explains, inside this context, why a body hears no command."""
+    from reflexarc.wiring.waiting import Waiting, Wish
+    from reflexarc_runtime.messages.topics import COMMAND
+
+    wish = Wish(who, "commands", COMMAND.key(bus.robot), ("*/command", "*/tick"))
+    return Waiting(bus, wish, has_come)

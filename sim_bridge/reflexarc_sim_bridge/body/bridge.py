@@ -209,7 +209,9 @@ class Bridge:
         self._retinas = retinas
         self._gate = Gate.closed(bus.sender, settings, latch.stopped if latch else "")
         self._publisher = StatePublisher(bus, body, robot, retinas, self._overflows)
-        bus.subscribe([COMMAND], inbox.put)
+        self.has_heard = False
+        """Whether any command has come."""
+        bus.subscribe([COMMAND], self._take_command)
         bus.subscribe([topic for topic in HEARD if topic is not COMMAND], self._controls.put)
         bus.announce(BODY_NODE)
 
@@ -249,6 +251,10 @@ class Bridge:
             contact = self._move(now_ns, period_ns / 1e9)
             done += 1
         return self._journey(done)
+
+    def _take_command(self, message: Message) -> None:
+        self.has_heard = True
+        self._inbox.put(message)
 
     def _overflows(self) -> int:
         return self._inbox.overflows + self._controls.overflows

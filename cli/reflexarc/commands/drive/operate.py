@@ -34,14 +34,14 @@ class Speaking:
             raise UsageError(f"--patience: expected above 0 to 3600 s, got {self.patience}")
         return _operator(self)
 
-    def tell(self, command: str, answer: "OperatorAnswer") -> int:
-        """Print what the body said; the exit status."""
+    def tell(self, command: str, answer: "OperatorAnswer", silence: str = "") -> int:
+        """Print what the body said, or why it is silent; the exit status."""
         if self.json:
             print_json({"done": answer.done, **_plain(answer.lease)})
         elif answer.done and answer.lease is not None:
             console.print(f"{self.joining.robot}: {_words(answer.lease)}", soft_wrap=True)
         if not answer.done:
-            aside.print(f"reflexarc {command}: {self._complaint(answer)}", soft_wrap=True)
+            aside.print(f"reflexarc {command}: {self._complaint(answer)}{silence}", soft_wrap=True)
         return 0 if answer.done else 1
 
     def _complaint(self, answer: "OperatorAnswer") -> str:
@@ -170,8 +170,10 @@ def _runs(lease: "Lease") -> bool:
 
 def _insist(speaking: Speaking, command: str, say: "Callable[[Operator], OperatorAnswer]") -> int:
     with speaking.operator() as operator:
-        answer = say(operator)
-    return speaking.tell(command, answer)
+        with operator.explaining(f"reflexarc {command}"):
+            answer = say(operator)
+        silence = "" if answer.lease else operator.explain_silence(f"reflexarc {command}")
+    return speaking.tell(command, answer, silence)
 
 
 @contextmanager

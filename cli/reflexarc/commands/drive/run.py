@@ -143,7 +143,7 @@ class RunCommand:
         self._listen_to_the_rest(bus, sink)
         bus.offer_policy(policy.data)
         if self.lockstep:
-            self._wait_for_body(command, stop)
+            self._wait_for_body(bus, command, stop)
         came = Arrival(inbox.put)
         bus.subscribe([controller.sense.topic], came.hear)
         ranges = [topic for topic in (controller.ranges_topic,) if topic is not None]
@@ -222,13 +222,18 @@ class RunCommand:
 
         bus.subscribe(OVERHEARD, keep)
 
-    def _wait_for_body(self, command: "Publisher", stop: StopFlag) -> None:
+    def _wait_for_body(self, bus: "Bus", command: "Publisher", stop: StopFlag) -> None:
         """Wait for a body: in lockstep, a command without a listener would never be answered."""
         import time
 
+        from reflexarc.wiring.waiting import Waiting, Wish
+        from reflexarc_runtime.messages.topics import COMMAND
+
         aside.print("reflexarc run: waiting for a body in lockstep …")
-        while not command.has_listener and not stop():
-            time.sleep(LISTENER_POLL_S)
+        wish = Wish("reflexarc run", "a body that listens", COMMAND.key(bus.robot))
+        with Waiting(bus, wish, lambda: command.has_listener):
+            while not command.has_listener and not stop():
+                time.sleep(LISTENER_POLL_S)
 
     @contextmanager
     def _sink(self, policy: "LoadedPolicy", run_id: str) -> "Iterator[Sink]":

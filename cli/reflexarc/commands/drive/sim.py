@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from reflexarc.terminal.output import aside, console, facts, plain, print_json
 from reflexarc.terminal.signals import StopFlag
-from reflexarc.wiring.bus_flags import Joining, asking_of, first_wanted
+from reflexarc.wiring.bus_flags import Joining, asking_of, first_wanted, waiting_for_commands
 from reflexarc.wiring.fleet import drive_together
 from reflexarc_runtime.contract.bounds import Bounds
 from reflexarc_runtime.errors import UsageError
@@ -216,9 +216,10 @@ class SimCommand:
             bridge = Bridge(bus, body, robot, inbox, settings, retinas, latch, following)
             line = f"{self._who(robot)}: {self.world}, seed {self.seed}, {rate_hz:g} Hz"
             aside.print(line, soft_wrap=True)
-            if self.lockstep:
-                return bridge.drive_in_lockstep(round(1e9 / rate_hz), stop, self.steps)
-            return bridge.drive(RatePacer(rate_hz, clock, inbox), stop, self.steps)
+            with waiting_for_commands(bus, self._who(robot), lambda: bridge.has_heard):
+                if self.lockstep:
+                    return bridge.drive_in_lockstep(round(1e9 / rate_hz), stop, self.steps)
+                return bridge.drive(RatePacer(rate_hz, clock, inbox), stop, self.steps)
 
     def _latch(self, robot: str) -> "StopLatch | None":
         """The stop that outlives the body; in lockstep the same run shall give the same drive."""
