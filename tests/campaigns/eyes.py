@@ -68,8 +68,8 @@ def served(group: Sequence[Pair], folder: Path, keeps: bool) -> list[tuple[str, 
         for number, pair in enumerate(group):
             policy = written(folder / f"{port}-{number}.onnx", pair.runtime)
             ticks = TICKS if keeps else ANEW_TICKS
-            loop = ("run", policy, "--no-guard", "--ticks", ticks, "--port", port, "--json")
-            with started(*loop, cwd=folder) as runtime:
+            loop = ("run", policy, "--no-guard", "--no-watchdog", "--ticks", ticks)
+            with started(*loop, "--port", port, "--json", cwd=folder) as runtime:
                 found.append((pair.field, finished(runtime)["verdicts"]))
         finished(body, signal.SIGINT)
     return found

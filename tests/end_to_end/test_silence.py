@@ -45,6 +45,7 @@ def test_sim_without_a_runtime(policy: Path, port: int, tmp_path: Path, words: t
 
 
 def test_what_is_heard_instead_and_what_to_do(policy: Path, port: int, tmp_path: Path):
+    log = tmp_path / "a.mcap"
     with body(policy, port, tmp_path):
         with started("run", policy, "--port", port, "--robot", "rover") as loop:
             line = line_of(loop)
@@ -54,7 +55,7 @@ def test_what_is_heard_instead_and_what_to_do(policy: Path, port: int, tmp_path:
             line = line_of(loop)
             assert "waits for scans on robot0/scan; hears robot0/retina (" in line
             assert line.endswith("instead: --input retina")
-        with started("record", "--port", port, "--robot", "rover", cwd=tmp_path) as record:
+        with started("record", "-o", log, "--port", port, "--robot", "rover") as record:
             line = line_of(record)
             assert "waits for messages on rover/…; hears robot0/" in line
             assert line.endswith("instead: another robot, --robot robot0?")
@@ -87,9 +88,11 @@ def test_play_in_lockstep_waits_for_its_runtime(policy: Path, port: int):
 
 def test_when_all_is_well_nothing_is_said(policy: Path, port: int, tmp_path: Path):
     with body(policy, port, tmp_path) as process, runtime(policy, port, tmp_path) as loop:
-        record = reflexarc("record", "--port", port, "--seconds", 5, cwd=tmp_path)
+        log = tmp_path / "a.mcap"
+        record = reflexarc("record", "-o", log, "--port", port, "--seconds", 5)
         for one in (loop, process):
             one.send_signal(signal.SIGINT)
             _, complaint = one.communicate(timeout=30.0)
             assert "waits for" not in complaint
+    assert record.returncode == 0
     assert "waits for" not in record.stderr

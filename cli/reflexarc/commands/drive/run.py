@@ -230,7 +230,9 @@ class RunCommand:
         from reflexarc_runtime.messages.topics import COMMAND
 
         aside.print("reflexarc run: waiting for a body in lockstep …")
-        wish = Wish("reflexarc run", "a body that listens", COMMAND.key(bus.robot))
+        # Whoever overhears commands would be taken for the body that listens.
+        around = "*/retina", "*/scan", "*/lease", "*/status"
+        wish = Wish("reflexarc run", "a body that listens", COMMAND.key(bus.robot), around)
         with Waiting(bus, wish, lambda: command.has_listener):
             while not command.has_listener and not stop():
                 time.sleep(LISTENER_POLL_S)
