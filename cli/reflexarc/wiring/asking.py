@@ -70,7 +70,7 @@ class Asking:
 
     def _read(self, answer: "PolicyAnswer") -> "PolicyContract | None":
         """The contract in an answer; None, and a line the first time, if it cannot be used."""
-        from reflexarc_runtime.loop.contract_trial import tried_contract
+        from reflexarc_runtime.loop.trials.contract_trial import tried_contract
 
         self.has_heard = True
         digest = hashlib.sha256(answer.data).digest()

@@ -13,7 +13,7 @@ from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.contract.golden import GoldenVectors
 from reflexarc_runtime.errors import WorldError
-from reflexarc_runtime.loop import contract_trial
+from reflexarc_runtime.loop.trials import contract_trial
 from support.policies import exported
 
 A, B = b"a" * 16, b"b" * 16

@@ -104,7 +104,7 @@ class RunCommand:
 
     def _tried_policy(self) -> "LoadedPolicy":
         """Load the policy, after a process of its own has."""
-        from reflexarc_runtime.loop.trial import Trial, check_fits
+        from reflexarc_runtime.loop.trials.trial import Trial, check_fits
 
         with Trial(self.policy, self.backend) as trial:
             from reflexarc_runtime.policy.policy import load_policy

@@ -33,7 +33,7 @@ DECISIONS = 24
 READY = "ready"
 """What the process says when it has loaded its own modules."""
 
-_PROCESS = "reflexarc_runtime.loop.trial_process"
+_PROCESS = "reflexarc_runtime.loop.trials.trial_process"
 
 
 @dataclass(frozen=True)

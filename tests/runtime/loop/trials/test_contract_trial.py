@@ -10,7 +10,7 @@ from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.contract.golden import GoldenVectors
 from reflexarc_runtime.contract.motion import sideways_actions
 from reflexarc_runtime.errors import ContractError, PolicyError
-from reflexarc_runtime.loop.contract_trial import tried_contract
+from reflexarc_runtime.loop.trials.contract_trial import tried_contract
 from support.policies import exported
 
 CONTRACT = PolicyContract(retina=RetinaSpec(rays=9, range_m=2.5), max_input_age_s=0.3)

@@ -12,9 +12,9 @@ import sys
 from reflexarc_runtime.contract.bounds import Bounds, check_bounds
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.errors import PolicyError
-from reflexarc_runtime.loop.trial import LOADING_S, STARTING_S, ended_after
+from reflexarc_runtime.loop.trials.trial import LOADING_S, STARTING_S, ended_after
 
-_PROCESS = "reflexarc_runtime.loop.contract_trial_process"
+_PROCESS = "reflexarc_runtime.loop.trials.contract_trial_process"
 
 
 def tried_contract(data: bytes, bounds: Bounds, loading_s: float = LOADING_S) -> PolicyContract:

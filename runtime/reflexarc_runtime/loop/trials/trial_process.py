@@ -1,6 +1,6 @@
 """The process that tries a policy file: see `trial`.
 
-    python -m reflexarc_runtime.loop.trial_process POLICY BACKEND
+    python -m reflexarc_runtime.loop.trials.trial_process POLICY BACKEND
 
 It prints `ready` when it has loaded its own modules, then one JSON object.
 """
@@ -19,7 +19,7 @@ import numpy as np
 
 from reflexarc_runtime.errors import ReflexarcError
 from reflexarc_runtime.loop.clock import MonotonicClock
-from reflexarc_runtime.loop.trial import DECISIONS, MEMORY_BYTES, READY, Finding
+from reflexarc_runtime.loop.trials.trial import DECISIONS, MEMORY_BYTES, READY, Finding
 from reflexarc_runtime.policy.golden_check import start_of
 from reflexarc_runtime.policy.policy import LoadedPolicy, load_policy
 

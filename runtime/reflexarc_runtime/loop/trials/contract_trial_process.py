@@ -1,6 +1,6 @@
 """The process that reads the contract of a policy that somebody sent: see `contract_trial`.
 
-    python -m reflexarc_runtime.loop.contract_trial_process < POLICY
+    python -m reflexarc_runtime.loop.trials.contract_trial_process < POLICY
 
 It prints `ready` when it has loaded its own modules, then one JSON object.
 """
@@ -13,8 +13,8 @@ from dataclasses import replace
 from reflexarc_runtime.contract.golden import GoldenVectors
 from reflexarc_runtime.contract.provenance import Provenance
 from reflexarc_runtime.errors import ReflexarcError
-from reflexarc_runtime.loop.trial import READY
-from reflexarc_runtime.loop.trial_process import ALONE_S, limit_memory
+from reflexarc_runtime.loop.trials.trial import READY
+from reflexarc_runtime.loop.trials.trial_process import ALONE_S, limit_memory
 from reflexarc_runtime.policy.policy import load_contract
 
 MOST_CHARACTERS = 1 << 16
