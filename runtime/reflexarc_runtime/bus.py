@@ -7,10 +7,10 @@ router. Other machines, TLS and access control are Zenoh's own configuration, gi
 """
 
 import json
-import time
 import uuid
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 from itertools import islice
 from types import TracebackType
 from typing import Any, Self
@@ -24,14 +24,19 @@ from reflexarc_runtime.messages.wire import (
     MAX_ATTACHMENT_BYTES,
     MAX_ENCODING_CHARACTERS,
     MAX_PAYLOAD_BYTES,
+    NO_SENDER,
     TOO_LARGE,
     Message,
     Stamp,
+    UndecodableError,
     pack_stamp,
     protobuf_encoding,
+    unpack_stamp,
 )
 
 _MOST_OVERHEARD = 64
+_MOST_ANSWERS = 16
+"""To one query; a robot has one runtime, and few that wait."""
 MAX_MESSAGE_BYTES = 16 << 20
 """Larger ones Zenoh drops while it puts them together, so that nobody fills the memory of a robot;
 a policy file is the largest that anybody needs."""
@@ -43,6 +48,15 @@ ANSWERED_S = 5.0
 _RETRY = {"period_init_ms": 50, "period_max_ms": 500, "period_increase_factor": 2}
 _NOBODY = "Unable to connect to any of"
 """How Zenoh begins when a client has found no router."""
+
+
+@dataclass(frozen=True, slots=True)
+class PolicyAnswer:
+    """What somebody answered who was asked for the policy. Anybody can, and say any name."""
+
+    sender: bytes
+    """The identifier that its commands carry; `NO_SENDER` if it gave none."""
+    data: bytes
 
 
 class Publisher:
@@ -122,6 +136,7 @@ class Bus:
         self._now_ns = now_ns
         self.sender = sender or uuid.uuid4().bytes
         self._kept: list[Any] = []
+        self._announced: set[str] = set()
         chosen = _zenoh_config(config)
         self.is_client = chosen.get_json("mode") == json.dumps("client")
         self._session = _open(chosen, config)
@@ -143,10 +158,14 @@ class Bus:
         return self._config.robot
 
     @property
-    def place(self) -> str:
-        """Where the others are looked for, in words."""
-        file = self._config.zenoh_file
-        return f"tcp/{LOOPBACK}:{self._config.port}" if file is None else f"the peers of {file}"
+    def loneliness(self) -> str:
+        """What it means that nobody is connected, in words."""
+        file, place = self._config.zenoh_file, f"tcp/{LOOPBACK}:{self._config.port}"
+        if file is not None:
+            return f"nobody is connected by {file} (is the router there? are they started?)"
+        if self._config.listens:
+            return f"nobody has joined at {place} (is it started? with another --port?)"
+        return f"nobody answers at {place} (is the body started? another --port?)"
 
     @property
     def session_id(self) -> str:
@@ -183,15 +202,14 @@ class Bus:
 
         self._kept.append(self._session.declare_subscriber(key, on_sample))
 
-    def overhear(
-        self,
-        expressions: Iterable[str],
-        seconds: float,
-        wait: Callable[[float], object] = time.sleep,
-    ) -> dict[str, int]:
-        """Listen for a while to whatever matches key expressions: how often each key was heard.
+    def overhear(self, expressions: Iterable[str], wait: Callable[[], object]) -> dict[str, int]:
+        """Listen to whatever others send on key expressions: how often each key was heard.
 
-        Of at most 64 keys; nothing of what they carry is looked at. `wait` may end it early.
+        Of at most 64 keys; nothing of what they carry is looked at.
+
+        Args:
+            expressions: what to listen to.
+            wait: returns when it was long enough.
         """
         heard: Counter[str] = Counter()
 
@@ -200,17 +218,21 @@ class Bus:
             if key in heard or len(heard) < _MOST_OVERHEARD:
                 heard[key] += 1
 
-        listening = [self._session.declare_subscriber(each, count) for each in expressions]
-        wait(seconds)
+        remote = zenoh.Locality.REMOTE
+        listening = [
+            self._session.declare_subscriber(each, count, allowed_origin=remote)
+            for each in expressions
+        ]
+        wait()
         for subscriber in listening:
             subscriber.undeclare()  # type: ignore[no-untyped-call]  # the stub has no type
         return dict(heard)
 
     def tokens(self, expression: str) -> list[str]:
-        """The liveliness tokens that match a key expression, of at most 64 nodes."""
+        """The liveliness tokens of others that match a key expression, of at most 64 nodes."""
         replies = self._session.liveliness().get(expression, timeout=1.0)
         found = (str(reply.ok.key_expr) for reply in replies if reply.ok is not None)
-        return list(islice(found, _MOST_OVERHEARD))
+        return [key for key in islice(found, _MOST_OVERHEARD) if key not in self._announced]
 
     @property
     def neighbours(self) -> int:
@@ -233,6 +255,7 @@ class Bus:
 
     def announce_key(self, key: str) -> Announcement:
         """Declare a liveliness token under any key, for as long as this session is open."""
+        self._announced.add(key)
         announcement = Announcement(lambda: self._session.liveliness().declare_token(key))
         self._kept.append(announcement)
         return announcement
@@ -243,17 +266,38 @@ class Bus:
         return any(reply.ok is not None for reply in replies)
 
     def offer_policy(self, policy: bytes) -> None:
-        """Answer queries for the policy with the bytes of its file."""
+        """Answer queries for the policy with the bytes of its file, and with who answers."""
         key = policy_key(self._config.robot)
-        answer: Callable[[zenoh.Query], None] = lambda query: query.reply(key, policy)  # noqa: E731
+
+        def answer(query: zenoh.Query) -> None:
+            stamp = pack_stamp(Stamp(0, self._now_ns(), self.sender))
+            query.reply(key, policy, attachment=stamp)
+
         self._kept.append(self._session.declare_queryable(key, answer))
 
     def fetch_policy(self, timeout_s: float = 2.0) -> bytes | None:
         """Ask for the policy file; None if nobody answers."""
-        for reply in self._session.get(policy_key(self._config.robot), timeout=timeout_s):
+        return next((answer.data for answer in self.policy_answers(timeout_s)), None)
+
+    def policy_answers(self, timeout_s: float) -> Iterator[PolicyAnswer]:
+        """Ask everybody for the policy file: what comes within a time, of at most 16."""
+        replies = self._session.get(
+            policy_key(self._config.robot),
+            target=zenoh.QueryTarget.ALL,
+            consolidation=zenoh.ConsolidationMode.NONE,  # else one answer for each key
+            timeout=timeout_s,
+        )
+        for reply in islice(replies, _MOST_ANSWERS):
             if reply.ok is not None:
-                return reply.ok.payload.to_bytes()
-        return None
+                sample = reply.ok
+                yield PolicyAnswer(_sender_of(sample.attachment), sample.payload.to_bytes())
+
+
+def _sender_of(attachment: zenoh.ZBytes | None) -> bytes:
+    try:
+        return NO_SENDER if attachment is None else unpack_stamp(_head(attachment)).sender
+    except UndecodableError:
+        return NO_SENDER
 
 
 def _message(sample: zenoh.Sample, now_ns: int) -> Message:

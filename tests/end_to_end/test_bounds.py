@@ -57,7 +57,9 @@ def test_with_the_flag_both_run_and_a_body_asks_for_its_own(folder: Path, port: 
     with started("run", policy, "--port", port, "--json", *flags) as runtime:
         said_line(runtime, "reflexarc run:")
         # The runtime's flag is the runtime's: what moves has bounds of its own.
-        assert flags[0] in refusal("sim", "--steps", 3, "--port", port)
+        with started("sim", "--port", port) as waiting:  # for another one that it can obey
+            assert flags[0] in said_line(waiting, "no policy to build an eye for")
+            assert waiting.poll() is None
         with started("sim", "--steps", 3, "--port", port, "--json", *flags) as body:
             assert finished(body)["steps"] == 3
         finished(runtime, signal.SIGINT)

@@ -278,4 +278,7 @@ def test_a_stop_in_lockstep_holds_and_the_drive_goes_on(policy: Path, port: int,
 def test_what_nobody_answers_ends_with_1_and_one_line(port: int, command: str):
     done = reflexarc(command, "--port", port, "--patience", 0.5)
     assert done.returncode == 1
-    assert done.stderr == (f"reflexarc {command}: no body of robot0 answered within 0.5 s\n")
+    assert done.stderr == (
+        f"reflexarc {command}: no body of robot0 answered within 0.5 s; nobody answers at "
+        f"tcp/127.0.0.1:{port} (is the body started? another --port?)\n"
+    )

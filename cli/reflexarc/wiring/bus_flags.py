@@ -9,16 +9,14 @@ from typing import TYPE_CHECKING
 from reflexarc.terminal.output import aside
 
 if TYPE_CHECKING:
+    from reflexarc.wiring.asking import Asking, Wanted
+    from reflexarc.wiring.waiting import Waiting
     from reflexarc_runtime.bus import Bus
     from reflexarc_runtime.bus_config import BusConfig
     from reflexarc_runtime.contract.bounds import Bounds
     from reflexarc_runtime.contract.contract import PolicyContract
 
-OTHERS = {"/tick": "another robot, --robot {first}?"}
-"""What to do where something else than the expected one is heard."""
 ASK_AGAIN_S = 0.1
-ASK_S = 0.5
-"""How long one query to the runtime waits for its answer."""
 
 
 @dataclass(frozen=True)
@@ -87,27 +85,53 @@ def contract_of(
         The contract, or None when asked to stop before anyone answered.
 
     Raises:
-        ContractError: it asks for more than the bounds allow, or cannot be read.
+        ContractError: the file's asks for more than the bounds allow, or cannot be read. Such an
+            answer on the bus is said, and waited on for another.
     """
-    from reflexarc_runtime.policy.policy import load_contract
-
     if policy is not None:
+        from reflexarc_runtime.policy.policy import load_contract
+
         return load_contract(policy, bounds=bounds)
-    aside.print(f"{who}: waiting for a runtime to say what it wants to see …")
-    found = _first_policy(bus, stop, who)
-    return None if found is None else load_contract(found, bounds=bounds)
+    wanted = first_wanted(asking_of(bus, who, bounds), stop, who)
+    return None if wanted is None else wanted.contract
 
 
-def _first_policy(bus: "Bus", stop: Callable[[], bool], who: str) -> bytes | None:
-    """Wait for a runtime's policy; None when asked to stop before one answered."""
+def asking_of(
+    bus: "Bus",
+    who: str,
+    bounds: "Bounds | None",
+    check: "Callable[[PolicyContract], object]" = lambda contract: None,
+) -> "Asking":
+    """Asks for policies in the name of a command: see `Asking`."""
+    from reflexarc.wiring.asking import Asking
+
+    def say(words: str) -> None:
+        aside.print(f"{who}: {words}", soft_wrap=True, markup=False)
+
+    return Asking(bus, bounds, say, check)
+
+
+def first_wanted(asking: "Asking", stop: Callable[[], bool], who: str) -> "Wanted | None":
+    """Wait for a runtime's contract; None when asked to stop before one answered."""
     from reflexarc.wiring.waiting import Waiting, Wish
     from reflexarc_runtime.messages.topics import policy_key
 
-    wish = Wish(who, "a runtime", policy_key(bus.robot), ("*/tick",), OTHERS)
-    found: bytes | None = None
-    with Waiting(bus, wish, lambda: found is not None):
+    aside.print(f"{who}: waiting for a runtime to say what it wants to see …")
+    bus = asking.bus
+    wish = Wish(who, "a runtime", policy_key(bus.robot), ("*/tick",))
+    found: Wanted | None = None
+    with Waiting(bus, wish, lambda: asking.has_heard):
         while not stop() and found is None:
-            found = bus.fetch_policy(timeout_s=ASK_S)
+            found = asking.anybody()
             if found is None:
                 time.sleep(ASK_AGAIN_S)  # without a runtime the query returns at once
     return found
+
+
+def waiting_for_commands(bus: "Bus", who: str, has_come: Callable[[], bool]) -> "Waiting":
+    """Explains, inside this context, why a body hears no command."""
+    from reflexarc.wiring.waiting import Waiting, Wish
+    from reflexarc_runtime.messages.topics import COMMAND
+
+    wish = Wish(who, "commands", COMMAND.key(bus.robot), ("*/command", "*/tick"))
+    return Waiting(bus, wish, has_come)

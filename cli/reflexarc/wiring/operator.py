@@ -2,11 +2,13 @@
 
 import time
 from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from google.protobuf.message import DecodeError
 
+from reflexarc.wiring.waiting import LISTEN_S, PATIENCE_S, Waiting, Wish, look_around, reason
 from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.messages.codec import decode_command
@@ -47,6 +49,7 @@ class Operator:
         self._bus = bus
         self._patience_s = patience_s
         self._inbox = Inbox()
+        self._has_heard = False
         self._verdict: int = pb.VERDICT_UNSPECIFIED
         bus.subscribe([LEASE], self._inbox.put)
         bus.subscribe([COMMAND], self._hear_runtime)
@@ -96,6 +99,20 @@ class Operator:
 
         return self._listen(is_done, say)
 
+    def explaining(self, who: str) -> AbstractContextManager[object]:
+        """Explains a long silence of the body inside this context."""
+        if self._patience_s <= PATIENCE_S + LISTEN_S:
+            return nullcontext()  # the complaint at the end says it
+        return Waiting(self._bus, self._wish(who), lambda: self._has_heard)
+
+    def explain_silence(self, who: str) -> str:
+        """What is heard in place of the body, to be put behind a complaint."""
+        wish = self._wish(who)
+        return f"; {reason(wish, look_around(self._bus, wish, lambda: time.sleep(LISTEN_S)))}"
+
+    def _wish(self, who: str) -> Wish:
+        return Wish(who, "a body", LEASE.key(self._bus.robot))
+
     def hear(self) -> pb.Lease | None:
         """Wait for what the body says of itself."""
         return self._listen(lambda lease: True, lambda: None).lease
@@ -109,6 +126,7 @@ class Operator:
                 say()
                 again_s = now_s + AGAIN_S
             heard = self._take() or heard
+            self._has_heard = heard is not None
             if heard is not None and is_done(heard):
                 return OperatorAnswer(True, heard)
         return OperatorAnswer(False, heard)

@@ -35,7 +35,7 @@ class PlayingBody:
 
     def wait_for_runtime(self) -> None:
         """Wait for a runtime: in lockstep, a message without a listener would never be answered."""
-        lockstep.wait_for_runtime(self._inbox, self._is_heard, self._should_stop)
+        lockstep.wait_for_runtime(self._inbox, self.is_heard, self._should_stop)
 
     def await_command(self, number: int) -> None:
         """Wait for the command of a sensor message.
@@ -45,5 +45,6 @@ class PlayingBody:
         """
         lockstep.await_command(self._inbox, number, lambda command: None, self._should_stop)
 
-    def _is_heard(self) -> bool:
+    def is_heard(self) -> bool:
+        """Whether a runtime is there and listens to the sensor."""
         return self._publishers[self._sensor].has_listener and self._bus.is_alive(RUNTIME_NODE)

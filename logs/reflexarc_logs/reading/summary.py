@@ -62,6 +62,7 @@ class _Count:
     """A topic while it is counted."""
 
     first: Record
+    last: Record
     first_ns: int
     last_ns: int
     messages: int = 0
@@ -69,6 +70,7 @@ class _Count:
     senders: set[bytes] = field(default_factory=set)
 
     def add(self, record: Record) -> None:
+        self.last = record
         self.messages += 1
         self.payload_bytes += len(record.payload)
         self.senders.add(record.sender)
@@ -87,7 +89,7 @@ def summarise(log: Log | Path | str) -> LogSummary:
     for record in source.records():
         count = counts.get(record.topic)
         if count is None:
-            count = counts[record.topic] = _Count(record, record.log_ns, record.log_ns)
+            count = counts[record.topic] = _Count(record, record, record.log_ns, record.log_ns)
         count.add(record)
     first_ns = min((c.first_ns for c in counts.values()), default=0)
     last_ns = max((c.last_ns for c in counts.values()), default=0)
@@ -131,7 +133,10 @@ def _watchdog(record: Record) -> str:
 
 
 def _body(count: _Count | None) -> BodyInfo | None:
-    """What the first message of a body says; None without one that can be read."""
-    if count is None or count.first.schema != BODY.schema:
+    """What the last message of a body says; None without one that can be read.
+
+    A body may be built anew for the runtime whose log it is: what it said before is of another one.
+    """
+    if count is None or count.last.schema != BODY.schema:
         return None
-    return decode_body(count.first.payload)
+    return decode_body(count.last.payload)

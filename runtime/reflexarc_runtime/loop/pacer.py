@@ -62,6 +62,10 @@ class RatePacer:
         self._start_ns: int | None = None
         self._slot = 0
 
+    def at(self, rate_hz: float) -> "RatePacer":
+        """One that goes on from now at this rate, by the same clock and with the same inbox."""
+        return RatePacer(rate_hz, self._clock, self._inbox)
+
     def wait(self, should_stop: Callable[[], bool]) -> Wakeup | None:
         """See `Pacer.wait`."""
         self._slot = max(self._slot + 1, self._slot_due())

@@ -18,6 +18,7 @@ from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_runtime.messages.body_info import BodyInfo
 from reflexarc_runtime.sweep import Speeds
 from reflexarc_sim_bridge.body.gate.limits import Motion, Twist
+from reflexarc_sim_bridge.simulation.moving_house import move_house
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.files import parse_world
 from reflexarc_sim_bridge.worlds.world import World
@@ -103,6 +104,11 @@ class Body:
         """What it does with nothing to obey: the safe command of its contract."""
         action = self.contract.safe_command
         return Motion(action.linear_mps, action.lateral_mps, action.angular_radps)
+
+    def take_over(self, former: "Body") -> None:
+        """Go on where another body of the same world is: its place, its way and its counts."""
+        move_house(self.simulation, former.simulation)
+        self.contacts, self.held_back = former.contacts, former.held_back
 
     def move(self, motion: Twist) -> BodyPose | None:
         """Move for one period.

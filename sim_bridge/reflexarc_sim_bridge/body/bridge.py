@@ -42,6 +42,7 @@ from reflexarc_sim_bridge.body.body import Body, BodyPose
 from reflexarc_sim_bridge.body.faults.delayed_sender import DelayedSender
 from reflexarc_sim_bridge.body.faults.faulty_stream import Sending
 from reflexarc_sim_bridge.body.faults.script import FaultScript
+from reflexarc_sim_bridge.body.following import Following
 from reflexarc_sim_bridge.body.foxglove_messages import encode_pose, encode_scene, encode_transform
 from reflexarc_sim_bridge.body.gate.account import SAID_EVERY_NS, Account, encode_lease
 from reflexarc_sim_bridge.body.gate.gate import HEARD, Gate
@@ -125,6 +126,7 @@ class StatePublisher:
         self._overflows = overflows
         self._flood = FloodNotice(f"the body of {robot}")
         self._info = encode_body(body.info)
+        self._has_news = False
         self._steps = 0
         self._every_second = Throttle()
         self._lease_period = Throttle(SAID_EVERY_NS)
@@ -133,6 +135,10 @@ class StatePublisher:
     def has_listener(self, topic: Topic) -> bool:
         """Whether anyone listens to a topic."""
         return self._publishers[topic].has_listener
+
+    def show(self, body: Body) -> None:
+        """Publish the state of another body from now on, which is said at once."""
+        self._body, self._info, self._has_news = body, encode_body(body.info), True
 
     def publish(self, contact: BodyPose | None, account: Account, now_ns: int) -> None:
         """Publish the state of the body: the retina first, because the runtime waits for it.
@@ -154,7 +160,8 @@ class StatePublisher:
         if self._lease_period.is_due(now_ns) or account.news != self._said_lease:
             self._said_lease = account.news
             self._publishers[LEASE].put(encode_lease(account), now_ns)
-        if self._every_second.is_due(now_ns):
+        if self._every_second.is_due(now_ns) or self._has_news:
+            self._has_news = False
             self._publish_every_second(account, now_ns)
 
     def _publish_every_second(self, account: Account, now_ns: int) -> None:
@@ -184,6 +191,8 @@ class Bridge:
         settings: what the body decides for itself.
         retinas: where the retinas go; straight to the bus by default.
         latch: keeps a stop that outlives the body; without one, a stop ends with it.
+        following: builds the body anew where a runtime with another contract holds it; without
+            it, the body stays what it is.
     """
 
     def __init__(
@@ -195,7 +204,9 @@ class Bridge:
         settings: GateSettings,
         retinas: RetinaOutlet | None = None,
         latch: StopLatch | None = None,
+        following: Following | None = None,
     ) -> None:
+        self._following = following
         self._bus = bus
         self._body = body
         self._inbox = inbox
@@ -205,7 +216,9 @@ class Bridge:
         self._retinas = retinas
         self._gate = Gate.closed(bus.sender, settings, latch.stopped if latch else "")
         self._publisher = StatePublisher(bus, body, robot, retinas, self._overflows)
-        bus.subscribe([COMMAND], inbox.put)
+        self.has_heard = False
+        """Whether any command has come."""
+        bus.subscribe([COMMAND], self._take_command)
         bus.subscribe([STOP], self._stops.put)
         others = [topic for topic in HEARD if topic not in (COMMAND, STOP)]
         bus.subscribe(others, self._controls.put)
@@ -223,6 +236,8 @@ class Bridge:
                 break
             for message in wakeup.messages:
                 self._gate = self._gate.hear(message, message.received_ns)
+            if self._following is not None:
+                pacer = self._follow(self._following, pacer)
             contact = self._move(wakeup.now_ns, (wakeup.now_ns - before_ns) / 1e9)
             self._publisher.publish(contact, self._gate.lease, wakeup.now_ns)
             before_ns = wakeup.now_ns
@@ -247,8 +262,34 @@ class Bridge:
             done += 1
         return self._journey(done)
 
+    def _take_command(self, message: Message) -> None:
+        self.has_heard = True
+        self._inbox.put(message)
+
     def _overflows(self) -> int:
         return self._inbox.overflows + self._controls.overflows
+
+    def _follow(self, following: Following, pacer: RatePacer) -> RatePacer:
+        """Stand while a new holder's contract is not known; then go on as it wants to see.
+
+        Returns:
+            What paces the body from now on.
+        """
+        holder = self._gate.holding.holder
+        if following.is_open(holder):
+            self._gate = self._gate.waiting()
+        body = following.successor(holder)
+        if body is None:
+            return pacer
+        rate_hz, former_hz = 1.0 / body.info.step_s, 1.0 / self._body.info.step_s
+        body.take_over(self._body)
+        self._body = body
+        self._publisher.show(body)
+        settings = self._gate.settings
+        self._gate = self._gate.under(
+            gate_settings(body, auto_arm=settings.auto_arm, lockstep=settings.lockstep)
+        )
+        return pacer if rate_hz == former_hz else pacer.at(rate_hz)
 
     def _hear(self, now_ns: int, message: Message) -> None:
         self._gate = self._gate.hear(message, now_ns)

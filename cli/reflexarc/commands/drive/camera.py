@@ -102,9 +102,11 @@ class CameraCommand:
         contract: "PolicyContract",
         stop: StopFlag,
     ) -> "CameraBridgeReport":
+        from reflexarc.wiring.waiting import Waiting, Wish
         from reflexarc_runtime.loop.clock import MonotonicClock
         from reflexarc_runtime.loop.inbox import Inbox
         from reflexarc_runtime.loop.pacer import RatePacer
+        from reflexarc_runtime.messages.topics import RETINA
         from reflexarc_sim_bridge.body.camera.bridge import CameraBridge
         from reflexarc_sim_bridge.body.camera.eye import CameraEye
 
@@ -118,7 +120,9 @@ class CameraCommand:
         if len(totals) < len(sources):  # a camera among them paces by itself
             return bridge.show(moments, stop)
         rate_hz = self.rate or sources[0].rate_hz or contract.rate_hz
-        bridge.wait_for_listener(stop)
+        wish = Wish("reflexarc camera", "a runtime", RETINA.key(bus.robot), ("*/tick",))
+        with Waiting(bus, wish, lambda: bridge.has_listener):
+            bridge.wait_for_listener(stop)
         with _progress(min(totals)) as progress:
             return bridge.show(moments, stop, RatePacer(rate_hz, clock, Inbox()), progress)
 

@@ -36,14 +36,14 @@ class Speaking:
             raise UsageError(f"--patience: expected above 0 to 3600 s, got {self.patience}")
         return self.joining.bus(OPERATOR)
 
-    def tell(self, command: str, answer: "OperatorAnswer") -> int:
-        """Print what the body said; the exit status."""
+    def tell(self, command: str, answer: "OperatorAnswer", silence: str = "") -> int:
+        """Print what the body said, or why it is silent; the exit status."""
         if self.json:
             print_json({"done": answer.done, **_plain(answer.lease)})
         elif answer.done and answer.lease is not None:
             console.print(f"{self.joining.robot}: {_words(answer.lease)}", soft_wrap=True)
         if not answer.done:
-            aside.print(f"reflexarc {command}: {self._complaint(answer)}", soft_wrap=True)
+            aside.print(f"reflexarc {command}: {self._complaint(answer)}{silence}", soft_wrap=True)
         return 0 if answer.done else 1
 
     def _complaint(self, answer: "OperatorAnswer") -> str:
@@ -180,9 +180,13 @@ def _runs(lease: "Lease") -> bool:
 def _insist(speaking: Speaking, command: str, say: "Callable[[Operator], OperatorAnswer]") -> int:
     from reflexarc.wiring.operator import Operator
 
+    who = f"reflexarc {command}"
     with speaking.bus() as bus:
-        answer = say(Operator(bus, speaking.patience))
-    return speaking.tell(command, answer)
+        operator = Operator(bus, speaking.patience)
+        with operator.explaining(who):
+            answer = say(operator)
+        silence = "" if answer.lease else operator.explain_silence(who)
+    return speaking.tell(command, answer, silence)
 
 
 def _hold(speaking: Speaking) -> int:

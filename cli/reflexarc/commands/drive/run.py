@@ -107,7 +107,7 @@ class RunCommand:
 
     def _tried_policy(self) -> "LoadedPolicy":
         """Load the policy, after a process of its own has."""
-        from reflexarc_runtime.loop.trial import Trial, check_fits
+        from reflexarc_runtime.loop.trials.trial import Trial, check_fits
 
         with Trial(self.policy, self.backend) as trial:
             from reflexarc_runtime.policy.policy import load_policy
@@ -150,7 +150,7 @@ class RunCommand:
         self._listen_to_the_rest(bus, sink)
         bus.offer_policy(policy.data)
         if self.lockstep:
-            self._wait_for_body(command, stop)
+            self._wait_for_body(bus, command, stop)
         came = Arrival(inbox.put)
         bus.subscribe([controller.sense.topic], came.hear)
         ranges = [topic for topic in (controller.ranges_topic,) if topic is not None]
@@ -231,13 +231,20 @@ class RunCommand:
 
         bus.subscribe(OVERHEARD, keep)
 
-    def _wait_for_body(self, command: "Publisher", stop: StopFlag) -> None:
+    def _wait_for_body(self, bus: "Bus", command: "Publisher", stop: StopFlag) -> None:
         """Wait for a body: in lockstep, a command without a listener would never be answered."""
         import time
 
+        from reflexarc.wiring.waiting import Waiting, Wish
+        from reflexarc_runtime.messages.topics import COMMAND
+
         aside.print("reflexarc run: waiting for a body in lockstep …")
-        while not command.has_listener and not stop():
-            time.sleep(LISTENER_POLL_S)
+        # Whoever overhears commands would be taken for the body that listens.
+        around = "*/retina", "*/scan", "*/lease", "*/status"
+        wish = Wish("reflexarc run", "a body that listens", COMMAND.key(bus.robot), around)
+        with Waiting(bus, wish, lambda: command.has_listener):
+            while not command.has_listener and not stop():
+                time.sleep(LISTENER_POLL_S)
 
     @contextmanager
     def _sink(self, policy: "LoadedPolicy", run_id: str) -> "Iterator[Sink]":

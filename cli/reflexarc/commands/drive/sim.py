@@ -1,7 +1,7 @@
 """`reflexarc sim`: a simulated body on the bus."""
 
 from collections.abc import Callable
-from contextlib import nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -9,17 +9,20 @@ from typing import TYPE_CHECKING
 
 from reflexarc.terminal.output import aside, console, facts, plain, print_json
 from reflexarc.terminal.signals import StopFlag
-from reflexarc.wiring.bus_flags import Joining, contract_of
+from reflexarc.wiring.bus_flags import Joining, asking_of, first_wanted, waiting_for_commands
 from reflexarc.wiring.fleet import drive_together
 from reflexarc_runtime.contract.body_fit import check_body
 from reflexarc_runtime.contract.bounds import Bounds
 from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:
+    from reflexarc.wiring.asking import Asking, Wanted
     from reflexarc_runtime.bus import Bus
     from reflexarc_runtime.contract.contract import PolicyContract
+    from reflexarc_sim_bridge.body.body import Body
     from reflexarc_sim_bridge.body.bridge import Journey
     from reflexarc_sim_bridge.body.faults.script import FaultScript
+    from reflexarc_sim_bridge.body.following import Following
     from reflexarc_sim_bridge.body.latch import StopLatch
     from reflexarc_sim_bridge.worlds.world import World
 
@@ -32,10 +35,10 @@ class SimCommand:
     """Simulate a body on the bus: it sees and moves, in real time or in lockstep.
 
     It builds its eye from a policy's contract: from --policy, or from the runtime that it meets on
-    the bus. A contract that asks for more speed or patience than is usual is refused, unless flags
-    allow it. Without a fresh and valid command it stops by itself. It obeys one runtime at a time,
-    keeps the limits of its world, and stands after `reflexarc stop` until `reflexarc reset`, even
-    if it is started again.
+    the bus; under another runtime it builds it anew, and goes on where it is. A contract that asks
+    for more speed or patience than is usual is refused, unless flags allow it. Without a fresh and
+    valid command it stops by itself. It obeys one runtime at a time, keeps the limits of its world,
+    and stands after `reflexarc stop` until `reflexarc reset`, even if it is started again.
 
     Examples:
       reflexarc sim
@@ -120,11 +123,56 @@ class SimCommand:
 
         # The first robot listens for the others.
         with robot.bus(BODY_NODE, listens=number == 0, lockstep=self.lockstep) as bus:
-            contract = contract_of(self.policy, bus, stop, self._who(robot.robot), self.bounds)
-            if contract is None:
+            who = self._who(robot.robot)
+            if self.policy is not None:
+                from reflexarc_runtime.policy.policy import load_contract
+
+                body = self._body(load_contract(self.policy, bounds=self.bounds), number)
+                return self._drive(bus, body, stop, script, robot.robot)
+            asking = asking_of(bus, who, self.bounds, lambda c: self._body(c, number))
+            wanted = first_wanted(asking, stop, who)
+            if wanted is None:
                 return None
-            check_body(contract.body, self._drawn_world.body, allow=self.allow_body)
-            return self._drive(bus, contract, stop, script, robot.robot, number)
+            body = self._body(wanted.contract, number)
+            with self._following(asking, wanted, number) as following:
+                return self._drive(bus, body, stop, script, robot.robot, following)
+
+    def _body(self, contract: "PolicyContract", number: int) -> "Body":
+        """The robot that a contract describes, at its place at the start."""
+        from reflexarc_sim_bridge.body.body import Body
+
+        check_body(contract.body, self._drawn_world.body, allow=self.allow_body)
+        rate_hz = self.rate or contract.rate_hz
+        if self.lockstep and contract.hold_s and rate_hz != contract.rate_hz:
+            raise UsageError(
+                f"--rate: the policy holds actions for {contract.hold_s:g} s, which lockstep "
+                f"counts at its own {contract.rate_hz:g} Hz; leave --rate out"
+            )
+        return Body(
+            self._drawn_world,
+            contract,
+            rate_hz,
+            self.seed,
+            number,
+            world_text=self._world_text,
+            checks=self.check,
+        )
+
+    def _following(
+        self, asking: "Asking", wanted: "Wanted", number: int
+    ) -> "AbstractContextManager[Following | None]":
+        """What builds the body anew for another runtime; in lockstep one drive has one runtime."""
+        from reflexarc_sim_bridge.body.following import Following
+
+        if self.lockstep:
+            return nullcontext()
+        return Following(
+            asking.of,
+            lambda contract: self._body(contract, number),
+            wanted.contract,
+            wanted.sender,
+            asking.say,
+        )
 
     def _who(self, robot: str) -> str:
         """The beginning of a robot's notices; the only robot needs no name."""
@@ -159,33 +207,18 @@ class SimCommand:
     def _drive(
         self,
         bus: "Bus",
-        contract: "PolicyContract",
+        body: "Body",
         stop: Callable[[], bool],
         script: "FaultScript | None",
         robot: str,
-        number: int,
+        following: "Following | None" = None,
     ) -> "Journey":
         from reflexarc_runtime.loop.clock import MonotonicClock
         from reflexarc_runtime.loop.inbox import Inbox
         from reflexarc_runtime.loop.pacer import RatePacer
-        from reflexarc_sim_bridge.body.body import Body
         from reflexarc_sim_bridge.body.bridge import Bridge, faulty_retinas, gate_settings
 
-        rate_hz = self.rate or contract.rate_hz
-        if self.lockstep and contract.hold_s and rate_hz != contract.rate_hz:
-            raise UsageError(
-                f"--rate: the policy holds actions for {contract.hold_s:g} s, which lockstep "
-                f"counts at its own {contract.rate_hz:g} Hz; leave --rate out"
-            )
-        body = Body(
-            self._drawn_world,
-            contract,
-            rate_hz,
-            self.seed,
-            number,
-            world_text=self._world_text,
-            checks=self.check,
-        )
+        rate_hz = self.rate or body.contract.rate_hz
         inbox, clock = Inbox(), MonotonicClock()
         with faulty_retinas(bus, script, clock.now_ns) if script else nullcontext() as retinas:
             settings = gate_settings(
@@ -195,12 +228,13 @@ class SimCommand:
                 lockstep=self.lockstep,
             )
             latch = self._latch(robot)
-            bridge = Bridge(bus, body, robot, inbox, settings, retinas, latch)
+            bridge = Bridge(bus, body, robot, inbox, settings, retinas, latch, following)
             line = f"{self._who(robot)}: {self.world}, seed {self.seed}, {rate_hz:g} Hz"
             aside.print(line, soft_wrap=True)
-            if self.lockstep:
-                return bridge.drive_in_lockstep(round(1e9 / rate_hz), stop, self.steps)
-            return bridge.drive(RatePacer(rate_hz, clock, inbox), stop, self.steps)
+            with waiting_for_commands(bus, self._who(robot), lambda: bridge.has_heard):
+                if self.lockstep:
+                    return bridge.drive_in_lockstep(round(1e9 / rate_hz), stop, self.steps)
+                return bridge.drive(RatePacer(rate_hz, clock, inbox), stop, self.steps)
 
     def _latch(self, robot: str) -> "StopLatch | None":
         """The stop that outlives the body; in lockstep the same run shall give the same drive."""

@@ -12,7 +12,7 @@ import tyro
 from reflexarc.terminal.keyboard import Keys
 from reflexarc.terminal.output import aside, console, facts, microseconds, print_json, progress_bar
 from reflexarc.terminal.signals import StopFlag
-from reflexarc.wiring.bus_flags import Joining
+from reflexarc.wiring.bus_flags import Joining, waiting_for_commands
 from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:
@@ -93,7 +93,8 @@ class PlayCommand:
         due = schedule(log, streams, speed=self.speed, loop=self.loop)
         if self.lockstep:
             aside.print(f"reflexarc play: waiting for a runtime in lockstep ({streams.sensor}) …")
-            body.wait_for_runtime()
+            with waiting_for_commands(bus, "reflexarc play", body.is_heard):
+                body.wait_for_runtime()
         with self._progress(streams) as saw:
             player = Player(
                 MonotonicClock(),

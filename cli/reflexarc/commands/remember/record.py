@@ -17,8 +17,6 @@ from reflexarc_runtime.errors import UsageError
 if TYPE_CHECKING:
     from reflexarc_logs.recording.recorder import Recorder
 
-OTHERS = {"": "another robot, --robot {first}?"}
-"""What to do where something else than the expected one is heard."""
 POLL_S = 0.05
 STOPPED = "stopped"
 """The state of a recording that failed begins with this word."""
@@ -60,7 +58,7 @@ class RecordCommand:
                 came = Arrival(recorder.put)
                 bus.subscribe(ON_THE_BUS, came.hear)
                 aside.print(f"reflexarc record: {path} (Ctrl-C ends it)")
-                wish = Wish("reflexarc record", "messages", f"{bus.robot}/…", advice=OTHERS)
+                wish = Wish("reflexarc record", "messages", f"{bus.robot}/…")
                 with Waiting(bus, wish, came):
                     self._wait(stop, recorder)
         self._tell(path, recorder.state)

@@ -60,9 +60,14 @@ class CameraBridge:
         self._clock = clock
         bus.announce(BODY_NODE)
 
+    @property
+    def has_listener(self) -> bool:
+        """Whether anyone listens to the retinas."""
+        return self._retinas.has_listener
+
     def wait_for_listener(self, should_stop: Callable[[], bool]) -> None:
         """Wait for a subscriber: the images of a file are published only once."""
-        while not self._retinas.has_listener and not should_stop():
+        while not self.has_listener and not should_stop():
             self._clock.sleep_until_ns(self._clock.now_ns() + _POLL_NS)
 
     def show(

@@ -98,6 +98,14 @@ class Gate:
         """Whether it takes commands, unless it is stopped."""
         return self.allowed or self.button.is_held
 
+    def under(self, settings: GateSettings) -> "Gate":
+        """The gate of a body that was built anew: it obeys nothing that was said before."""
+        return replace(self, settings=settings, wanted=None)
+
+    def waiting(self) -> "Gate":
+        """The gate that has forgotten what it was told last, and so stands until the next word."""
+        return self if self.wanted is None else replace(self, wanted=None)
+
     def hear(self, message: Message, now_ns: int) -> "Gate":
         """The gate after a message; never raises.
 

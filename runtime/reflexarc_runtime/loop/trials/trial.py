@@ -33,7 +33,7 @@ DECISIONS = 24
 READY = "ready"
 """What the process says when it has loaded its own modules."""
 
-_PROCESS = "reflexarc_runtime.loop.trial_process"
+_PROCESS = "reflexarc_runtime.loop.trials.trial_process"
 
 
 @dataclass(frozen=True)
@@ -87,9 +87,9 @@ class Trial:
             PolicyError: the policy is refused, hangs, or breaks the process.
         """
         assert self._process.stdout is not None
-        with _ended_after(STARTING_S, self._process.kill):
+        with ended_after(STARTING_S, self._process.kill):
             self._process.stdout.readline()  # it is ready
-        with _ended_after(self._loading_s, self._process.kill) as is_late:
+        with ended_after(self._loading_s, self._process.kill) as is_late:
             said, _ = self._process.communicate()
         if is_late():
             raise PolicyError(
@@ -131,7 +131,7 @@ def check_fits(finding: Finding, policy: "LoadedPolicy", *, in_real_time: bool =
         )
 
 
-class _ended_after:  # noqa: N801  # read as a phrase
+class ended_after:  # noqa: N801  # read as a phrase
     """A context that calls `end` if it lasts longer than a time; its value tells whether it did."""
 
     def __init__(self, seconds: float, end: Callable[[], None]) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from reflexarc_runtime.errors import PolicyError
-from reflexarc_runtime.loop.trial import Finding, Trial, check_fits
+from reflexarc_runtime.loop.trials.trial import Finding, Trial, check_fits
 from reflexarc_runtime.policy.policy import load_policy
 from support.looping_policies import FOR_EVER, looping
 from support.policies import SMALL, exported

@@ -1,6 +1,6 @@
 """The process that tries a policy file: see `trial`.
 
-    python -m reflexarc_runtime.loop.trial_process POLICY BACKEND
+    python -m reflexarc_runtime.loop.trials.trial_process POLICY BACKEND
 
 It prints `ready` when it has loaded its own modules, then one JSON object.
 """
@@ -19,7 +19,7 @@ import numpy as np
 
 from reflexarc_runtime.errors import ReflexarcError
 from reflexarc_runtime.loop.clock import MonotonicClock
-from reflexarc_runtime.loop.trial import DECISIONS, MEMORY_BYTES, READY, Finding
+from reflexarc_runtime.loop.trials.trial import DECISIONS, MEMORY_BYTES, READY, Finding
 from reflexarc_runtime.policy.golden_check import start_of
 from reflexarc_runtime.policy.policy import LoadedPolicy, load_policy
 
@@ -34,7 +34,7 @@ ALONE_S = 60
 def main(path: Path, backend: str) -> None:
     """Try a policy and print what was found."""
     signal.alarm(ALONE_S)
-    _limit_memory()
+    limit_memory()
     print(READY, flush=True)
     print(json.dumps(_try(path, backend)))
 
@@ -57,7 +57,7 @@ def measure(policy: LoadedPolicy, now_ns: Callable[[], int]) -> int:
     return round(median(times_ns[UNTIMED:]))
 
 
-def _limit_memory() -> None:
+def limit_memory() -> None:
     """Limit the address space to what the process has and `MEMORY_BYTES` more, where it can be."""
     with suppress(OSError, ValueError):
         pages = int(Path("/proc/self/statm").read_text().split()[0])
