@@ -15,7 +15,7 @@ from reflexarc_logs.replaying.comparison import EqualityRules, LevelResult, Repl
 from reflexarc_logs.replaying.node_level import replay_node, why_not
 from reflexarc_logs.replaying.policy_level import replay_policy
 from reflexarc_runtime.errors import LogError, PolicyError, ReflexarcError, UsageError
-from reflexarc_runtime.loop.trial import Trial
+from reflexarc_runtime.loop.trials.trial import Trial
 from reflexarc_runtime.policy.model_file import policy_hash
 from reflexarc_runtime.policy.policy import Backend, LoadedPolicy, load_policy
 

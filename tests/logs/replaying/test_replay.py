@@ -21,7 +21,7 @@ from reflexarc_logs.replaying.replay import replay
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.errors import LogError, PolicyError, UsageError
-from reflexarc_runtime.loop.trial import Trial
+from reflexarc_runtime.loop.trials.trial import Trial
 from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp, protobuf_encoding
 from reflexarc_runtime.messages_pb2 import Decision, Tick
 from reflexarc_runtime.policy.model_file import policy_hash
