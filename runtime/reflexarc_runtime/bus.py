@@ -331,7 +331,10 @@ def _zenoh_config(config: BusConfig) -> zenoh.Config:
     if config.zenoh_file is not None:
         if not config.zenoh_file.is_file():
             raise BusError(f"--zenoh: {config.zenoh_file}: no such file")
-        return zenoh.Config.from_file(config.zenoh_file)
+        try:
+            return zenoh.Config.from_file(config.zenoh_file)
+        except zenoh.ZError as error:
+            raise BusError(_explain(config, str(error))) from None
     body = f"tcp/{LOOPBACK}:{config.port}"
     chosen = zenoh.Config()
     chosen.insert_json5("scouting/multicast/enabled", json.dumps(False))

@@ -91,7 +91,7 @@ def _drive(
     world.write_text(POSTS)
     common = ("--port", port, "--lockstep", "--json")
     with started("run", policy, *flags, *common, cwd=folder) as loop:
-        words = ("sim", "--policy", policy, "--world", world, "--steps", STEPS)
+        words = ("sim", "--policy", policy, "--allow-body", "--world", world, "--steps", STEPS)
         with started(*words, *common, cwd=folder) as body:
             said_line(body, "posts")
             journey = finished(body)

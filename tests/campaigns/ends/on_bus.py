@@ -108,7 +108,7 @@ def bus_robot(policy: Path, port: int, backend: str, folder: Path) -> Iterator[B
     """A robot on the bus without processes; they join at this port."""
     world = folder / "empty.toml"
     world.write_text(WORLD)
-    body = [MAIN, "sim", "--world", world, "--policy", policy, "--port", port]
+    body = [MAIN, "sim", "--world", world, "--policy", policy, "--allow-body", "--port", port]
     runtime = [MAIN, "run", policy, "--port", port, "--backend", backend]
     members = {
         "body": Member(lambda: list(body), "reflexarc sim: "),

@@ -5,7 +5,7 @@ import pytest
 
 from reflexarc_pictures.courses.world_course import drive_in_world
 from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
-from reflexarc_runtime.contract.eye import RetinaSpec
+from reflexarc_runtime.contract.eye import BeamRule, RetinaSpec
 from reflexarc_sim_bridge.worlds.files import WORLDS
 from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
 
@@ -36,7 +36,7 @@ def test_where_the_world_begins_anew_the_way_goes_on():
 
 @pytest.mark.parametrize("rays", [5, 16])
 def test_behind_a_scanner_every_beam_is_drawn_where_it_looks(rays: int):
-    eye = RetinaSpec(rays=rays)
+    eye = RetinaSpec(rays=rays, beams=BeamRule.SECTOR_MINIMUM)
     course = drive_in_world(WORLDS["scanned"], reference_contract(eye), ConstantPolicy(0), 0, 0.5)
     for snapshot in course.snapshots:
         assert snapshot.rays_m is not None
