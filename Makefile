@@ -4,13 +4,14 @@ VENV   ?= .venv
 BIN     = $(VENV)/bin
 STAMP   = $(VENV)/.installed
 CONSTRAINTS ?= constraints.txt
-PYTEST_WORKERS ?= 2
+# More than processors: tests with real processes mostly wait.
+PYTEST_WORKERS ?= 3
 
 # Threads of NumPy and numba must neither fight nor spin while they wait.
 export OPENBLAS_NUM_THREADS ?= 1
 export OMP_WAIT_POLICY ?= passive
 
-.PHONY: help demo test tests-alone test-quick test-numba test-arm check fmt wheel golden proto clean real-input worlds studies
+.PHONY: help demo test tests-alone test-long test-quick test-numba test-arm check fmt wheel golden proto clean real-input worlds studies
 
 help:            ## say what there is
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/'
@@ -23,6 +24,9 @@ test: check      ## every check, then every test
 
 tests-alone: $(STAMP)
 	$(BIN)/pytest -n $(PYTEST_WORKERS)
+
+test-long: $(STAMP) ## more tests with real processes: three minutes
+	$(BIN)/pytest -m long -n $(PYTEST_WORKERS)
 
 test-quick: $(STAMP) ## what a change breaks first: no robots, no training
 	$(BIN)/pytest -q -n $(PYTEST_WORKERS) tests/house tests/docs tests/runtime tests/logs/container tests/cli/terminal

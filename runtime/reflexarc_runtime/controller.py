@@ -324,7 +324,7 @@ class Controller:
         still, now_ns = state.still, decision.now_ns
         return State(
             index=state.index + 1,
-            streak=0 if outcome.verdict in _ENDS_STREAKS else state.streak,
+            streak=0 if self._ends_streak(outcome.verdict) else state.streak,
             newest=state.newest,
             frames=state.frames,
             fault=state.fault,
@@ -338,6 +338,11 @@ class Controller:
             backlog=state.backlog,
             still=still.told(not decision.command.is_safe, now_ns) if still.picture else still,
         )
+
+    def _ends_streak(self, verdict: Verdict) -> bool:
+        if verdict is Verdict.OVERRUN:
+            return self.rules.recovers_after_overrun
+        return verdict in _ENDS_STREAKS
 
     def _conclude(self, state: State, inputs: Inputs, now_ns: int, outcome: Outcome) -> Decision:
         used = _input_of(state.newest, state.backlog.behind_ns, now_ns)

@@ -30,21 +30,18 @@ class ControllerRules:
     """An input is as old as it waited since its arrival and before it: see `backlog`. Before, age
     counted from the arrival alone."""
 
+    recovers_after_overrun: bool
+    """Good inputs count anew behind a late tick. Before, those that came during it counted, and the
+    loop could drive on without a verdict RECOVERING."""
+
 
 RULES = {
-    1: ControllerRules(
-        1, stop_is_a_message=False, one_source=False, checked_senses=False, ages_backlogs=False
-    ),
-    2: ControllerRules(
-        2, stop_is_a_message=True, one_source=False, checked_senses=False, ages_backlogs=False
-    ),
-    3: ControllerRules(
-        3, stop_is_a_message=True, one_source=True, checked_senses=False, ages_backlogs=False
-    ),
-    4: ControllerRules(
-        4, stop_is_a_message=True, one_source=True, checked_senses=True, ages_backlogs=True
-    ),
+    1: ControllerRules(1, False, False, False, False, False),
+    2: ControllerRules(2, True, False, False, False, False),
+    3: ControllerRules(3, True, True, False, False, False),
+    4: ControllerRules(4, True, True, True, True, True),
 }
+"""What each version does, in the order of the fields."""
 CURRENT_RULES = RULES[4]
 
 

@@ -79,6 +79,7 @@ def test_through_a_router_of_two_runtimes_one_moves_the_body(policy: Path, tmp_p
         assert not moved_by_others(seen.evidence)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", ["command", "senders"])
 def test_a_flood_changes_nothing_of_who_is_obeyed(
     kind: str, policy: Path, port: int, tmp_path: Path

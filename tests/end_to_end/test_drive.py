@@ -27,7 +27,7 @@ def asked(verdicts: dict[str, int]) -> int:
     return sum(verdicts.get(name, 0) for name in ("OK", "GUARDED", "STUCK"))
 
 
-def test_a_50_hz_loop_of_30_s_loses_neither_a_tick_nor_a_retina(
+def test_a_50_hz_loop_of_12_s_loses_neither_a_tick_nor_a_retina(
     policy: Path, port: int, tmp_path: Path
 ):
     log, heard = tmp_path / "drive.mcap", tmp_path / "heard.mcap"
@@ -37,18 +37,18 @@ def test_a_50_hz_loop_of_30_s_loses_neither_a_tick_nor_a_retina(
     ):
         said_line(body, "reference-1")
         said_line(recorder, "reflexarc record:")
-        words = ("run", policy, "--port", port, "--record", log, "--ticks", 1500, "--json")
+        words = ("run", policy, "--port", port, "--record", log, "--ticks", 600, "--json")
         with started(*words) as loop:
             summary = finished(loop)
         finished(body, signal.SIGINT)
         finished(recorder, signal.SIGINT)
     read = read_log(log)
-    assert [tick.decision.index for tick in read.ticks()] == list(range(1501))
+    assert [tick.decision.index for tick in read.ticks()] == list(range(601))
     numbers = [record.sequence for record in read.records("/robot0/retina")]
     assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))
-    assert len(numbers) > 1400
-    assert summary["ticks"] == 1501
-    assert asked(summary["verdicts"]) > 1400
+    assert len(numbers) > 550
+    assert summary["ticks"] == 601
+    assert asked(summary["verdicts"]) > 550
     assert GuardSettings.from_json(read.run.guard) == GuardSettings()
     said = [status for _, status in read_log(heard).messages("/robot0/status", Status)]
     assert {status.guard for status in said if status.node == "runtime"} == {"on"}

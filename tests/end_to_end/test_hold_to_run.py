@@ -9,6 +9,8 @@ import time
 from contextlib import AbstractContextManager
 from pathlib import Path
 
+import pytest
+
 from reflexarc_logs.reading.reader import read_log
 from reflexarc_logs.replaying.replay import replay
 from reflexarc_runtime import messages_pb2 as pb
@@ -82,6 +84,7 @@ def test_the_kill_of_whoever_holds_the_button_stops_the_body(
             until_it_rolls(seen)  # another press
 
 
+@pytest.mark.long
 def test_whoever_was_stopped_with_the_button_down_does_not_drive_on_when_continued(
     policy: Path, port: int, tmp_path: Path
 ):
@@ -100,6 +103,7 @@ def test_whoever_was_stopped_with_the_button_down_does_not_drive_on_when_continu
         assert seen.x_m[-1] == begin_m
 
 
+@pytest.mark.long
 def test_what_was_recorded_of_a_button_arms_nothing(policy: Path, port: int, tmp_path: Path):
     with (
         body(policy, port, tmp_path, "--hold-to-run"),
@@ -120,6 +124,7 @@ def test_what_was_recorded_of_a_button_arms_nothing(policy: Path, port: int, tmp
         assert not seen.lease.armed
 
 
+@pytest.mark.long
 def test_a_stop_beats_a_held_button_and_a_reset_does_not_bring_it_back(
     policy: Path, port: int, tmp_path: Path
 ):
@@ -137,6 +142,7 @@ def test_a_stop_beats_a_held_button_and_a_reset_does_not_bring_it_back(
         assert seen.rolled_m() == 0.0
 
 
+@pytest.mark.long
 def test_at_a_terminal_any_key_lets_go(policy: Path, port: int, tmp_path: Path):
     with body(policy, port, tmp_path, "--hold-to-run"), witness(port) as seen:
         master, terminal = pty.openpty()
@@ -165,6 +171,7 @@ def test_a_button_that_nobody_feels_ends_with_1_and_one_line(port: int):
     assert done.stderr == "reflexarc arm: no body of robot0 answered within 0.5 s\n"
 
 
+@pytest.mark.long
 def test_a_robot_that_speaks_ros_drives_while_the_button_is_held(policy: Path, port: int):
     with (
         robot(port, "scan", "cmd_vel", stamped=False) as base,

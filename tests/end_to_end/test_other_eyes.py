@@ -110,6 +110,7 @@ def assert_right_about_the_body(log: Path, contract: PolicyContract) -> None:
     assert said[-1] == info
 
 
+@pytest.mark.long
 def test_whoever_answers_first_with_garbage_ends_no_body(far: Path, port: int, tmp_path: Path):
     racing = exported(replace(FAR, actions=sideways_actions(30.0)))
     with meeting_body(port, tmp_path) as process, answering(port, b"garbage", racing, b""):
@@ -121,6 +122,7 @@ def test_whoever_answers_first_with_garbage_ends_no_body(far: Path, port: int, t
         finished(process, signal.SIGINT)
 
 
+@pytest.mark.long
 def test_a_body_that_was_built_for_a_stranger_is_built_anew_for_who_drives_it(
     far: Path, near: Path, port: int, tmp_path: Path
 ):
@@ -134,6 +136,7 @@ def test_a_body_that_was_built_for_a_stranger_is_built_anew_for_who_drives_it(
         finished(process, signal.SIGINT)
 
 
+@pytest.mark.long
 def test_of_two_runtimes_only_the_holder_s_contract_counts(
     far: Path, near: Path, port: int, tmp_path: Path
 ):

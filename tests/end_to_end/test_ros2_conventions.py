@@ -13,6 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import pytest
 import zenoh
 
 from support.processes import PATIENCE_S, Process, started
@@ -101,6 +102,7 @@ def test_zeros_are_unknown_until_a_flag_says_that_nothing_was_met(
     assert "INVALID_INPUT" not in with_flag["verdicts"]
 
 
+@pytest.mark.long
 def test_a_largest_range_of_zero_is_refused_until_a_flag_says_what_it_is(
     port: int, policy: Path, tmp_path: Path
 ):
@@ -114,6 +116,7 @@ def test_a_largest_range_of_zero_is_refused_until_a_flag_says_what_it_is(
     assert with_flag["refused"] == {}
 
 
+@pytest.mark.long
 def test_the_runtime_s_own_flag_serves_as_well(port: int, policy: Path, tmp_path: Path):
     payload = scan_of(0.0, (0.1, 12.0))
     words = ("run", policy, "--input", "scan", "--port", port, "--json", "--no-guard")

@@ -30,6 +30,7 @@ def test_run_without_a_body(policy: Path, port: int, lockstep: tuple[str, ...]):
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "words", [(), ("--policy",), ("--lockstep",), ("--policy", "--lockstep")], ids=" ".join
 )
@@ -44,6 +45,7 @@ def test_sim_without_a_runtime(policy: Path, port: int, tmp_path: Path, words: t
     )
 
 
+@pytest.mark.long
 def test_what_is_heard_instead_and_what_to_do(policy: Path, port: int, tmp_path: Path):
     log = tmp_path / "a.mcap"
     with body(policy, port, tmp_path):
@@ -65,12 +67,14 @@ def test_what_is_heard_instead_and_what_to_do(policy: Path, port: int, tmp_path:
         assert done.stderr.endswith("instead: another robot, --robot robot0?\n")
 
 
+@pytest.mark.long
 def test_an_operator_with_patience_is_told_meanwhile(port: int):
     with started("stop", "--port", port, "--patience", 60) as process:
         line = said_line(process, "waits for")
     assert line.startswith("reflexarc stop: waits for a body on robot0/lease; nobody answers")
 
 
+@pytest.mark.long
 def test_a_body_beside_another_robot_s_runtime(policy: Path, port: int, tmp_path: Path):
     rover = ("--port", port, "--robot", "rover")
     with started("run", policy, *rover), started("sim", "--port", port, cwd=tmp_path) as process:
@@ -79,6 +83,7 @@ def test_a_body_beside_another_robot_s_runtime(policy: Path, port: int, tmp_path
     assert line.endswith("instead: another robot, --robot rover?")
 
 
+@pytest.mark.long
 def test_play_in_lockstep_waits_for_its_runtime(policy: Path, port: int):
     log = Path(__file__).parents[1] / "golden" / "nominal.mcap"
     with started("play", log, "--lockstep", "--port", port) as process:
