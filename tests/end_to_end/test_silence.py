@@ -5,7 +5,11 @@ from pathlib import Path
 
 import pytest
 
+from reflexarc_sim_bridge.body.ros2.key_expressions import LASER_SCAN
+from reflexarc_sim_bridge.body.ros2.wires import RmwWire, Ros2DdsWire
 from support.processes import Process, reflexarc, said_line, started
+from support.ros2_drives import FAST_ENOUGH
+from support.ros2_robot import robot
 from support.witness import body, runtime
 
 
@@ -101,3 +105,17 @@ def test_when_all_is_well_nothing_is_said(policy: Path, port: int, tmp_path: Pat
             assert "waits for" not in complaint
     assert record.returncode == 0
     assert "waits for" not in record.stderr
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("wire", ["ros2dds", "rmw"])
+def test_a_bridge_says_which_flag_would_hear_the_robot(port: int, tmp_path: Path, wire: str):
+    """A robot of the other kind scans beside it: the line names the flag."""
+    other = {"ros2dds": RmwWire(7), "rmw": Ros2DdsWire()}[wire]
+    words = ("--wire", wire, "--port", port, *FAST_ENOUGH)
+    with (
+        robot(port, other.key("/scan", LASER_SCAN), "cmd_vel", stamped=False),
+        started("ros2", *words, cwd=tmp_path) as bridge,
+    ):
+        line = said_line(bridge, "waits for scans")
+    assert {"ros2dds": "--wire rmw --domain 7?", "rmw": "--wire ros2dds?"}[wire] in line

@@ -15,6 +15,7 @@ from reflexarc.wiring.scan_flags import ScanFlags
 from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:
+    from reflexarc.wiring.waiting import Wish
     from reflexarc_runtime.bus import Bus
     from reflexarc_sim_bridge.body.gate.settings import GateSettings
     from reflexarc_sim_bridge.body.latch import StopLatch
@@ -165,6 +166,7 @@ class Ros2Command:
     def _serve(
         self, bus: "Bus", route: "Route", settings: "GateSettings", stop: StopFlag
     ) -> "RosBridgeReport":
+        from reflexarc.wiring.waiting import Waiting
         from reflexarc_runtime.loop.clock import MonotonicClock
         from reflexarc_runtime.loop.inbox import Inbox
         from reflexarc_sim_bridge.body.ros2.bridge import RosBridge
@@ -177,7 +179,22 @@ class Ros2Command:
             aside.print(
                 f"reflexarc ros2: {route.scan} → {route.command} on {self.wire}, {self.rate:g} Hz"
             )
-            return bridge.serve(turns, stop)
+            with Waiting(bus, self._wish(route), lambda: bridge.hears_scans):
+                return bridge.serve(turns, stop)
+
+    def _wish(self, route: "Route") -> "Wish":
+        """What is waited for, and what it might be that comes instead."""
+        from reflexarc.wiring.waiting import Wish
+        from reflexarc_sim_bridge.body.ros2.key_expressions import LASER_SCAN
+
+        last = route.scan.rpartition("/")[2]
+        advice = {
+            LASER_SCAN.type_hash: "--wire rmw --domain {first}?",
+            "TypeHashNotSupported": "--wire rmw --distribution humble --domain {first}?",
+            f"/{last}": "--wire ros2dds --topic {key}?",
+            last: "--wire ros2dds?",
+        }
+        return Wish("reflexarc ros2", "scans", route.scan_key, (f"**/{last}/**",), advice)
 
     def _latch(self) -> "StopLatch":
         """The stop that outlives the bridge."""

@@ -140,6 +140,11 @@ class RosBridge:
         bus.subscribe_to_key(route.scan_key, self._scans.hear)
         bus.announce(BODY_NODE)
 
+    @property
+    def hears_scans(self) -> bool:
+        """Whether anything has come on the topic of the scans."""
+        return bool(self._scans.scans or self._scans.refused)
+
     def serve(self, turns: Turns, should_stop: Callable[[], bool]) -> RosBridgeReport:
         """Serve until asked to stop; the robot's last commands are to stand."""
         self._commands.begin(turns.now_ns())
