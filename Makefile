@@ -20,13 +20,13 @@ demo: $(STAMP)   ## learn, export, drive, record, replay
 	$(BIN)/reflexarc demo
 
 test: check      ## every check, then every test
-	$(BIN)/pytest -n $(PYTEST_WORKERS)
+	$(BIN)/pytest -n $(PYTEST_WORKERS) --dist worksteal
 
 tests-alone: $(STAMP)
-	$(BIN)/pytest -n $(PYTEST_WORKERS)
+	$(BIN)/pytest -n $(PYTEST_WORKERS) --dist worksteal
 
 test-long: $(STAMP) ## more tests with real processes: three minutes
-	$(BIN)/pytest -m long -n $(PYTEST_WORKERS)
+	$(BIN)/pytest -m long -n $(PYTEST_WORKERS) --dist worksteal
 
 test-quick: $(STAMP) ## what a change breaks first: no robots, no training
 	$(BIN)/pytest -q -n $(PYTEST_WORKERS) tests/house tests/docs tests/runtime tests/logs/container tests/cli/terminal
