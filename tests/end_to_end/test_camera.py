@@ -50,7 +50,7 @@ def test_a_camera_is_guarded_by_the_bumper_of_the_documentation(
     policy: Path, port: int, tmp_path: Path
 ):
     video, log = tmp_path / "drive.avi", tmp_path / "drive.mcap"
-    write_video(video, [bar(16 * (number % 4)) for number in range(300)], rate_hz=50.0)
+    write_video(video, [bar(16 * (number % 4)) for number in range(500)], rate_hz=50.0)
     with (
         started("camera", video, "--port", port, "--json") as camera,
         started(

@@ -57,6 +57,7 @@ def test_what_is_too_large_is_not_copied_and_what_is_huge_does_not_arrive(port: 
     assert len(long.attachment) == MAX_ATTACHMENT_BYTES
 
 
+@pytest.mark.long
 def test_through_a_router_of_two_runtimes_one_moves_the_body(policy: Path, tmp_path: Path):
     from support.fault_runs import free_ports
 
