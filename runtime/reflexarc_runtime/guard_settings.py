@@ -1,17 +1,15 @@
 """What the guard takes for granted about a body; a log carries it."""
 
-import json
 import math
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Self
 
 from reflexarc_runtime.config.checks import require
-from reflexarc_runtime.config.fill import fill
-from reflexarc_runtime.config.source import MappingSource
+from reflexarc_runtime.config.one_line import from_one_line, in_one_line
 from reflexarc_runtime.contract.body_spec import Footprint
 from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_runtime.errors import LogError, UsageError
+from reflexarc_runtime.errors import UsageError
 
 LEAST_MARGIN_M = 0.001
 """A point without a margin sweeps a line, and no beam's point lies on a line."""
@@ -82,7 +80,7 @@ class GuardSettings:
 
     def to_json(self) -> str:
         """One line, for a log's metadata."""
-        return json.dumps(asdict(self), sort_keys=True)
+        return in_one_line(self)
 
     @classmethod
     def from_json(cls, text: str) -> Self:
@@ -91,11 +89,4 @@ class GuardSettings:
         Raises:
             LogError: not what `to_json` wrote.
         """
-        try:
-            document = json.loads(text)
-        except (ValueError, RecursionError):
-            document = None
-        if not isinstance(document, dict):
-            raise LogError(f"guard: got {text[:40]!r}; the log is damaged")
-        known = {**_SINCE, **document}
-        return fill(cls, MappingSource(known, "guard", LogError), require_all=True)
+        return from_one_line(cls, text, "guard", _SINCE)

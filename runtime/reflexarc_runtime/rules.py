@@ -35,13 +35,19 @@ class ControllerRules:
     loop could drive on without a verdict RECOVERING."""
 
 
-RULES = {
-    1: ControllerRules(1, False, False, False, False, False),
-    2: ControllerRules(2, True, False, False, False, False),
-    3: ControllerRules(3, True, True, False, False, False),
-    4: ControllerRules(4, True, True, True, True, True),
-}
-"""What each version does, in the order of the fields."""
+def _of(version: int) -> ControllerRules:
+    """What a version does: each thing since the version that brought it."""
+    return ControllerRules(
+        version,
+        stop_is_a_message=version >= 2,
+        one_source=version >= 3,
+        checked_senses=version >= 4,
+        ages_backlogs=version >= 4,
+        recovers_after_overrun=version >= 4,
+    )
+
+
+RULES = {version: _of(version) for version in (1, 2, 3, 4)}
 CURRENT_RULES = RULES[4]
 
 

@@ -1,15 +1,13 @@
 """What a sense is told beside the contract: how to read what a driver sends; a log carries it."""
 
-import json
 import math
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Self
 
 from reflexarc_runtime.config.checks import require
-from reflexarc_runtime.config.fill import fill
-from reflexarc_runtime.config.source import MappingSource
-from reflexarc_runtime.errors import LogError, UsageError
+from reflexarc_runtime.config.one_line import from_one_line, in_one_line
+from reflexarc_runtime.errors import UsageError
 from reflexarc_runtime.sensing.mounting import Mount, Sector
 from reflexarc_runtime.sensing.range_meaning import RangeMeaning
 
@@ -47,7 +45,7 @@ class SenseSettings:
 
     def to_json(self) -> str:
         """One line, for a log's metadata."""
-        return json.dumps(asdict(self), sort_keys=True)
+        return in_one_line(self)
 
     @classmethod
     def from_json(cls, text: str) -> Self:
@@ -56,11 +54,4 @@ class SenseSettings:
         Raises:
             LogError: not what `to_json` wrote.
         """
-        try:
-            document = json.loads(text)
-        except (ValueError, RecursionError):
-            document = None
-        if not isinstance(document, dict):
-            raise LogError(f"senses: got {text[:40]!r}; the log is damaged")
-        whole = {**_ADDED_LATER, **document}
-        return fill(cls, MappingSource(whole, "senses", LogError), require_all=True)
+        return from_one_line(cls, text, "senses", _ADDED_LATER)
