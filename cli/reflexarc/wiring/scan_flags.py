@@ -4,9 +4,14 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
+from reflexarc_runtime.errors import UsageError
+
 if TYPE_CHECKING:  # a command line shall not load the senses to show their flags
     from reflexarc_runtime.sensing.mounting import Mount, Sector
     from reflexarc_runtime.sensing.range_meaning import RangeMeaning
+
+
+FULL_TURN_DEG = 360.0
 
 
 @dataclass(frozen=True)
@@ -52,6 +57,8 @@ class ScanFlags:
         if self.mount is None and not self.upside_down:
             return None
         x_m, y_m, yaw_deg = self.mount or (0.0, 0.0, 0.0)
+        if not all(map(math.isfinite, (x_m, y_m, yaw_deg))):
+            raise UsageError(f"--mount: expected finite numbers, got {x_m:g} {y_m:g} {yaw_deg:g}")
         return Mount(x_m, y_m, math.radians(yaw_deg), self.upside_down)
 
     @property
@@ -63,5 +70,11 @@ class ScanFlags:
         """
         from reflexarc_runtime.sensing.mounting import Sector
 
+        for right, left in self.ignore_sector:
+            if not 0.0 <= left - right <= FULL_TURN_DEG:
+                raise UsageError(
+                    "--ignore-sector: expected pairs of a right edge and a left edge, "
+                    f"counter-clockwise, at most a turn apart, got {right:g} {left:g}"
+                )
         edges = ((math.radians(right), math.radians(left)) for right, left in self.ignore_sector)
         return tuple(Sector(right, left) for right, left in edges)

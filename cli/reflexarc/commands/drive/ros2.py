@@ -129,6 +129,10 @@ class Ros2Command:
 
         if not 0.0 < self.rate <= MAX_RATE_HZ:
             raise UsageError(f"--rate: expected 0 to {MAX_RATE_HZ:g} Hz, got {self.rate}")
+        if self.stamp != "scan" and not self.stamped:
+            raise UsageError("--stamp: a geometry_msgs/Twist has no stamp; give --stamped as well")
+        if not self.base:
+            raise UsageError("--base: expected the name of the robot's own frame, got none")
         has_hashes = self.distribution != "humble"
         route = Route(
             wire_named(self.wire, self.domain, has_hashes=has_hashes, node=self.node),

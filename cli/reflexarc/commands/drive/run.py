@@ -3,7 +3,7 @@
 import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -13,6 +13,7 @@ from reflexarc.terminal.output import aside, console, facts, microseconds, plain
 from reflexarc.terminal.signals import StopFlag
 from reflexarc.wiring.bus_flags import Joining
 from reflexarc.wiring.guard_flags import GuardFlags
+from reflexarc.wiring.scan_flags import ScanFlags
 from reflexarc.wiring.sense_flags import SenseFlags
 from reflexarc.wiring.watching import Watching
 from reflexarc_runtime.contract.bounds import Bounds
@@ -20,6 +21,7 @@ from reflexarc_runtime.contract.stopping import check_speed
 from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:
+    from reflexarc.wiring.waiting import Arrival, Waiting
     from reflexarc_runtime.bus import Bus, Publisher
     from reflexarc_runtime.controller import Controller
     from reflexarc_runtime.loop.inbox import Inbox
@@ -122,6 +124,12 @@ class RunCommand:
 
     def _check_flags(self) -> None:
         self.watching.check()
+        looks_at_scans = self.input == "scan" or self.guarding.guard_ranges == "scan"
+        if self.sensing.scanner != ScanFlags() and not looks_at_scans:
+            raise UsageError(
+                "the flags of a scanner (--mount, --no-return …) say nothing of retinas: "
+                "expected --input scan or --guard-ranges scan beside them"
+            )
         self.guarding.check(self.input, lockstep=self.lockstep)
         if self.ticks is not None and self.ticks < 1:
             raise UsageError(f"--ticks: expected 1 or more, got {self.ticks}")
@@ -137,7 +145,7 @@ class RunCommand:
         policy: "LoadedPolicy",
         stop: StopFlag,
     ) -> "Summary":
-        from reflexarc.wiring.waiting import Arrival, Waiting, Wish
+        from reflexarc.wiring.waiting import Arrival
         from reflexarc_runtime.loop import realtime
         from reflexarc_runtime.loop.inbox import Inbox
         from reflexarc_runtime.loop.notices.input_notices import Notices
@@ -161,14 +169,21 @@ class RunCommand:
         )
         said = "; ".join(realtime.prepare(self.fifo))  # the watchdog's thread inherits it
         notices = Notices(self._say, controller.contract, self.input)
-        wish = Wish("reflexarc run", f"{self.input}s", controller.sense.topic.key(robot))
-        waiting = Waiting(bus, replace(wish, advice=self._advice()), came)
+        waiting = self._waiting(bus, controller, came)
         # The watchdog ends first: what it watches has ended, and the others take a moment to.
         with notices, waiting, watching as watch:
             words = f"{self.policy} on {self.backend}; {said}; watchdog {watch.state}"
             aside.print(f"reflexarc run: {words}", soft_wrap=True)
             node = self._node(controller, inbox, outlets, sink, run_id, bus.sender, watch, notices)
             return node.run(stop, self.ticks)
+
+    def _waiting(self, bus: "Bus", controller: "Controller", came: "Arrival") -> "Waiting":
+        """What explains why no input comes."""
+        from reflexarc.wiring.waiting import Waiting, Wish
+
+        key = controller.sense.topic.key(self.joining.robot)
+        wish = Wish("reflexarc run", f"{self.input}s", key, advice=self._advice())
+        return Waiting(bus, wish, came)
 
     def _say(self, words: str) -> None:
         aside.print(f"reflexarc run: {plain(words)}", soft_wrap=True)

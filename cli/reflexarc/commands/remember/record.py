@@ -52,6 +52,8 @@ class RecordCommand:
         if self.seconds is not None and not 0.0 < self.seconds < math.inf:
             raise UsageError(f"--seconds: expected a positive number, got {self.seconds}")
         path = self.out or _default_path()
+        if self.out is None:
+            path.parent.mkdir(exist_ok=True)
         with StopFlag() as stop, self.joining.bus(RECORDER_NODE) as bus:
             policy = bus.fetch_policy() or b""
             with recorder_of_bus(path, policy, self.joining.robot) as recorder:
