@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 ROOT = Path(__file__).parents[2]
-ROOMS = ("cli", "logs", "pictures", "runtime", "sim_bridge", "trainer")
+ROOMS = ("baselines", "cli", "logs", "pictures", "runtime", "sim_bridge", "trainer")
 LINT = Path(sys.executable).with_name("lint-imports")
 
 

@@ -1,0 +1,1 @@
+"""The field's own history: earlier ways to avoid obstacles, each one small module."""

@@ -1,0 +1,1 @@
+"""Plain rules that everyone knows: what a learned policy has to beat."""

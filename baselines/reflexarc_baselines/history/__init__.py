@@ -1,0 +1,1 @@
+"""The earlier systems that the paper names, rebuilt from their sources."""

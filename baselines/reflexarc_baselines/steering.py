@@ -1,0 +1,26 @@
+"""From a wish to turn or to step aside, positive to the left, to values of the three actions.
+
+    q(stay) = δ,   q(left) = T,   q(right) = −T
+
+The largest wins, the first of equals. So δ is a dead band: below it, the body stays on its way.
+"""
+
+import numpy as np
+
+from reflexarc_baselines.baseline import Floats
+from reflexarc_runtime.arrays import Actions, QValues
+
+STAY, LEFT, RIGHT = range(3)
+"""Rows of the actions of a contract that a baseline drives by."""
+
+
+def steer(wish: Floats, dead_band: float = 0.0) -> tuple[QValues, Actions]:
+    """Values (n, 3) and winners (n,).
+
+    Args:
+        wish: T, positive to the left: (n,).
+        dead_band: δ, 0 or more, in the unit of T.
+    """
+    stay = np.full_like(wish, dead_band)
+    q_values = np.stack([stay, wish, -wish], axis=1).astype(np.float32)
+    return q_values, q_values.argmax(axis=1)
