@@ -38,7 +38,15 @@ def all_sources() -> Iterator[Path]:
 
 
 def test_all_rooms_are_looked_at() -> None:
-    assert set(ROOMS) == {"baselines", "cli", "logs", "pictures", "runtime", "sim_bridge", "trainer"}
+    assert set(ROOMS) == {
+        "baselines",
+        "cli",
+        "logs",
+        "pictures",
+        "runtime",
+        "sim_bridge",
+        "trainer",
+    }
 
 
 @pytest.mark.parametrize("room", sorted(ROOMS))
