@@ -20,7 +20,7 @@ import numpy as np
 from reflexarc_runtime.contract.body_spec import BodySpec, Footprint
 from reflexarc_runtime.contract.eye import BeamRule
 from reflexarc_runtime.policy.policy import Policy
-from reflexarc_sim_bridge.evaluation.pilot import Pilot
+from reflexarc_sim_bridge.evaluation.driving.pilot import Pilot
 from reflexarc_sim_bridge.evaluation.simple_policies import BlindPolicy
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.layer_motion import Drift

@@ -25,8 +25,8 @@ from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.contract.motion import sideways_actions
 from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_runtime.policy.policy import load_policy
-from reflexarc_sim_bridge.evaluation.crowd_guard import CrowdGuard
-from reflexarc_sim_bridge.evaluation.pilot import Pilot
+from reflexarc_sim_bridge.evaluation.driving.crowd_guard import CrowdGuard
+from reflexarc_sim_bridge.evaluation.driving.pilot import Pilot
 from reflexarc_sim_bridge.evaluation.simple_policies import BlindPolicy, RandomPolicy
 from reflexarc_sim_bridge.simulation.simulation import Simulation, motions_of
 from reflexarc_sim_bridge.worlds.layer_motion import Drift

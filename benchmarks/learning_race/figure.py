@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from learning_race.judge import LEVELS
 from learning_race.results import Run, group_of
-from reflexarc_sim_bridge.evaluation.statistics import estimate
+from reflexarc_sim_bridge.evaluation.scoring.statistics import estimate
 
 Floats = npt.NDArray[np.float64]
 PANELS = {

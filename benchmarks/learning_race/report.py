@@ -14,7 +14,7 @@ from learning_race.results import (
     times_to,
     undisturbed,
 )
-from reflexarc_sim_bridge.evaluation.statistics import Estimate, estimate, ratio_estimate
+from reflexarc_sim_bridge.evaluation.scoring.statistics import Estimate, estimate, ratio_estimate
 
 Runs = dict[str, list[Run]]
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from learning_race.contenders import CONTENDERS, Contender
 from learning_race.judge import LEVELS, Look, reached
 from learning_race.record import read_record
-from reflexarc_sim_bridge.evaluation.statistics import Estimate, estimate
+from reflexarc_sim_bridge.evaluation.scoring.statistics import Estimate, estimate
 
 LEAST_SHARE = 0.8
 """Share of the seeds that must reach a level."""

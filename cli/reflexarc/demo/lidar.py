@@ -21,7 +21,7 @@ from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.policy.policy import LoadedPolicy, load_policy
 from reflexarc_runtime.sensing.retina import retina_from_scan
 from reflexarc_runtime.sensing.scan import Scan
-from reflexarc_sim_bridge.evaluation.pilot import Pilot
+from reflexarc_sim_bridge.evaluation.driving.pilot import Pilot
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.files import world_named
 from reflexarc_sim_bridge.worlds.reference_contract import reference_contract

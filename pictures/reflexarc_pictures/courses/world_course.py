@@ -11,7 +11,7 @@ from reflexarc_pictures.log_pictures.decision_strips import BRIGHT
 from reflexarc_pictures.log_pictures.logged_poses import Floats
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_sim_bridge.evaluation.cover_profile import right_side_m
-from reflexarc_sim_bridge.evaluation.pilot import Pilot
+from reflexarc_sim_bridge.evaluation.driving.pilot import Pilot
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.world import AfterContact, Edges, World, WorldSource
 

@@ -18,8 +18,8 @@ import numpy.typing as npt
 
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.guard_settings import GuardSettings
-from reflexarc_sim_bridge.evaluation.crowd_guard import CrowdGuard, Interventions
-from reflexarc_sim_bridge.evaluation.pilot import Pilot
+from reflexarc_sim_bridge.evaluation.driving.crowd_guard import CrowdGuard, Interventions
+from reflexarc_sim_bridge.evaluation.driving.pilot import Pilot
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.files import world_named
 from reflexarc_sim_bridge.worlds.reference_contract import WORLD_NAME

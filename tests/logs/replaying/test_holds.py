@@ -19,7 +19,7 @@ from reflexarc_runtime.messages.codec import encode_retina
 from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp
 from reflexarc_runtime.policy.policy import LoadedPolicy, load_policy
 from reflexarc_runtime.sensing.senses import sense_for
-from reflexarc_sim_bridge.evaluation.pilot import Pilot
+from reflexarc_sim_bridge.evaluation.driving.pilot import Pilot
 from support.policies import exported
 from support.recordings import CONTRACT, ENCODING, KEY, drive, nominal, smooth_retinas
 from support.rewriting import edit_decisions, rewrite

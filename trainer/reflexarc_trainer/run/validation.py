@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
 from reflexarc_runtime.policy.policy import Policy
-from reflexarc_sim_bridge.evaluation.pilot import Pilot
+from reflexarc_sim_bridge.evaluation.driving.pilot import Pilot
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.seeds import validation_seeds
 from reflexarc_trainer.config.train_config import TrainConfig

@@ -34,7 +34,7 @@ from reflexarc_runtime.config.fill import fill
 from reflexarc_runtime.config.key_path import KeyPath
 from reflexarc_runtime.config.toml_source import TomlSource, read_text
 from reflexarc_runtime.errors import ReflexarcError, UsageError
-from reflexarc_sim_bridge.evaluation.edge_index import require_edge_index
+from reflexarc_sim_bridge.evaluation.metrics.edge_index import require_edge_index
 from reflexarc_trainer.config.train_config import TrainConfig
 from reflexarc_trainer.study.axes import Axis, AxisTable, Choice, read_axes, require_words
 from reflexarc_trainer.study.settings import configured

@@ -15,12 +15,12 @@ from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.motion import Action
 from reflexarc_runtime.errors import UsageError
 from reflexarc_runtime.policy.policy import Policy
-from reflexarc_sim_bridge.evaluation.edge_index import (
+from reflexarc_sim_bridge.evaluation.driving.pilot import Pilot
+from reflexarc_sim_bridge.evaluation.metrics.edge_index import (
     edge_index,
     obstacle_radius_m,
     require_edge_index,
 )
-from reflexarc_sim_bridge.evaluation.pilot import Pilot
 from reflexarc_sim_bridge.evaluation.reference_field import measure as measure_contacts
 from reflexarc_sim_bridge.evaluation.simple_policies import BlindPolicy
 from reflexarc_sim_bridge.simulation.simulation import Simulation

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 
-from reflexarc_sim_bridge.evaluation.statistics import Estimate
+from reflexarc_sim_bridge.evaluation.scoring.statistics import Estimate
 from reflexarc_trainer.policy.provenance import commit, versions
 from reflexarc_trainer.study.definition import Study
 from reflexarc_trainer.study.summary import CellSummary, missed_targets

@@ -4,7 +4,11 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from reflexarc_sim_bridge.evaluation.statistics import Estimate, estimate, interquartile_mean
+from reflexarc_sim_bridge.evaluation.scoring.statistics import (
+    Estimate,
+    estimate,
+    interquartile_mean,
+)
 from reflexarc_trainer.study.definition import Cell, Study
 from reflexarc_trainer.study.unit import Measure, Result
 

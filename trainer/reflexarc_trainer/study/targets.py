@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from reflexarc_runtime.config.checks import require
-from reflexarc_sim_bridge.evaluation.statistics import interquartile_mean
+from reflexarc_sim_bridge.evaluation.scoring.statistics import interquartile_mean
 
 
 @dataclass(frozen=True)

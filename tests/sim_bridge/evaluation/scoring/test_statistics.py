@@ -8,7 +8,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from reflexarc_sim_bridge.evaluation.statistics import estimate, interquartile_mean, ratio_estimate
+from reflexarc_sim_bridge.evaluation.scoring.statistics import (
+    estimate,
+    interquartile_mean,
+    ratio_estimate,
+)
 
 FIGURES = st.lists(st.floats(0.0, 100.0), min_size=1, max_size=40)
 

@@ -20,8 +20,8 @@ from reflexarc_runtime.messages.codec import encode_retina
 from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp
 from reflexarc_runtime.policy.policy import load_policy
 from reflexarc_runtime.sensing.senses import sense_for
-from reflexarc_sim_bridge.evaluation.crowd_guard import CrowdGuard, slowed
-from reflexarc_sim_bridge.evaluation.pilot import Pilot
+from reflexarc_sim_bridge.evaluation.driving.crowd_guard import CrowdGuard, slowed
+from reflexarc_sim_bridge.evaluation.driving.pilot import Pilot
 from reflexarc_sim_bridge.evaluation.reference_field import measure
 from reflexarc_sim_bridge.evaluation.simple_policies import BlindPolicy, RandomPolicy
 from reflexarc_sim_bridge.worlds.layers import Scatter

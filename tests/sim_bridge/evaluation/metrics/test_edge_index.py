@@ -6,7 +6,7 @@ import pytest
 from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.errors import UsageError
-from reflexarc_sim_bridge.evaluation.edge_index import (
+from reflexarc_sim_bridge.evaluation.metrics.edge_index import (
     edge_index,
     obstacle_radius_m,
     require_edge_index,

@@ -13,7 +13,7 @@ from reflexarc_runtime.arrays import Actions, Mask, QValues, RetinaBatch
 from reflexarc_runtime.choice import outweighs, slots_of
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.policy.golden_check import start_of
-from reflexarc_sim_bridge.evaluation.crowd_guard import CrowdGuard
+from reflexarc_sim_bridge.evaluation.driving.crowd_guard import CrowdGuard
 
 if TYPE_CHECKING:
     from reflexarc_runtime.policy.policy import Policy, RememberingPolicy
@@ -45,6 +45,8 @@ class Pilot:
         self._slot = 0
         self._held: Actions | None = None
         self._guard = guard
+        self.wanted: Actions = np.zeros(agents, np.int64)
+        """Rows of the policy's contract: what it chose last, whatever a guard made of it."""
         self._is_free: Mask = np.zeros(agents, np.bool_)
         self._since: npt.NDArray[np.int64] = np.zeros(agents, np.int64)
 
@@ -55,12 +57,23 @@ class Pilot:
         """
         q_values, winners = self._decide(stacks)
         actions = self._choose(q_values, winners) if self._chooses else winners
+        self.wanted = actions
         if self._guard is not None:
             wanted = actions
             actions = self._guard.act(stacks, wanted, q_values)
             self._let_go(actions != wanted)
         self._slot += 1
         return actions
+
+    def begin_anew(self, agents: Mask) -> None:
+        """Forget what these agents remember and hold, (agents,): they were put somewhere else.
+
+        Only a simulation does that. What a robot remembers is of the place where it is.
+        """
+        fresh = start_of(self._contract, len(agents))
+        if self._memories is not None and fresh is not None:
+            self._memories = np.where(agents[:, np.newaxis], fresh, self._memories)
+        self._let_go(agents | self._is_free)
 
     def _let_go(self, ended: Mask) -> None:
         """Let go what is held by the agents whose guard stepped in: they begin with a winner."""

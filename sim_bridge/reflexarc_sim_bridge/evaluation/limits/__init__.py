@@ -1,0 +1,1 @@
+"""What is physically possible: agents that see nothing, everything, or as far as an eye."""

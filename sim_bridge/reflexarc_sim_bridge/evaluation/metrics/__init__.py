@@ -1,0 +1,1 @@
+"""What a track says of who drove it: pure functions, each with its formula."""

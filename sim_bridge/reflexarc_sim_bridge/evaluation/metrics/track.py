@@ -1,0 +1,88 @@
+"""A track: what many agents did in one cell, step by step. Metrics are functions of it.
+
+Arrays over steps are (steps, agents): what was so before each step, and what the step did. Agents
+of one world stand side by side: agent w · lanes + l is number l in world w.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+Floats = npt.NDArray[np.float64]
+Floats32 = npt.NDArray[np.float32]
+Bools = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Circumstances:
+    """What holds for the whole of a track: metres, seconds, radians."""
+
+    dt_s: float
+    forward_mps: float
+    """Speed of the action that stays on its way."""
+    lateral_mps: float
+    """Largest sideways speed of an action; 0 for a body that turns."""
+    angular_radps: float
+    """Largest turning speed of an action; 0 for one that moves sideways."""
+    radius_m: float
+    """Of the body."""
+    obstacle_radius_m: float
+    """R: half the mean lateral width of what is scattered, plus the body's radius."""
+    latency_s: float
+    """From a look to the motion that it causes, on top of one step."""
+    range_m: float
+    """As far as its eye sees."""
+    fov_rad: float
+    width_m: float
+    """Of the track or its period, laterally."""
+    free_path_m: float
+    """Mean free path of a body that never steers."""
+    lateral: npt.NDArray[np.int8]
+    """−1 right, 0 stay, 1 left: what each action of the contract does: (actions,)."""
+
+    @property
+    def turns(self) -> bool:
+        """Whether the body turns."""
+        return self.angular_radps > 0.0
+
+
+@dataclass(frozen=True)
+class Track:
+    """What many agents did in one cell."""
+
+    circumstances: Circumstances
+    lanes: int
+    """Agents in each world."""
+    x_m: Floats
+    """Ahead."""
+    y_m: Floats
+    """To the left, within the period."""
+    heading_rad: Floats
+    progress_m: Floats
+    """Along x, by the step."""
+    actions: npt.NDArray[np.int8]
+    """Index in the contract."""
+    met: Bools
+    """Whether the step ended in a contact; the agent then stands elsewhere, at the same x."""
+    clearance_m: Floats32
+    """From the body's outline to the nearest obstacle, at most `range_m`; 0 in contact."""
+    ahead_s: Floats32
+    """Time to the first contact if it went straight on at forward speed, obstacles moving as they
+    do; infinity where it meets nothing within `range_m`."""
+
+    @property
+    def steps(self) -> int:
+        """Steps of each agent."""
+        return len(self.met)
+
+    @property
+    def worlds(self) -> int:
+        """How many worlds."""
+        return int(self.met.shape[1]) // self.lanes
+
+    def over_worlds(self, per_agent: npt.ArrayLike) -> Floats:
+        """Sums over the agents of each world: (agents,) → (worlds,)."""
+        values = np.asarray(per_agent, np.float64)
+        sums: Floats = values.reshape(self.worlds, self.lanes).sum(axis=1)
+        return sums

@@ -1,0 +1,1 @@
+"""The assessment procedure as data: suites, families, cells and who is measured in them."""

@@ -1,0 +1,118 @@
+"""At which rate and with which body a contender drives through a cell.
+
+`robot` is what it will do on a robot: the rate, the footprint, the delay and the brakes of its
+contract. `field` is the same for all: a point that obeys at once and decides ten times a second, as
+on the reference field. Speeds, eye, hold and margin are the contract's in both.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+from reflexarc_runtime.contract.body_spec import BodySpec
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.errors import UsageError
+from reflexarc_sim_bridge.evaluation.protocol.contender import Contender
+from reflexarc_sim_bridge.worlds.layers import WHITE, Layer
+from reflexarc_sim_bridge.worlds.world import World, WorldSource
+
+FIELD_RATE_HZ = 10.0
+
+
+class Setting(StrEnum):
+    """Rate and body."""
+
+    ROBOT = "robot"
+    """Those of the contract; where it names no body, a point."""
+    FIELD = "field"
+    """Ten decisions a second, a point."""
+
+    def rate_hz(self, contract: PolicyContract) -> float:
+        """Decisions, and looks, a second."""
+        return contract.rate_hz if self is Setting.ROBOT else FIELD_RATE_HZ
+
+    def body(self, contract: PolicyContract) -> BodySpec | None:
+        """The body; None: what each world says."""
+        named = contract.body if contract.body != BodySpec() else None
+        return named if self is Setting.ROBOT else None
+
+
+@dataclass(frozen=True)
+class WorldsFor:
+    """The worlds of a cell as one contender drives through them."""
+
+    source: WorldSource
+    rate_hz: float
+    body: BodySpec | None
+    sees_ranges: bool
+
+    @property
+    def name(self) -> str:
+        """See `WorldSource.name`."""
+        return self.source.name
+
+    @property
+    def description(self) -> str:
+        """See `WorldSource.description`."""
+        return self.source.description
+
+    @property
+    def blind_contacts_per_100m(self) -> float | None:
+        """See `WorldSource.blind_contacts_per_100m`: unknown, as for every family."""
+        return None
+
+    @property
+    def fullest(self) -> tuple[World, ...]:
+        """See `WorldSource.fullest`."""
+        return tuple(map(self._as_driven, self.source.fullest))
+
+    def drawn(self, seed: int) -> World:
+        """See `WorldSource.drawn`."""
+        return self._as_driven(self.source.drawn(seed))
+
+    def _as_driven(self, world: World) -> World:
+        world = replace(world, dt_s=1.0 / self.rate_hz)
+        if self.body is not None:
+            world = with_body(world, self.body)
+        return without_colours(world) if self.sees_ranges else world
+
+
+def worlds_for(source: WorldSource, contender: Contender, setting: Setting) -> WorldSource:
+    """The worlds of a cell, at a contender's rate, with its body, as its senses show them.
+
+    Raises:
+        UsageError: its footprint is a rectangle, which the simulator does not have.
+    """
+    contract = contender.contract
+    body = setting.body(contract)
+    if body is not None and body.footprint.half_width_m:
+        raise UsageError(f"{contender.name}: expected a round body, got a rectangle")
+    driven = WorldsFor(source, setting.rate_hz(contract), body, contender.sees_ranges)
+    return driven.drawn(0) if isinstance(source, World) else driven
+
+
+def with_body(world: World, body: BodySpec) -> World:
+    """A world for a body. What a world itself makes worse, its slip and its delay, it keeps.
+
+    The body follows commands with a lag of first order whose time constant is its delay: after a
+    stop it goes on as far as a body that obeys after that delay.
+    """
+    braking = body.deceleration_mps2
+    own = world.chassis
+    chassis = replace(
+        own,
+        radius_m=body.footprint.radius_m,
+        lag_s=max(own.lag_s, body.actuation_delay_s),
+        acceleration_mps2=min(own.acceleration_mps2, math.inf if braking is None else braking),
+    )
+    return replace(world, chassis=chassis)
+
+
+def without_colours(world: World) -> World:
+    """A world as a range finder sees it: all that is there is white, and nothing else is bright."""
+    layers = tuple(map(_whitened, world.layers))
+    return replace(world, layers=layers, senses=replace(world.senses, background=0.0))
+
+
+def _whitened(layer: Layer) -> Layer:
+    return replace(layer, colour=WHITE)

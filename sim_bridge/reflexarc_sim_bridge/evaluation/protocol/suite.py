@@ -1,0 +1,141 @@
+"""A suite: which worlds a contender is measured in, and how much of each.
+
+A suite is a TOML file with a version: figures of different versions are never compared. It lists
+families of worlds; a family has cells, each a world at one degree of difficulty (tier). In every
+cell there are `worlds` test worlds, with `lanes` agents in each that start apart from each other,
+and each agent is counted over `free_paths` times the mean free path of an agent that never steers.
+
+    name = "lite"
+    version = 1
+    worlds = 8
+    lanes = 4
+    free_paths = 15
+
+    [[families]]
+    name = "rectangles"
+
+    [[families.cells]]
+    tier = "0.05"
+    world = "reference-1"
+    clutter = 0.05          # scales the density of what is scattered; without it: as the world says
+"""
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Self
+
+from reflexarc_runtime.config.checks import require
+from reflexarc_runtime.config.fill import fill
+from reflexarc_runtime.config.toml_source import TomlSource, read_text
+from reflexarc_runtime.errors import UsageError
+from reflexarc_sim_bridge.evaluation.protocol.clutter import at_clutter
+from reflexarc_sim_bridge.worlds.files import world_named
+from reflexarc_sim_bridge.worlds.world import WorldSource
+
+_FOLDER = Path(__file__).parent / "suites"
+_SUFFIX = ".toml"
+
+
+@dataclass(frozen=True)
+class SuiteCell:
+    """A world at one degree of difficulty."""
+
+    tier: str
+    """What is particular about it, in a word: a degree of clutter, a name."""
+    world: str
+    """Name of a world, or path of its file."""
+    clutter: float | None = None
+    """Clutter number ρR²v/w, for v = w and a point, to which what is scattered is thinned or
+    thickened; None: as the world's file says."""
+    free_path_m: float | None = None
+    """Mean free path of an agent that never steers; None: 1 / 2ρR of what is scattered."""
+    counts: bool = True
+    """Whether it is part of the headline."""
+
+    @cached_property
+    def source(self) -> WorldSource:
+        """The world, or family of worlds.
+
+        Raises:
+            WorldError: there is none of that name; or it cannot have that clutter.
+        """
+        source = world_named(self.world)
+        return source if self.clutter is None else at_clutter(source, self.clutter)
+
+
+@dataclass(frozen=True)
+class SuiteFamily:
+    """Worlds that ask one kind of question."""
+
+    name: str
+    question: str = ""
+    """What it asks, in a sentence."""
+    is_held_out: bool = True
+    """Whether no shipped preset learns in such worlds."""
+    cells: tuple[SuiteCell, ...] = ()
+
+    def __post_init__(self) -> None:
+        require(bool(self.cells), f"families: {self.name}", "one cell or more", "none")
+        tiers = [cell.tier for cell in self.cells]
+        require(len(set(tiers)) == len(tiers), f"families: {self.name}", "distinct tiers", tiers)
+
+
+@dataclass(frozen=True)
+class Suite:
+    """Families of worlds, and how much of each."""
+
+    name: str
+    version: int
+    """Figures of different versions are never compared."""
+    worlds: int = 8
+    """Test worlds of each cell."""
+    lanes: int = 4
+    """Agents in each world; they start apart and do not see each other."""
+    free_paths: float = 15.0
+    """How far each is counted, in mean free paths of an agent that never steers."""
+    turner_s: float = 60.0
+    """For how long a body that turns is watched."""
+    families: tuple[SuiteFamily, ...] = field(default_factory=tuple)
+
+    def __post_init__(self) -> None:
+        require(1 <= self.worlds <= 4096, "worlds", "1 to 4096", self.worlds)
+        require(1 <= self.lanes <= 4096, "lanes", "1 to 4096", self.lanes)
+        require(0.0 < self.free_paths <= 1e4, "free_paths", "in (0, 10000]", self.free_paths)
+        names = [family.name for family in self.families]
+        require(bool(names), "families", "one or more", "none")
+        require(len(set(names)) == len(names), "families", "distinct names", names)
+
+    @property
+    def title(self) -> str:
+        """Name and version."""
+        return f"{self.name}-{self.version}"
+
+    def only(self, families: tuple[str, ...]) -> Self:
+        """The suite with some of its families.
+
+        Raises:
+            UsageError: it has none of such a name.
+        """
+        known = [family.name for family in self.families]
+        for name in families:
+            if name not in known:
+                raise UsageError(f"family: expected one of {', '.join(known)}, got {name!r}")
+        chosen = tuple(family for family in self.families if family.name in families)
+        return replace(self, families=chosen)
+
+
+def suite_named(name: str) -> Suite:
+    """A suite that ships with this package, by its name; or that of a file.
+
+    Raises:
+        ReflexarcError: there is none; or the file says what no suite can be.
+    """
+    known = sorted(path.stem for path in _FOLDER.glob(f"*{_SUFFIX}"))
+    if name in known:
+        path = _FOLDER / f"{name}{_SUFFIX}"
+    elif "/" in name or name.endswith(_SUFFIX):
+        path = Path(name)
+    else:
+        raise UsageError(f"suite: expected one of {', '.join(known)}, or a file, got {name!r}")
+    return fill(Suite, TomlSource(read_text(path, str(path)), str(path)))

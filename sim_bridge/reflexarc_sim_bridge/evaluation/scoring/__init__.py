@@ -1,0 +1,1 @@
+"""From sums over worlds to scores, intervals and verdicts."""
