@@ -98,6 +98,7 @@ class Pilot:
             self._held = winners.copy()
             return self._held
         stays = self._stays(q_values.astype(np.float64), winners, self._held) & ~self._is_free
+        self._is_free = np.zeros_like(self._is_free)
         self._held = np.where(stays, self._held, winners)
         self._since = np.where(stays, self._since, self._slot)
         return self._held
