@@ -58,9 +58,9 @@ def drive(
     """
     worlds = worlds_for(cell.source, contender, setting)
     seeds = test_seeds(suite.worlds) if seeds is None else seeds
-    circumstances = _circumstances(worlds, contender.contract, cell)
+    circumstances = circumstances_of(worlds, contender.contract, cell)
     extent = _extent(circumstances, suite)
-    simulation, pilot = _start(worlds, contender, np.repeat(seeds, suite.lanes))
+    simulation, pilot = start(worlds, contender, np.repeat(seeds, suite.lanes))
     recorder = _Recorder(circumstances, suite.lanes, extent.counted, len(simulation))
     for step in range(-extent.discarded, extent.counted):
         simulation.sense()
@@ -74,14 +74,25 @@ def drive(
     return recorder.track()
 
 
-def _start(
-    worlds: WorldSource, contender: Contender, seeds: npt.NDArray[np.uint64]
+def start(
+    worlds: WorldSource,
+    contender: Contender,
+    seeds: npt.NDArray[np.uint64],
+    lanes: npt.NDArray[np.uint64] | None = None,
 ) -> tuple[Simulation, Pilot]:
+    """Agents at their places, and who drives them.
+
+    Args:
+        worlds: as `worlds_for` gives them.
+        contender: who drives.
+        seeds: one an agent: (n,).
+        lanes: tell agents of one seed apart: see `Simulation`.
+    """
     contract, dt_s = contender.contract, worlds.drawn(0).dt_s
     crowd = None
     if contender.is_guarded:
         crowd = CrowdGuard(GuardSettings.of(contract), contract, dt_s)
-    simulation = Simulation(worlds, contract if crowd is None else crowd.contract, seeds)
+    simulation = Simulation(worlds, contract if crowd is None else crowd.contract, seeds, lanes)
     return simulation, Pilot(contender.policy, contract, len(seeds), dt_s, crowd)
 
 
@@ -95,7 +106,10 @@ def _extent(circumstances: Circumstances, suite: Suite) -> Extent:
     return Extent(math.ceil(DISCARDED_M / step_m), max(1, math.ceil(counted_m / step_m)))
 
 
-def _circumstances(worlds: WorldSource, contract: PolicyContract, cell: SuiteCell) -> Circumstances:
+def circumstances_of(
+    worlds: WorldSource, contract: PolicyContract, cell: SuiteCell
+) -> Circumstances:
+    """What holds for a whole drive of a contract through a cell."""
     world, actions = worlds.drawn(0), contract.actions
     scatters = any(isinstance(layer, Scatter) for layer in world.layers)
     return Circumstances(
