@@ -100,13 +100,13 @@ def _write_plane(row: Table, world: World, contract: PolicyContract) -> None:
     row["reach_m"] = world.reach_m
     row["ahead_m"], row["aside_m"] = aside_m, aside_m
     row["behind_m"] = _behind_m(contract, world)
-    row["radius_m"], row["slip"] = chassis.radius_m, chassis.slip
+    row["radius_m"], row["slip"] = chassis.radius_m, world.slip_per_step
     row["follow"] = -math.expm1(-world.dt_s / chassis.lag_s) if chassis.lag_s > 0.0 else 1.0
     row["most_linear_mps"] = chassis.acceleration_mps2 * world.dt_s
     row["most_angular_radps"] = chassis.turn_acceleration_radps2 * world.dt_s
     row["noise"], row["dropout"] = senses.noise, senses.dropout
-    row["background"], row["latency_steps"] = senses.background, senses.latency_steps
-    row["gap_steps"] = senses.gap_steps
+    row["background"], row["latency_steps"] = senses.background, world.latency_steps
+    row["gap_steps"] = world.gap_steps
     row["edges"] = (PERIODIC, UNBOUNDED, OPEN)[
         (Edges.PERIODIC, Edges.UNBOUNDED, Edges.OPEN).index(world.edges)
     ]
@@ -135,7 +135,7 @@ def _range_m(contract: PolicyContract) -> float:
 
 def _step_m(contract: PolicyContract, world: World) -> float:
     """How far a body reaches within a step, slipping as much as six standard deviations."""
-    slipping = 1 + 6 * world.chassis.slip
+    slipping = 1 + 6 * world.slip_per_step
     return _fastest_mps(contract, world) * world.dt_s * slipping + world.chassis.radius_m
 
 

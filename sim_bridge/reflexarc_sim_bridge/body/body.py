@@ -55,7 +55,7 @@ class Body:
 
     Raises:
         WorldError: the contract asks for a sense or a motion that the world does not have, or for
-            too much speed to simulate.
+            too much speed to simulate; or the world, for a longer latency than fits in such steps.
     """
 
     def __init__(
@@ -81,8 +81,7 @@ class Body:
             _limits_of(contract).narrowed(world.limits),
         )
         self.simulation = Simulation(
-            # On the bus the sensor's period is the bridge's own rate.
-            replace(world, dt_s=step_s, senses=replace(world.senses, gap_steps=1)),
+            _in_steps_of(world, step_s),
             contract,
             np.array([seed], np.uint64),
             lanes=np.array([number], np.uint64),
@@ -143,8 +142,14 @@ class Body:
         """What the status topic says about its own check."""
         return "off" if self._check is None else "on"
 
+    @property
+    def sends_anew(self) -> bool:
+        """Whether its sensor sends a new retina now; a slow one does so only every few steps."""
+        state = self.simulation.params.agents.state[0]
+        return bool(state["looks"] == 0 or state["steps"] >= state["due"])
+
     def see(self) -> Retina:
-        """The retina now: uint8 (eyes, rays, channels)."""
+        """The retina now: uint8 (eyes, rays, channels). To be asked for once a step."""
         retina: Retina = self.simulation.sense()[0]
         return retina
 
@@ -169,6 +174,14 @@ def rebuild(info: BodyInfo, contract: PolicyContract) -> Body:
         raise WorldError("body: expected the text of a world and a step, got a body without")
     world = parse_world(info.world_text, info.world).drawn(info.seed)
     return Body(world, contract, 1.0 / info.step_s, info.seed, info.number, info.world_text)
+
+
+def _in_steps_of(world: World, step_s: float) -> World:
+    """The same world in steps of another duration: its times and its slip stay what they are."""
+    try:
+        return replace(world, dt_s=step_s)
+    except WorldError as error:
+        raise WorldError(f"{error}; a lower --rate makes the steps longer") from None
 
 
 def _check_of(world: World, contract: PolicyContract, step_s: float) -> Guard:

@@ -140,16 +140,21 @@ class StatePublisher:
         """Publish the state of another body from now on, which is said at once."""
         self._body, self._info, self._has_news = body, encode_body(body.info), True
 
-    def publish(self, contact: BodyPose | None, account: Account, now_ns: int) -> None:
+    def publish(
+        self, contact: BodyPose | None, account: Account, now_ns: int, *, again: bool = False
+    ) -> None:
         """Publish the state of the body: the retina first, because the runtime waits for it.
 
         Args:
             contact: where a collision began; None without one.
             account: whom the body obeys, and what it refused.
             now_ns: time of the state.
+            again: while a slow sensor sends nothing, its last retina is published again.
         """
-        retina = encode_retina(self._body.see(), self._body.contract.retina, now_ns)
-        self._retinas.put(retina, now_ns)
+        is_new, retina = self._body.sends_anew, self._body.see()
+        if is_new or again:
+            payload = encode_retina(retina, self._body.contract.retina, now_ns)
+            self._retinas.put(payload, now_ns)
         place = self._body.place
         self._publishers[POSE].put(encode_pose(place, now_ns), now_ns)
         self._publishers[TRANSFORM].put(encode_transform(place, self._robot, now_ns), now_ns)
@@ -256,7 +261,8 @@ class Bridge:
         done, contact = 0, None
         while not should_stop() and (steps is None or done < steps):
             now_ns = done * period_ns
-            self._publisher.publish(contact, self._gate.lease, now_ns)
+            # A step takes a command, and a command a retina, as in training.
+            self._publisher.publish(contact, self._gate.lease, now_ns, again=True)
             await_command(self._inbox, done, partial(self._hear, now_ns), should_stop)
             contact = self._move(now_ns, period_ns / 1e9)
             done += 1

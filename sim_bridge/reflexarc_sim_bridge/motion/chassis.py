@@ -1,8 +1,9 @@
 """How a body moves: its chassis follows the commands with lag and slip, in straight steps.
 
 Speeds follow a command with a first-order lag and bounded accelerations, and slip: at each step
-every speed is off by a random share of it. Within a step of Δt the heading turns by ω Δt; the body
-goes the chord of that arc, (v, u) Δt · sin(ωΔt/2) / (ωΔt/2), at the middle heading.
+every speed is off by a random share of it, which is the larger the shorter a step is, so that after
+a given time the way is off as much (`worlds/stepping.py`). Within a step of Δt the heading turns by
+ω Δt; the body goes the chord of that arc, (v, u) Δt · sin(ωΔt/2) / (ωΔt/2), at the middle heading.
 
 A contact ends the step there: the agent has gone only so far. (Had it kept the whole step's
 distance, a blind agent would score about 2 % too little.) `ghost` agents go on through the

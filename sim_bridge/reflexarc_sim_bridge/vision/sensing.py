@@ -2,7 +2,8 @@
 
 Noise is added to every value and clipped, a lost ray reads 0; both are drawn anew at every
 look from the agent's own stream. With latency the newest retina of the stack is an older one. A
-slow sensor sends a new one only every few steps; until then the stack stays as it is.
+slow sensor sends a new one only every few steps; until then the stack stays as it is. How many
+steps its latency and its gap are, the world says (`worlds/stepping.py`).
 """
 
 import numpy as np

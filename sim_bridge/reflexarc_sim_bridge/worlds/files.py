@@ -18,10 +18,14 @@ kind = "drift"                     # or swing
 left_mps = 0.5
 
 [senses]
-noise = 0.02
+noise = 0.02                       # at every look
+latency_s = 0.1                    # what is seen is so old
+gap_s = 0.2                        # longest time from one new retina to the next
 
 [chassis]
 radius_m = 0.2
+slip = 0.1                         # of every speed, over
+slip_over_s = 0.1                  # so long; the same way whatever a step lasts
 
 [limits]                           # of `reflexarc sim`, whatever it is told
 linear_mps = 1.5
@@ -38,6 +42,7 @@ from reflexarc_runtime.config.toml_source import TomlSource, read_text
 from reflexarc_runtime.errors import WorldError
 from reflexarc_sim_bridge.worlds import ranges as world_ranges
 from reflexarc_sim_bridge.worlds.checks import Span
+from reflexarc_sim_bridge.worlds.former import as_meant
 from reflexarc_sim_bridge.worlds.layers import telling_widths_m
 from reflexarc_sim_bridge.worlds.ranges import Choose, resolving
 from reflexarc_sim_bridge.worlds.world import World, WorldSource
@@ -48,7 +53,8 @@ MAX_SEED = (1 << 64) - 1
 _FOLDER = Path(__file__).parent / "shipped"
 _TRIED_SEEDS = 8
 _LONGEST_NAME = 60
-_SHARED = ("scanner", "senses.dead_sectors", "senses.latency_steps", "limits")
+_LATENCY = "senses", "latency_s"
+_SHARED = ("scanner", "senses.dead_sectors", dotted(_LATENCY), "senses.latency_steps", "limits")
 """The eye and the limits of the body are the same in all worlds of a family."""
 
 
@@ -119,8 +125,8 @@ def parse_world(text: str, name: str = "") -> WorldSource:
     _check_words(source, world)
     if not ranges:
         return world
-    draws = map(world_ranges.drawn, range(_TRIED_SEEDS))
-    for choose in (world_ranges.highest, world_ranges.narrowest, *draws):
+    _check_latency(source, world, _world(source, world_ranges.highest))
+    for choose in (world_ranges.narrowest, *map(world_ranges.drawn, range(_TRIED_SEEDS))):
         _world(source, choose)
     family = WorldFamily(world.name, world.description, ranges, source)
     _ = family.fullest
@@ -189,7 +195,16 @@ def _path_of(name: str) -> Path:
 
 
 def _world(source: TomlSource, choose: Choose) -> World:
-    return fill(World, source, resolving(choose))
+    resolve = resolving(choose)
+    return fill(World, as_meant(source, resolve), resolve)
+
+
+def _check_latency(source: TomlSource, quickest: World, slowest: World) -> None:
+    """Refuse steps of different durations in which a latency is not as many of them everywhere."""
+    most, least = quickest.latency_steps, slowest.latency_steps
+    if most != least:
+        words = f"as many steps for every seed, got {least} to {most}; give dt_s one number"
+        raise source.complaint(_LATENCY, f"expected {words}")
 
 
 def _check_words(source: TomlSource, world: World) -> None:

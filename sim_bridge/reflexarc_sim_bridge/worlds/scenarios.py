@@ -67,12 +67,12 @@ def _of_agent(world: World) -> Iterator[Scenario]:
         yield Scenario.APPEARANCE
     timeless = Senses(
         background=senses.background,
-        latency_steps=senses.latency_steps,
-        gap_steps=senses.gap_steps,
+        latency_s=senses.latency_s,
+        gap_s=senses.gap_s,
     )
     if senses != timeless or world.scanner is not None:
         yield Scenario.SENSES
-    if senses.latency_steps or senses.gap_steps > 1:
+    if world.latency_steps or world.gap_steps > 1:
         yield Scenario.TIMING
     if world.chassis != Chassis():
         yield Scenario.BODY

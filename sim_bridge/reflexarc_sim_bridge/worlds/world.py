@@ -14,15 +14,15 @@ from typing import Protocol
 
 from reflexarc_runtime.contract.body_limits import BodyLimits
 from reflexarc_runtime.contract.body_spec import BodySpec, Footprint
+from reflexarc_sim_bridge.worlds import stepping
 from reflexarc_sim_bridge.worlds.checks import Span, require, require_within
 from reflexarc_sim_bridge.worlds.grid import CHUNK_M, chunks_across
 from reflexarc_sim_bridge.worlds.layers import Corridor, Gates, Layer, Scatter
 
 MAX_LAYERS = 5
 """One at rest and four that move."""
-MAX_LATENCY_STEPS = 64
-MAX_GAP_STEPS = 64
 MAX_DEAD_SECTORS = 8
+MAX_DELAY_S = 1000.0
 
 
 class Edges(StrEnum):
@@ -78,16 +78,19 @@ class Senses:
     """What goes wrong on the way from the light to the retina. By default nothing."""
 
     noise: float = 0.0
-    """Standard deviation that is added to every value of a retina, as a share of full scale."""
+    """Standard deviation that is added to every value of a retina, as a share of full scale; drawn
+    anew at every look, so that an eye that looks more often is disturbed as often."""
     dropout: float = 0.0
-    """Probability that a ray reads 0, drawn anew at every look."""
+    """Probability that a ray reads 0, drawn anew at every look, however many there are a second."""
     dead_sectors: tuple[Span, ...] = ()
     """Bearings, lowest and highest (rad, to the left positive), between which rays read 0."""
-    latency_steps: int = 0
-    """A retina is so many steps old when the agent sees it."""
-    gap_steps: int = 1
-    """A new retina comes after 1 to so many steps, drawn evenly each time; in between the last one
-    stays: a slow sensor, with jitter and lost scans."""
+    latency_s: float = 0.0
+    """A retina is so old when the agent sees it, to the nearest step and, if above 0, one step at
+    least."""
+    gap_s: float = 0.0
+    """Longest time from one new retina to the next: it comes after 1 to n steps, drawn evenly each
+    time, n being the whole steps within that time, one at least. In between the last one stays: a
+    slow sensor, with jitter and lost scans."""
     background: float = 0.0
     """Value of a ray that meets nothing within its range, as a share of full scale."""
 
@@ -99,8 +102,8 @@ class Senses:
         for low_rad, high_rad in self.dead_sectors:
             holds = -math.tau <= low_rad <= high_rad <= math.tau
             require(holds, "senses.dead_sectors", "(low, high) rad", (low_rad, high_rad))
-        require_within("senses.latency_steps", self.latency_steps, 0, MAX_LATENCY_STEPS)
-        require_within("senses.gap_steps", self.gap_steps, 1, MAX_GAP_STEPS)
+        require_within("senses.latency_s", self.latency_s, 0.0, MAX_DELAY_S)
+        require_within("senses.gap_s", self.gap_s, 0.0, MAX_DELAY_S)
         require_within("senses.background", self.background, 0.0, 1.0)
 
 
@@ -111,7 +114,10 @@ class Chassis:
     radius_m: float = 0.0
     """Of the agent, a disc; its eye is in the middle."""
     slip: float = 0.0
-    """Standard deviation of every speed, as a share of it, drawn anew at every step."""
+    """Standard deviation of every speed over `slip_over_s`, as a share of it. It is drawn anew at
+    every step, so that way and turn after a given time deviate as much, whatever a step lasts."""
+    slip_over_s: float = 0.1
+    """For which time the slip is told. A file that tells none means its own `dt_s`."""
     lag_s: float = 0.0
     """Time constant with which speeds follow a command (first order)."""
     acceleration_mps2: float = math.inf
@@ -124,6 +130,7 @@ class Chassis:
     def __post_init__(self) -> None:
         require_within("chassis.radius_m", self.radius_m, 0.0, 1.0)
         require_within("chassis.slip", self.slip, 0.0, 1.0)
+        stepping.require_duration("chassis.slip_over_s", self.slip_over_s)
         require_within("chassis.lag_s", self.lag_s, 0.0, 100.0)
         for name in ("acceleration_mps2", "turn_acceleration_radps2"):
             value = getattr(self, name)
@@ -147,7 +154,7 @@ class World:
     limits: BodyLimits = field(default_factory=BodyLimits)
     """What a body on the bus does at most, whatever it is told; training does not ask for them."""
     dt_s: float = 0.1
-    """Duration of a step."""
+    """Duration of a step. With another one it is the same world, in finer or coarser steps."""
     scanner: Scanner | None = None
     """Agents see through this scanner, by the rule of their eye; None: along their rays."""
     stream: int = 0
@@ -155,7 +162,9 @@ class World:
 
     def __post_init__(self) -> None:
         require_within("width_m", self.width_m, 1.0, 1e4)
-        require(0.0 < self.dt_s <= 10.0, "dt_s", "in (0, 10] s", self.dt_s)
+        stepping.require_duration("dt_s", self.dt_s)
+        stepping.require_latency(self.senses.latency_s, self.dt_s)
+        stepping.require_gap(self.senses.gap_s, self.dt_s)
         require(0 <= self.stream < 1 << 32, "stream", "0 to 2³² − 1", self.stream)
         require(len(self.layers) <= MAX_LAYERS, "layers", f"at most {MAX_LAYERS}", len(self.layers))
         self._check_open_sides()
@@ -171,6 +180,22 @@ class World:
             self.chassis.lag_s,
             braking if math.isfinite(braking) else None,
         )
+
+    @property
+    def latency_steps(self) -> int:
+        """A retina is so many steps old when the agent sees it."""
+        return stepping.latency_steps(self.senses.latency_s, self.dt_s)
+
+    @property
+    def gap_steps(self) -> int:
+        """A new retina comes after 1 to so many steps."""
+        return stepping.gap_steps(self.senses.gap_s, self.dt_s)
+
+    @property
+    def slip_per_step(self) -> float:
+        """Standard deviation of every speed in one step, as a share of it."""
+        chassis = self.chassis
+        return stepping.slip_per_step(chassis.slip, chassis.slip_over_s, self.dt_s)
 
     @property
     def reach_m(self) -> float:

@@ -1,4 +1,5 @@
-from dataclasses import replace
+import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -12,7 +13,9 @@ from reflexarc_runtime.messages.body_info import BodyInfo, decode_body, encode_b
 from reflexarc_sim_bridge.body.body import Body, rebuild
 from reflexarc_sim_bridge.body.foxglove_messages import encode_scene
 from reflexarc_sim_bridge.body.gate.limits import STANDSTILL, Motion
+from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.files import parse_world, world_named, world_text
+from reflexarc_sim_bridge.worlds.world import Senses, World, WorldSource
 
 CONTRACT = PolicyContract()
 
@@ -65,6 +68,73 @@ def test_what_a_body_says_of_itself_builds_it_again(
 
 def scene_of(body: Body) -> bytes:
     return encode_scene(body.simulation.outlines_near(0), 0)
+
+
+@dataclass
+class Looks:
+    """What an eye saw, step by step."""
+
+    seen: list[bytes]
+    step_s: float
+
+
+def latency_s(late: Looks, now: Looks) -> float:
+    """How old what one eye sees is, by what another one saw that sees at once."""
+    ages = [age for age in range(40) if late.seen[40:] == now.seen[40 - age : len(now.seen) - age]]
+    assert len(ages) == 1
+    return ages[0] * late.step_s
+
+
+def evaluated(world: WorldSource) -> Looks:
+    """An agent of an evaluation, straight on."""
+    simulation, seen = Simulation(world, CONTRACT, np.zeros(1, np.uint64)), []
+    for _ in range(80):
+        seen.append(simulation.sense().tobytes())
+        simulation.step(np.zeros(1, np.int64))
+    return Looks(seen, simulation.dt_s)
+
+
+def simulated(world: WorldSource, rate_hz: float) -> Looks:
+    """A body on the bus, straight on."""
+    body, seen = Body(world.drawn(0), CONTRACT, rate_hz, 0), []
+    for _ in range(round(8 * rate_hz)):
+        seen.append(body.see().tobytes())
+        body.move(CONTRACT.actions[0])
+    return Looks(seen, body.info.step_s or 0.0)
+
+
+@pytest.mark.parametrize("rate_hz", [10.0, 20.0, 50.0])
+def test_a_body_sees_as_late_as_an_agent_that_is_evaluated(rate_hz: float):
+    late, now = world_named("late"), world_named("reference-1")
+    assert latency_s(evaluated(late), evaluated(now)) == pytest.approx(0.3)
+    assert latency_s(simulated(late, rate_hz), simulated(now, rate_hz)) == pytest.approx(0.3)
+
+
+def test_a_slow_sensor_sends_as_seldom_at_any_rate():
+    """A gap of 1 to n steps: n is 0.4 s, and all are as likely."""
+    slow = World("slow", senses=Senses(gap_s=0.4))
+    for rate_hz, most in ((10.0, 4), (50.0, 20)):
+        body, sent = Body(slow, CONTRACT, rate_hz, 0), []
+        for step in range(3000):
+            if body.sends_anew:
+                sent.append(step)
+            body.see()
+            body.move(STANDSTILL)
+        gaps = np.diff(sent)
+        assert sent[0] == 0
+        assert sorted(set(gaps.tolist())) == list(range(1, most + 1))
+        spread = math.sqrt((most**2 - 1) / 12 / len(gaps))
+        assert gaps.mean() == pytest.approx((most + 1) / 2, abs=4 * spread)
+
+
+def test_a_latency_too_long_for_the_rate_is_refused_in_one_line():
+    late = World("late", senses=Senses(latency_s=5.0))
+    with pytest.raises(WorldError) as refusal:
+        Body(late, CONTRACT, 1000.0, 0)
+    assert str(refusal.value) == (
+        "world.senses.latency_s: expected at most 1.024 s, 1024 steps of 0.001 s, got 5.0; "
+        "a lower --rate makes the steps longer"
+    )
 
 
 def test_robots_of_one_world_say_different_numbers_and_stand_at_different_places():

@@ -1,6 +1,9 @@
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+import pytest
+
 from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.messages.body_info import decode_body
@@ -8,7 +11,9 @@ from reflexarc_sim_bridge.body.body import Body
 from reflexarc_sim_bridge.body.bridge import StatePublisher
 from reflexarc_sim_bridge.body.gate.account import Account
 from reflexarc_sim_bridge.body.gate.lease import Lease
+from reflexarc_sim_bridge.body.gate.limits import STANDSTILL
 from reflexarc_sim_bridge.worlds.files import world_named
+from reflexarc_sim_bridge.worlds.world import Senses, World
 
 STEP_NS = 250_000_000
 ACCOUNT = Account(Lease(), armed=True, stopped="", state="waiting for a command")
@@ -47,6 +52,20 @@ def test_a_body_says_where_it_is_when_it_begins_and_then_once_a_second():
     assert {decode_body(payload) for payload, _ in said} == {body.info}
     assert (body.info.world, body.info.world_text) == ("reference-1", "its text")
     assert (body.info.seed, body.info.number, body.info.step_s) == (7, 2, 0.25)
+
+
+@pytest.mark.parametrize("again", [False, True])
+def test_a_slow_sensor_says_nothing_between_its_retinas_unless_every_step_needs_one(again: bool):
+    bus: Any = FakeBus()
+    world = World("slow", senses=Senses(gap_s=0.3))
+    body = Body(world, PolicyContract(), 50.0, 0)
+    state = StatePublisher(bus, body, "robot0")
+    for step in range(2000):
+        state.publish(None, ACCOUNT, step * 20_000_000, again=again)
+        body.move(STANDSTILL)
+    gaps = np.diff([time_ns // 20_000_000 for _, time_ns in bus.publishers["retina"].said])
+    assert set(gaps) == ({1} if again else set(range(1, 16)))
+    assert len(bus.publishers["pose"].said) == 2000
 
 
 def test_the_lease_is_said_ten_times_a_second_and_at_once_when_it_changes():

@@ -124,6 +124,24 @@ def test_slip_is_drawn_anew_at_every_step() -> None:
     assert abs(np.corrcoef(first_m, simulation.distance_m - first_m)[0, 1]) < 4 / 64
 
 
+@pytest.mark.parametrize("rate_hz", [10, 50, 4])
+def test_after_a_second_a_body_that_slips_is_off_as_much_at_any_rate(rate_hz: int) -> None:
+    """In n steps of 1/n s a share s is off by v s √n / n; 0.2 at ten of them is v 0.2 / √10."""
+    agents, chassis = 8192, Chassis(slip=0.2)
+    world = dataclasses.replace(PLANE, chassis=chassis, dt_s=1.0 / rate_hz)
+    straight, turning = (Simulation(world, DRIVEN, test_seeds(agents)) for _ in range(2))
+    y_m = straight.y_m
+    for _ in range(rate_hz):
+        straight.step(np.zeros(agents, np.int64))
+        turning.step(np.ones(agents, np.int64))
+    left_m = straight.y_m - y_m
+    ways = ((straight.distance_m, 2.0), (left_m, 1.0), (turning.heading_rad, 0.7))
+    for way, speed in ways:
+        off = 0.2 / math.sqrt(10) * speed
+        assert way.mean() == pytest.approx(speed, abs=4 * off / math.sqrt(agents))
+        assert way.std() == pytest.approx(off, rel=4 / math.sqrt(2 * agents))
+
+
 # Sides
 
 

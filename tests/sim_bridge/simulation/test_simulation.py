@@ -38,7 +38,7 @@ WORLDS = {
     "moving": World(
         "m",
         layers=(Scatter(0.1, motion=Drift(-1.0, 0.3)), Scatter(0.1, (Discs(),), motion=Swing())),
-        senses=Senses(noise=0.02, dropout=0.05, latency_steps=2),
+        senses=Senses(noise=0.02, dropout=0.05, latency_s=0.2),
     ),
     "gates": World("g", layers=(Gates(), Scatter(0.05, sections=(0.0, 2.0)))),
     "corridor": World("c", edges=Edges.UNBOUNDED, layers=(Corridor(), Scatter(0.1))),

@@ -112,7 +112,7 @@ def drive(world: World, eye: PolicyContract, steps: int) -> tuple[list[bytes], l
 
 @pytest.mark.parametrize("latency", [1, 3, 64])
 def test_with_latency_agents_see_what_was_there_some_steps_ago(latency: int) -> None:
-    late = World("late", senses=Senses(latency_steps=latency))
+    late = World("late", senses=Senses(latency_s=0.1 * latency))
     now, then = (drive(world, contract(), 80)[0] for world in (World("now"), late))
     assert then == [now[max(0, look - latency)] for look in range(80)]
     assert len(set(now)) > 60
@@ -124,8 +124,9 @@ def test_a_slow_sensor_sends_a_new_retina_after_one_to_so_many_steps(
 ) -> None:
     """What it sends is what a quick one sees then; the gaps are even; a stack keeps what came."""
     steps, most, eye = 120, 4, contract(rays=64, frames=frames)
-    quick = World("quick", layers=SOME, senses=Senses(latency_steps=latency))
-    slow = dataclasses.replace(quick, senses=Senses(latency_steps=latency, gap_steps=most))
+    quick = World("quick", layers=SOME, senses=Senses(latency_s=0.1 * latency))
+    senses = Senses(latency_s=0.1 * latency, gap_s=0.1 * most)
+    slow = dataclasses.replace(quick, senses=senses)
     every, free = looks(quick, contract(rays=64), steps)
     stacks, _ = looks(slow, eye, steps)
     gaps: list[int] = []
@@ -160,7 +161,7 @@ def looks(
 
 def test_after_a_contact_a_slow_sensor_looks_anew() -> None:
     """What it saw last was of another place."""
-    slow = World("slow", layers=(Scatter(0.5),), senses=Senses(gap_steps=64))
+    slow = World("slow", layers=(Scatter(0.5),), senses=Senses(gap_s=6.4))
     eyes, quick = (
         Simulation(world, contract(), test_seeds(64))
         for world in (slow, dataclasses.replace(slow, senses=Senses()))
@@ -180,7 +181,7 @@ def test_after_a_contact_a_slow_sensor_looks_anew() -> None:
 
 @pytest.mark.parametrize("latency", [0, 2])
 def test_a_stack_holds_the_last_retinas_oldest_first(latency: int) -> None:
-    world = World("late", senses=Senses(latency_steps=latency))
+    world = World("late", senses=Senses(latency_s=0.1 * latency))
     eye = contract(frames=4, channels=3, eyes=2, baseline_m=0.1)
     simulation, generator = Simulation(world, eye, test_seeds(8)), np.random.default_rng(1)
     seen = []

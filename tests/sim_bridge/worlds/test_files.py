@@ -46,7 +46,8 @@ layers = [{ kind = "gates", spacing_m = 5.0, colour = [[0.1, 0.2], [0.3, 0.4], [
 [senses]
 noise = 0.1
 dead_sectors = [[-0.5, -0.4], [0.1, 0.2]]
-latency_steps = 2
+latency_s = 0.1
+gap_s = 0.25
 
 [chassis]
 radius_m = 0.3
@@ -68,7 +69,9 @@ def test_a_whole_file_is_read() -> None:
         dt_s=0.05,
         stream=3,
         layers=(Gates(spacing_m=5.0, colour=rgb), Automaton(fill=0.3, motion=Swing(period_s=9.0))),
-        senses=Senses(noise=0.1, dead_sectors=((-0.5, -0.4), (0.1, 0.2)), latency_steps=2),
+        senses=Senses(
+            noise=0.1, dead_sectors=((-0.5, -0.4), (0.1, 0.2)), latency_s=0.1, gap_s=0.25
+        ),
         chassis=Chassis(radius_m=0.3, after_contact=AfterContact.GHOST),
         scanner=Scanner(beams=91),
     )
@@ -397,6 +400,10 @@ def test_a_family_says_what_it_varies() -> None:
             r":2: layers\[0\]\.opening_m: .*got \(3\.0, 2\.0\)",
         ),
         ("seed = { from = 0, to = 1 }", r":2: seed: unknown"),
+        (
+            "senses.latency_s = { from = 0, to = 1 }",
+            r":2: senses\.latency_s: .* one number",
+        ),
         (
             "senses.latency_steps = { from = 0, to = 1 }",
             r":2: senses\.latency_steps: .* one number",

@@ -19,7 +19,8 @@ def test_a_world_takes_the_body_and_the_slow_sensor() -> None:
     assert isinstance(world, World)
     chassis = world.chassis
     assert (chassis.radius_m, chassis.lag_s, chassis.acceleration_mps2) == (0.3, 0.2, 1.5)
-    assert world.senses.gap_steps == 3
+    assert world.gap_steps == 3
+    assert dataclasses.replace(world, dt_s=0.02).gap_steps == 17  # 0.35 s
     assert world.body == BODY
 
 
@@ -35,7 +36,7 @@ def test_every_world_of_a_family_takes_them() -> None:
     assert bodied.name == family.name
     for world in (bodied.drawn(5), *bodied.fullest):
         assert world.body == BODY
-        assert world.senses.gap_steps == 2
+        assert world.gap_steps == 2
     assert bodied.drawn(5).layers == family.drawn(5).layers
 
 

@@ -13,9 +13,6 @@ from dataclasses import dataclass, replace
 from reflexarc_runtime.contract.body_spec import BodySpec
 from reflexarc_sim_bridge.worlds.world import World, WorldSource
 
-_SLACK = 1e-9
-"""Ages and durations of steps are decimal fractions, whose ratio is rounded."""
-
 
 @dataclass(frozen=True)
 class Embodied:
@@ -68,8 +65,10 @@ def embodied(source: WorldSource, body: BodySpec | None, max_input_age_s: float)
 
 def with_body(world: World, body: BodySpec | None, max_input_age_s: float) -> World:
     """One world with a body and a sensor: see `embodied`."""
-    gap_steps = max(world.senses.gap_steps, math.floor(max_input_age_s / world.dt_s + _SLACK))
-    world = replace(world, senses=replace(world.senses, gap_steps=gap_steps))
+    gap_s = max(world.senses.gap_s, max_input_age_s)
+    slower = replace(world, senses=replace(world.senses, gap_s=gap_s))
+    # A sensor that sends at every step anyway stays what it is, whatever an input may be old.
+    world = slower if slower.gap_steps > world.gap_steps else world
     if body is None:
         return world
     braking = body.deceleration_mps2

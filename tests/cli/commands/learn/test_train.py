@@ -41,7 +41,7 @@ def test_the_body_and_the_sensor_are_in_the_contract() -> None:
     contract, world = config.contract(), config.goal_world.drawn(0)
     assert contract.max_input_age_s == 0.4
     assert contract.body == BodySpec(Footprint(radius_m=0.3), 0.2, 1.5) == world.body
-    assert world.senses.gap_steps == 4
+    assert world.gap_steps == 4
 
 
 def test_what_is_not_said_of_a_body_is_that_of_the_world() -> None:
