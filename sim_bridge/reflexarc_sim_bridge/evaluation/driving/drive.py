@@ -129,7 +129,7 @@ def circumstances_of(
 
 
 def _latency_s(world: World) -> float:
-    return world.senses.latency_steps * world.dt_s + world.chassis.lag_s
+    return world.latency_steps * world.dt_s + world.chassis.lag_s
 
 
 def _lateral(contract: PolicyContract) -> npt.NDArray[np.int8]:
