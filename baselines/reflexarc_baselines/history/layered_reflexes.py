@@ -155,6 +155,9 @@ class LayeredWander(_LayeredReflexes):
         Primitive.ACTIVE_AVOID,
         Primitive.FORWARD,
     )
+    passive_gain: float = 0.405
+    active_gain: float = 0.0132
+    dead_band_rad: float = 0.0292
 
 
 @dataclass(frozen=True)
@@ -168,3 +171,5 @@ class LayeredPerimeter(_LayeredReflexes):
     }
 
     primitives: tuple[Primitive, ...] = (Primitive.PASSIVE_AVOID, Primitive.PERIMETER)
+    keeps_m: float = 3.13
+    dead_band_rad: float = 0.218

@@ -59,16 +59,16 @@ def _origin(remarks: str) -> Origin:
 class _MotorSchemas(ABC):
     """The schemas; how avoid is added up is left open."""
 
-    influence_m: float = 1.5
+    influence_m: float = 1.52
     """E of avoid: what is farther away does not push."""
     safe_m: float = 0.1
     """s: within it the push is huge. The reference body has no radius."""
     swirl_influence_m: float = 2.0
     """E of swirl."""
-    avoid_gain: float = 1.0
-    noise_gain: float = 0.1
-    swirl_gain: float = 0.1
-    dead_band_rad: float = 0.1
+    avoid_gain: float = 8.86
+    noise_gain: float = 0.0211
+    swirl_gain: float = 0.366
+    dead_band_rad: float = 0.107
     """Direction of the sum below which the body stays on its way."""
     noise_s: float = 5.0
     """How long a direction of the noise is held."""
@@ -141,6 +141,12 @@ class MotorSchemasLargest(_MotorSchemas):
 
     ORIGIN: ClassVar[Origin] = _origin("each ray is a thing; the largest of all")
     SEARCHED: ClassVar[Mapping[str, Span]] = _SEARCHED
+
+    influence_m: float = 1.56
+    avoid_gain: float = 4.9
+    noise_gain: float = 0.0233
+    swirl_gain: float = 0.0615
+    dead_band_rad: float = 0.547
 
     def _added_up(self, magnitudes: Floats, pushed: Vectors) -> Vectors:
         lengths = pushed.lengths

@@ -55,7 +55,7 @@ class RobNav:
     )
     SEARCHED: ClassVar[Mapping[str, Span]] = {"half_width_m": Span(0.1, 1.0)}
 
-    half_width_m: float = 0.45
+    half_width_m: float = 0.21
     """R: half the width of an obstacle and the body."""
     period_s: float = 0.1
     """Time between two decisions."""

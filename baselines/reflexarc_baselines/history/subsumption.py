@@ -72,11 +72,11 @@ class Module(StrEnum):
 class _Level0:
     """What every level rests on."""
 
-    threshold: float = 0.5
+    threshold: float = 0.082
     """θ: least force (1/m²) at which runaway speaks."""
-    gain: float = 2.0
+    gain: float = 1.72
     """k (m²): the force against the way ahead."""
-    dead_band_rad: float = 0.1
+    dead_band_rad: float = 0.112
     """Heading below which the body stays on its way."""
     drives_by: PolicyContract = field(default_factory=reference_contract)
     """Its eye and its motions."""
@@ -133,7 +133,7 @@ class _Wandering(_Level0, ABC):
 
     wander_s: float = 10.0
     """How long a heading is held."""
-    widest_rad: float = 0.4
+    widest_rad: float = 0.188
     """Greatest heading that wander takes."""
     time_constant_s: float = 0.2
     """τ of all wires: two decisions at 10 Hz."""
@@ -180,6 +180,9 @@ class Subsumption1(_Wandering):
     ORIGIN: ClassVar[Origin] = _ORIGIN
     SEARCHED: ClassVar[Mapping[str, Span]] = {**_SEARCHED, "widest_rad": Span(0.05, 1.5)}
 
+    gain: float = 1.85
+    dead_band_rad: float = 0.212
+
     @property
     def contract(self) -> PolicyContract:
         """The reference field's, with a memory of wander and of one wire."""
@@ -198,7 +201,10 @@ class Subsumption(_Wandering):
     ORIGIN: ClassVar[Origin] = _ORIGIN
     SEARCHED: ClassVar[Mapping[str, Span]] = {**Subsumption1.SEARCHED, "far_m": Span(0.5, 5.0)}
 
-    far_m: float = 2.0
+    gain: float = 5.76
+    dead_band_rad: float = 0.075
+    widest_rad: float = 0.479
+    far_m: float = 3.66
     """Least length of a passage for which plan speaks."""
 
     @property

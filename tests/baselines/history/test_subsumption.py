@@ -19,7 +19,8 @@ from reflexarc_sim_bridge.evaluation.simple_policies import RandomPolicy
 from support.ranges_seen import BEARINGS_RAD, assorted, far_except, unremembered
 
 LEFT = 1
-LEVEL_1 = Subsumption1(wander_s=10.0, widest_rad=1.0, dead_band_rad=0.0, threshold=0.1)
+LEVEL_0 = Subsumption0(gain=2.0, dead_band_rad=0.0, threshold=0.1)
+LEVEL_1 = Subsumption1(gain=2.0, dead_band_rad=0.0, threshold=0.1, wander_s=10.0, widest_rad=1.0)
 EMPTY = far_except()
 BESIDE = far_except(ray10=1.0)
 ANGLE_RAD = math.pi / 16
@@ -55,7 +56,7 @@ def test_runaway_is_silent_below_its_threshold() -> None:
 
 def test_runaway_turns_from_its_way_ahead_by_the_force() -> None:
     """The direction of (1 − k F cos φ, −k F sin φ)."""
-    q_values, _ = Subsumption0(threshold=0.1, gain=3.0).decide(BESIDE)
+    q_values, _ = replace(LEVEL_0, gain=3.0).decide(BESIDE)
     push, bearing = 3.0 * ANGLE_RAD, float(BEARINGS_RAD[10])
     expected = math.atan2(-push * math.sin(bearing), 1.0 - push * math.cos(bearing))
     assert q_values[0, LEFT] == pytest.approx(expected, rel=1e-5)
@@ -67,7 +68,7 @@ def test_avoid_replaces_runaway_as_it_speaks_and_for_its_time_after(periods: int
     speaks = replace(LEVEL_1, time_constant_s=0.1 * periods)
     silent = replace(speaks, mute=(Module.AVOID,))
     script = [silent] * 3 + [speaks] * 3 + [silent] * 8
-    runaway = float(Subsumption0(dead_band_rad=0.0, threshold=0.1).decide(BESIDE)[0][0, LEFT])
+    runaway = float(LEVEL_0.decide(BESIDE)[0][0, LEFT])
     found = headings(script, BESIDE)
     of_avoid = headings([speaks], BESIDE)[0]
     assert of_avoid != runaway
@@ -81,11 +82,11 @@ def test_avoid_replaces_runaway_as_it_speaks_and_for_its_time_after(periods: int
 @pytest.mark.parametrize("module", [Module.WANDER, Module.AVOID])
 def test_with_level_1_mute_level_0_is_bit_for_bit_what_it_is_alone(module: Module) -> None:
     retinas = assorted(500)
-    alone, level_1 = Subsumption0(), Subsumption1(mute=(module,))
+    level_1 = replace(LEVEL_1, mute=(module,))
     memory = unremembered(level_1.contract, 500)
     for _ in range(5):
         q_values, _, memory = level_1.decide(retinas, memory)
-        assert q_values.tobytes() == alone.decide(retinas)[0].tobytes()
+        assert q_values.tobytes() == LEVEL_0.decide(retinas)[0].tobytes()
 
 
 @pytest.mark.parametrize("period_s", [0.1, 0.02])
