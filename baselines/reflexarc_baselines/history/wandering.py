@@ -41,7 +41,10 @@ def wandered(
 def turned(
     memory: Memories, winners: Actions, actions: tuple[Action, ...], period_s: float
 ) -> Memories:
-    """The memory after the body has done what was decided."""
+    """The memory after the body has done what was decided.
+
+    If a hold or a guard has it do something else, its heading is wrong by that turn until the next.
+    """
     turns_rad = np.array([action.angular_radps * period_s for action in actions], np.float32)
     following = memory.copy()
     following[:, _HEADING] -= turns_rad[winners]
