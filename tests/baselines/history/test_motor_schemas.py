@@ -90,8 +90,9 @@ def test_noise_points_everywhere_and_is_held_five_seconds(period_s: float, decis
         found.append(float(q_values[0, 1]))
     changes = [k for k, (before, after) in enumerate(pairwise(found), 1) if before != after]
     assert changes == list(range(decisions, 20 * decisions, decisions))
-    assert min(found) < -0.3
-    assert max(found) > 0.3
+    # Within ±1 rad it would be 0.32 at most; the greatest of all, at 120°, is asin ½ = 0.52.
+    assert min(found) < -0.4
+    assert max(found) > 0.4
     assert max(map(abs, found)) <= math.asin(0.5) + 1e-6
 
 

@@ -81,12 +81,15 @@ def test_avoid_replaces_runaway_as_it_speaks_and_for_its_time_after(periods: int
 
 @pytest.mark.parametrize("module", [Module.WANDER, Module.AVOID])
 def test_with_level_1_mute_level_0_is_bit_for_bit_what_it_is_alone(module: Module) -> None:
+    """Also where the force is below the threshold, and nobody speaks: in half of these."""
     retinas = assorted(500)
-    level_1 = replace(LEVEL_1, mute=(module,))
+    level_0 = replace(LEVEL_0, threshold=5.0)
+    level_1 = replace(LEVEL_1, threshold=5.0, mute=(module,))
+    assert 0.2 < (level_0.decide(retinas)[0][:, LEFT] == 0.0).mean() < 0.8
     memory = unremembered(level_1.contract, 500)
     for _ in range(5):
         q_values, _, memory = level_1.decide(retinas, memory)
-        assert q_values.tobytes() == LEVEL_0.decide(retinas)[0].tobytes()
+        assert q_values.tobytes() == level_0.decide(retinas)[0].tobytes()
 
 
 @pytest.mark.parametrize("period_s", [0.1, 0.02])
@@ -129,6 +132,12 @@ def test_level_2_heads_for_the_farthest_passage() -> None:
     assert plan.is_sent.tolist() == [True]
     assert plan.values[0] == pytest.approx(BEARINGS_RAD[5], rel=1e-6)
     assert not Subsumption(far_m=4.5).plan(retina).is_sent[0]
+
+
+def test_what_lies_beyond_the_edge_of_the_eye_is_no_passage() -> None:
+    near = {f"ray{ray}": 1.0 for ray in range(16)}
+    plan = Subsumption(far_m=2.0).plan(far_except(**near | {"ray0": 5.0, "ray1": 5.0}))
+    assert not plan.is_sent[0]
 
 
 def test_of_equal_passages_level_2_takes_the_one_nearest_to_ahead() -> None:
