@@ -11,6 +11,14 @@ HOMES: Mapping[str, str] = MappingProxyType(
     {
         "braitenberg-2a": "anchors.braitenberg:Braitenberg2a",
         "braitenberg-2b": "anchors.braitenberg:Braitenberg2b",
+        "rob-nav": "history.rob_nav:RobNav",
+        "subsumption-0": "history.subsumption:Subsumption0",
+        "subsumption-1": "history.subsumption:Subsumption1",
+        "subsumption": "history.subsumption:Subsumption",
+        "motor-schemas-sum": "history.motor_schemas:MotorSchemasSum",
+        "motor-schemas-largest": "history.motor_schemas:MotorSchemasLargest",
+        "layered-wander": "history.layered_reflexes:LayeredWander",
+        "layered-perimeter": "history.layered_reflexes:LayeredPerimeter",
     }
 )
 """Name of a baseline → its module in this package, and its class."""
