@@ -133,7 +133,7 @@ def test_what_is_drawn_is_what_is_seen(posts: str, walled: bool) -> None:
     two = RetinaSpec(rays=32, eyes=2, baseline_m=0.4, **COLOUR)  # type: ignore[arg-type]  # by name
     simulation = Simulation(world, PolicyContract(two, TURNING), seeds(6))
     for _ in range(8):
-        simulation.step(np.full(6, 1))
+        simulation.step(np.arange(6) % 3)  # they look ahead, back and aside
     eyes, compared = simulation.sense()[..., 0] / 255, 0
     for i, eye in itertools.product(range(6), range(2)):
         outlines, seen = simulation.outlines_near(i), eyes[:, eye]
@@ -180,6 +180,18 @@ def test_a_layer_without_stripes_looks_the_same_beside_a_striped_one() -> None:
             seen.append(simulation.stacks.copy())
         assert (seen[0] == seen[1]).all()
         assert seen[0].max() == 255
+
+
+def test_a_belt_beside_a_striped_layer_writes_into_nobody_else_s_lists() -> None:
+    world = World("w", layers=(Scatter(0.2, colour=GREY, stripes_m=0.3), Scatter(0.4)))
+    crowd = Simulation(world, FINE, seeds(8))
+    alone = [Simulation(world, FINE, seeds(8)[i : i + 1]) for i in range(8)]
+    for _ in range(30):
+        seen = crowd.sense()
+        assert (seen == np.concatenate([one.sense() for one in alone])).all()
+        crowd.step(np.zeros(8, np.int64))
+        for one in alone:
+            one.step(np.zeros(1, np.int64))
 
 
 def test_a_coloured_stripe_has_three_draws() -> None:
