@@ -34,9 +34,8 @@ class WorldScenery:
             now, before = moved_m(layer.motion, time_s), moved_m(layer.motion, time_s - 1.0)
             wake_m = (now[0] - before[0], now[1] - before[1])
             for outline in self._listed(number, _around(area, now, layer.reach_m)):
-                silhouette = _silhouette(outline, now, wake_m)
-                if reaches_into(silhouette.corners_m, area):
-                    found.append(silhouette)
+                silhouettes = _silhouettes(outline, now, wake_m)
+                found += [s for s in silhouettes if reaches_into(s.corners_m, area)]
         return found
 
     def _listed(self, layer: int, area: Area) -> Iterator[Outline]:
@@ -77,13 +76,17 @@ def _chunks(low_m: float, high_m: float, side_m: float) -> range:
     return range(math.floor(low_m / side_m), math.floor(high_m / side_m) + 1)
 
 
-def _silhouette(
+def _silhouettes(
     outline: Outline, way_m: tuple[float, float], wake_m: tuple[float, float]
-) -> Silhouette:
+) -> list[Silhouette]:
+    """An obstacle seen from above, or the stripes of a striped one."""
+    if outline.stripes:
+        pieces = [(stripe.corners_m, stripe.colour) for stripe in outline.stripes]
+        return [Silhouette(at + way_m, _on_pale_ground(rgb), wake_m) for at, rgb in pieces]
     corners_m = outline.corners_m
     if outline.is_disc:
         corners_m = circle(outline.x_m, outline.y_m, outline.radius_m)
-    return Silhouette(corners_m + way_m, _on_pale_ground(outline.colour), wake_m)
+    return [Silhouette(corners_m + way_m, _on_pale_ground(outline.colour), wake_m)]
 
 
 def _on_pale_ground(colour: Rgb) -> Rgb:

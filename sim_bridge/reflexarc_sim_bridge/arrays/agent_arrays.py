@@ -7,10 +7,13 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.errors import WorldError
 from reflexarc_sim_bridge.arrays.layout import (
     AGENT_DTYPE,
     BOX_ROWS,
     DISC_ROWS,
+    MARK_LAYERS,
+    MARK_LISTS,
     SIDE_ROWS,
     TURNED_ROWS,
     Agents,
@@ -22,6 +25,8 @@ from reflexarc_sim_bridge.worlds.kinds.scatter import most_of_poisson
 
 _MOST_NEAR = "most_boxes", "most_turned", "most_discs", "most_sides"
 _CACHE_LINE = 64
+MOST_STRIPED = (1 << 24) // (MARK_LISTS * MARK_LAYERS) - 1
+"""Marks that tell so many obstacles apart are exact in float32."""
 
 
 def agents_at_zero(
@@ -43,15 +48,16 @@ def agents_at_zero(
     state["seed"], state["lane"] = seeds, _lanes(seeds)
     state["world"] = np.arange(n) if len(tables.planes) > 1 else 0
     boxes, turned, discs, sides = _near_capacities(room)
+    surfaces = _surface_rows(room, max(boxes, turned, discs))
     columns, belt = np.max([_belt_capacity(room, w) for w in range(len(room.planes))], axis=0)
     latency_steps = int(tables.planes["latency_steps"][0])
     return Agents(
         state,
         np.zeros((n, layers, 2), np.int64),
         np.zeros((n, layers, 4), np.int64),
-        _zeros((n, layers, BOX_ROWS, boxes), np.float32),
-        _zeros((n, layers, TURNED_ROWS, turned), np.float32),
-        _zeros((n, layers, DISC_ROWS, discs), np.float32),
+        _zeros((n, layers, BOX_ROWS + surfaces, boxes), np.float32),
+        _zeros((n, layers, TURNED_ROWS + surfaces, turned), np.float32),
+        _zeros((n, layers, DISC_ROWS + surfaces, discs), np.float32),
         _zeros((n, layers, SIDE_ROWS, sides), np.float32),
         _zeros((n, layers, 2, belt), np.int32),
         _zeros((n, layers, 4, belt), np.float32),
@@ -66,6 +72,22 @@ def _near_capacities(tables: WorldTables) -> list[int]:
     needs = [int(tables.layers[name].max()) for name in _MOST_NEAR]
     # What writes whole vectors may write so many more.
     return [whole(need + 1 + LANES) if need else LANES for need in needs]
+
+
+def _surface_rows(tables: WorldTables, capacity: int) -> int:
+    """How many more rows the near lists have for striped surfaces: see `obstacles/stripes.py`.
+
+    Raises:
+        WorldError: a list is too long for its entries to be told apart in float32.
+    """
+    if not (tables.layers["stripes_m"] > 0.0).any():
+        return 0
+    if capacity > MOST_STRIPED:
+        raise WorldError(
+            f"world: expected at most {MOST_STRIPED} striped obstacles of a kind near an agent, "
+            f"got room for {capacity}; take fewer, a shorter range of the eye, or no stripes"
+        )
+    return 1
 
 
 def _belt_capacity(tables: WorldTables, w: int) -> tuple[int, int]:

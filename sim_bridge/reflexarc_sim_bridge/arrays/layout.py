@@ -39,6 +39,8 @@ PLACE_X, PLACE_Y = range(2)  # of a box, a disc or a side alike
 DISC_X, DISC_Y, DISC_RADIUS, DISC_PAINT = range(4)
 SIDE_X, SIDE_Y, SIDE_AHEAD, SIDE_LEFT, SIDE_PAINT = range(5)
 BOX_ROWS, TURNED_ROWS, DISC_ROWS, SIDE_ROWS = 5, 7, 4, 5
+MARK_LISTS, MARK_LAYERS = 4, 8
+"""Marks of striped obstacles tell so many near lists and layers apart (`obstacles/stripes.py`)."""
 BOXES, TURNED, DISCS, SIDES, BELT, FACES = range(6)
 LIST_NAMES = "boxes", "turned boxes", "discs", "sides of polygons", "boxes on a belt", "faces"
 """Lists of limited length, in this order; the first four are the near lists."""
@@ -179,7 +181,8 @@ class Agents(NamedTuple):
     near_counts: npt.NDArray[np.int64]
     """Columns in use of the four lists below: (n, layers, 4)."""
     boxes: Floats32
-    """Upright rectangles, rows BOX_X to BOX_PAINT: (n, layers, 5, capacity)."""
+    """Upright rectangles, rows BOX_X to BOX_PAINT: (n, layers, 5, capacity); in worlds with stripes
+    this and the next two have one more row, for the surface (`obstacles/stripes.py`)."""
     turned: Floats32
     """Turned rectangles, all rows BOX_*: (n, layers, 7, capacity)."""
     discs: Floats32

@@ -11,7 +11,6 @@ from reflexarc_sim_bridge.arrays.layout import (
     LIST_NAMES,
     MAX_ROWS,
     TILE_RAYS,
-    TURNED_ROWS,
     Floats32,
     Integers32,
     Params,
@@ -112,7 +111,7 @@ class Workspace(NamedTuple):
     """For picking the obstacles that a tile of rays can meet."""
     seen: Floats32
     """The obstacles of a near list that the eye can see, relative to it, rows as there:
-    (7, capacity)."""
+    (7 or 8, capacity)."""
     faces: Faces
     """Faces of turned boxes and polygons that the eye can see."""
     ahead: Floats32
@@ -176,7 +175,7 @@ def new_workspace(params: Params, parts: Parts) -> Workspace:
         parts=parts,
         losses=Losses(*np.zeros((2, len(LIST_NAMES)), np.int64)),
         sieve=Sieve(np.empty(len(everything), np.bool_), everything, everything.copy()),
-        seen=np.empty((TURNED_ROWS, columns + LANES), np.float32),
+        seen=np.empty((agents.turned.shape[2], columns + LANES), np.float32),
         faces=Faces(*np.empty((len(Faces._fields), faces), np.float32)),
         # An eye that does not turn looks along x for good.
         ahead=eye.ahead.copy(),

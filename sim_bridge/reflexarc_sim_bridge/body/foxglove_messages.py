@@ -20,6 +20,7 @@ from foxglove_schemas_protobuf.Vector3_pb2 import Vector3
 from reflexarc_runtime.messages.codec import timestamp
 from reflexarc_sim_bridge.body.body import BodyPose
 from reflexarc_sim_bridge.simulation.scene import Outline
+from reflexarc_sim_bridge.simulation.stripe_outlines import Stripe
 
 WORLD_FRAME = "world"
 OBSTACLE_HEIGHT_M = 0.5
@@ -55,7 +56,10 @@ def encode_scene(outlines: Sequence[Outline], time_ns: int) -> bytes:
         cubes=[_cube(outline) for outline in outlines if outline.is_box],
         cylinders=[_cylinder(outline) for outline in outlines if outline.is_disc],
         triangles=[
-            _fan(outline) for outline in outlines if not outline.is_box and not outline.is_disc
+            _fan(piece)
+            for outline in outlines
+            if not outline.is_box and not outline.is_disc
+            for piece in outline.stripes or (outline,)
         ],
     )
     return SceneUpdate(entities=[entity]).SerializeToString()
@@ -74,13 +78,13 @@ def _cylinder(disc: Outline) -> CylinderPrimitive:
     )
 
 
-def _fan(polygon: Outline) -> TriangleListPrimitive:
+def _fan(polygon: Outline | Stripe) -> TriangleListPrimitive:
     """Triangles from the middle to every side, which works as all outlines are star-shaped.
 
     Points: the middle, then the corners.
     """
     n = len(polygon.corners_m)
-    points = [(polygon.x_m, polygon.y_m), *polygon.corners_m.tolist()]
+    points = [polygon.corners_m.mean(axis=0).tolist(), *polygon.corners_m.tolist()]
     return TriangleListPrimitive(
         pose=Pose(position=_point(0.0, 0.0, 0.0), orientation=_rotation(0.0)),
         points=[Point3(x=x, y=y, z=OBSTACLE_HEIGHT_M) for x, y in points],

@@ -28,7 +28,6 @@ from reflexarc_sim_bridge.arrays.layout import (
     BOX_HALF_LENGTH,
     BOX_HALF_WIDTH,
     BOX_PAINT,
-    BOX_ROWS,
     BOX_SIN,
     BOX_X,
     BOX_Y,
@@ -37,6 +36,7 @@ from reflexarc_sim_bridge.arrays.layout import (
     HALF_WIDTH,
     SIN,
     TURNED_BOX,
+    TURNED_ROWS,
     WHITE,
     Belt,
     Floats32,
@@ -128,13 +128,13 @@ def pick_near(
         work: scratch.
         agent: which.
         belt: its belt.
-        boxes: filled, rows BOX_*, those for turned boxes if there are any: (5 or 7, capacity).
+        boxes: filled, rows BOX_*, those for turned boxes if there are any: (5 to 8, capacity).
         kind: which list that is: BOXES or TURNED.
 
     Returns:
         How many.
     """
-    end, is_upright, picks = 0, boxes.shape[0] == BOX_ROWS, work.picks
+    end, is_upright, picks = 0, boxes.shape[0] < TURNED_ROWS, work.picks
     for count in belt.counts:
         end += count
     x_m, y_m, is_near, sizes = picks.x_m, picks.y_m, picks.is_near, belt.sizes

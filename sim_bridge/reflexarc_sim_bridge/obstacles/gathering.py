@@ -14,7 +14,8 @@ from reflexarc_sim_bridge.arrays.layout import AT_REST, Params, WorldTables
 from reflexarc_sim_bridge.arrays.workspace import Workspace
 from reflexarc_sim_bridge.native.decorators import compiled_inner
 from reflexarc_sim_bridge.native.function_pointers import at_address, call
-from reflexarc_sim_bridge.obstacles.near_lists import displacement_m
+from reflexarc_sim_bridge.obstacles.near_lists import displacement_m, near_of
+from reflexarc_sim_bridge.obstacles.stripes import mark_surfaces
 from reflexarc_sim_bridge.worlds.grid import CHUNK_M
 from reflexarc_sim_bridge.worlds.layers import layer_kinds
 
@@ -38,6 +39,8 @@ def keep_near(params: Params, work: Workspace, i: int) -> None:
             table = work.parts.gatherers
             gatherer = at_address(table.nowhere, table.addresses[layer.kind, layer.has_belt])
             call(gatherer, (params, work, i, number, x, y))
+            if layer.stripes_m > 0.0:
+                mark_surfaces(near_of(agents, i, number), number)
 
 
 def compiled_kind(number: int) -> ModuleType:

@@ -13,6 +13,8 @@ from reflexarc_sim_bridge.worlds import outlines
 from reflexarc_sim_bridge.worlds.outlines import CURVE_CORNERS
 
 _FULL = 255.0
+_S40 = np.uint64(40)
+"""Leaves the 24 bits of a number that a float32 holds exactly."""
 _CURVE_RAD = 2.0 * np.pi * np.arange(CURVE_CORNERS) / CURVE_CORNERS
 _CURVE_COS, _CURVE_SIN = np.cos(_CURVE_RAD), np.sin(_CURVE_RAD)
 
@@ -39,7 +41,7 @@ class Obstacle(NamedTuple):
     block: np.uint64
     """Where its random numbers begin."""
     paint: int
-    """Colour, 8 bits each of red, green and blue."""
+    """Colour, 8 bits each of red, green and blue; of a striped one the number of its surface."""
 
 
 @compiled_inline
@@ -50,7 +52,15 @@ def nothing() -> Obstacle:
 
 @compiled_inner
 def paint_of(layer: Row, key: np.uint64, block: np.uint64) -> int:
-    """Colour of an obstacle: 8 bits each of red, green and blue."""
+    """`Obstacle.paint` of the obstacle whose random numbers begin at `block`."""
+    if layer.stripes_m > 0.0:
+        return np.int64(number(key, block + PAINT) >> _S40)  # type: ignore[return-value]  # int, compiled
+    return colour_of(layer, key, block)
+
+
+@compiled_inner
+def colour_of(layer: Row, key: np.uint64, block: np.uint64) -> int:
+    """A colour within the bounds of a layer: 8 bits each of red, green and blue."""
     bits = number(key, block + PAINT)
     draw_red = draw_green = draw_blue = first_half(bits)
     if layer.channels == 3:

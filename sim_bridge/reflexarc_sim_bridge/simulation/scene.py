@@ -14,6 +14,8 @@ from reflexarc_sim_bridge.arrays.layout import (
     MAX_ROWS,
     SIDES,
     TURNED,
+    TURNED_BOX,
+    WALL,
     Params,
     Row,
     Table,
@@ -25,6 +27,8 @@ from reflexarc_sim_bridge.native.decorators import compiled
 from reflexarc_sim_bridge.obstacles.chunks import DRAWN_DTYPE
 from reflexarc_sim_bridge.obstacles.gathering import compiled_kind
 from reflexarc_sim_bridge.obstacles.near_lists import displacement_m
+from reflexarc_sim_bridge.obstacles.stripes import read_mark
+from reflexarc_sim_bridge.simulation.stripe_outlines import Stripe, Striping, rgb_of
 from reflexarc_sim_bridge.worlds.grid import CHUNK_M
 from reflexarc_sim_bridge.worlds.world import World
 
@@ -51,6 +55,9 @@ class Outline:
     colour: tuple[float, float, float]
     """Red, green, blue, 0 to 1."""
     layer: int
+    stripes: tuple[Stripe, ...] = ()
+    """Its pieces, each of a shade of its own, if it is striped; `colour` is then the middle of
+    what they are drawn from."""
 
     @property
     def is_disc(self) -> bool:
@@ -71,7 +78,8 @@ def outlines_of_chunk(world: World, seed: int, i: int, j: int) -> list[Outline]:
     tables = world_tables([world], PolicyContract())
     found = []
     for layer in range(len(world.layers)):
-        found += [_outline(row, layer) for row in _drawn(tables, seed, layer, i, j)]
+        striping = _striping(tables.planes[0], tables.layers[0, layer], layer, seed, 0.0)
+        found += [_outline(row, layer, striping) for row in _drawn(tables, seed, layer, i, j)]
     return found
 
 
@@ -82,36 +90,40 @@ def outlines_near(params: Params, agent: int) -> list[Outline]:
     sides_m = np.array([CHUNK_M, plane["chunk_width_m"]])
     for layer in range(int(plane["layers"])):
         row = params.world.layers[state["world"], layer]
-        moved_m = _displacement_m(row, float(state["steps"] * plane["dt_s"]))
+        time_s = float(state["steps"] * plane["dt_s"])
+        moved_m = _displacement_m(row, time_s)
         corner_m = params.agents.layer_cells[agent, layer] * sides_m + np.array(moved_m)
-        found += _near_in_layer(params, agent, layer, corner_m)
+        striping = _striping(plane, row, layer, int(state["seed"]), time_s)
+        found += _near_in_layer(params, agent, layer, corner_m, striping)
     return found
 
 
 def _near_in_layer(
-    params: Params, agent: int, layer: int, corner_m: npt.NDArray[np.float64]
+    params: Params,
+    agent: int,
+    layer: int,
+    corner_m: npt.NDArray[np.float64],
+    striping: Striping | None,
 ) -> list[Outline]:
     agents, counts = params.agents, params.agents.near_counts[agent, layer]
-    found = []
-    for x, y, length, width, paint in agents.boxes[agent, layer, :, : counts[BOXES]].T.astype(
-        float
-    ):
+    boxes, found = agents.boxes[agent, layer, :, : counts[BOXES]].T.astype(float), []
+    for x, y, length, width, *paint in boxes:
         corners = np.array([x, y]) + _SIGNS * (length, width) + corner_m
-        found.append(_polygon(corners, True, paint, layer))
+        found.append(_polygon(corners, BOX, paint[-1], layer, striping))
     turned = agents.turned[agent, layer, :, : counts[TURNED]].T.astype(float)
-    for x, y, length, width, paint, cos, sin in turned:
+    for x, y, length, width, paint, cos, sin, *surface in turned:
         turn = np.array([(cos, sin), (-sin, cos)])
         corners = np.array([x, y]) + _SIGNS * (length, width) @ turn + corner_m
-        found.append(_polygon(corners, False, paint, layer))
-    for x, y, radius, paint in agents.discs[agent, layer, :, : counts[DISCS]].T.astype(float):
+        found.append(_polygon(corners, TURNED_BOX, [paint, *surface][-1], layer, striping))
+    for x, y, radius, *paint in agents.discs[agent, layer, :, : counts[DISCS]].T.astype(float):
         x_m, y_m = float(x + corner_m[0]), float(y + corner_m[1])
-        none = np.empty((0, 2))
-        found.append(Outline(x_m, y_m, float(radius), none, False, _colour(paint), layer))
+        found.append(_disc(x_m, y_m, float(radius), paint[-1], layer, striping))
     sides = agents.sides[agent, layer, :, : counts[SIDES]].T.astype(float)
-    return found + [
-        _polygon(polygon[:, :2] + corner_m, False, polygon[0, 4], layer)
-        for polygon in _closed_polygons(sides)
-    ]
+    for polygon in _closed_polygons(sides):
+        corners, paint = polygon[:, :2] + corner_m, polygon[0, 4]
+        wall = paint if striping is None else _wall_of(paint)
+        found.append(_polygon(corners, WALL, wall, layer, striping))
+    return found
 
 
 def _closed_polygons(sides: npt.NDArray[np.float64]) -> list[npt.NDArray[np.float64]]:
@@ -125,23 +137,56 @@ def _closed_polygons(sides: npt.NDArray[np.float64]) -> list[npt.NDArray[np.floa
     return polygons
 
 
-def _outline(row: Row, layer: int) -> Outline:
+def _outline(row: Row, layer: int, striping: Striping | None) -> Outline:
     x_m, y_m, paint, corners = row["x_m"], row["y_m"], row["paint"], int(row["corners"])
     if row["kind"] == DISC:
-        none = np.empty((0, 2))
-        return Outline(x_m, y_m, float(row["radius_m"]), none, False, _colour(paint), layer)
+        return _disc(x_m, y_m, float(row["radius_m"]), paint, layer, striping)
     corners_m = np.stack([row["corner_x_m"][:corners], row["corner_y_m"][:corners]], axis=1)
-    return _polygon(corners_m, row["kind"] == BOX, paint, layer)
+    return _polygon(corners_m, int(row["kind"]), paint, layer, striping)
 
 
-def _polygon(corners_m: npt.NDArray[np.float64], is_box: bool, paint: float, layer: int) -> Outline:
+def _disc(
+    x_m: float, y_m: float, radius_m: float, paint: float, layer: int, striping: Striping | None
+) -> Outline:
+    """A disc; of a striped layer `paint` is its surface."""
+    none = np.empty((0, 2))
+    if striping is None:
+        return Outline(x_m, y_m, radius_m, none, False, rgb_of(paint), layer)
+    stripes = striping.of_disc(x_m, y_m, radius_m, int(paint))
+    return Outline(x_m, y_m, radius_m, none, False, striping.middle_colour, layer, stripes)
+
+
+def _polygon(
+    corners_m: npt.NDArray[np.float64],
+    kind: int,
+    paint: float,
+    layer: int,
+    striping: Striping | None,
+) -> Outline:
+    """Anything else; of a striped layer `paint` is its surface."""
     x_m, y_m = corners_m.mean(axis=0).tolist()
-    return Outline(x_m, y_m, 0.0, corners_m, is_box, _colour(paint), layer)
+    if striping is None:
+        return Outline(x_m, y_m, 0.0, corners_m, kind == BOX, rgb_of(paint), layer)
+    cut = striping.of_wall if kind == WALL else striping.of_box
+    stripes, colour = cut(corners_m, int(paint)), striping.middle_colour
+    return Outline(x_m, y_m, 0.0, corners_m, kind == BOX, colour, layer, stripes)
 
 
-def _colour(paint: float) -> tuple[float, float, float]:
-    bits = int(paint)
-    return (bits >> 16) / 255, (bits >> 8 & 255) / 255, (bits & 255) / 255
+def _wall_of(mark: float) -> int:
+    """Which wall of a corridor a mark in a near list stands for."""
+    return int(_read_mark(np.float32(mark))[2])
+
+
+@compiled
+def _read_mark(mark: np.float32) -> tuple[int, int, int]:
+    return read_mark(mark)
+
+
+def _striping(plane: Row, row: Row, layer: int, seed: int, time_s: float) -> Striping | None:
+    """The stripes of a layer at a time; None: it has none."""
+    if row["stripes_m"] == 0.0:
+        return None
+    return Striping(row, layer, int(plane["stream"]), seed, time_s)
 
 
 @compiled

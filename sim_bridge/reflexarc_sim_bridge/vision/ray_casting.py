@@ -36,6 +36,7 @@ from reflexarc_sim_bridge.obstacles.geometry import meets_box_m, meets_disc_m
 from reflexarc_sim_bridge.obstacles.near_lists import near_of, place_in_layer_m
 from reflexarc_sim_bridge.vision.face_casting import list_sides, list_turned, see_faces
 from reflexarc_sim_bridge.vision.ray_directions import aim
+from reflexarc_sim_bridge.vision.stripe_casting import paint_stripes
 from reflexarc_sim_bridge.vision.visible import (
     FOUR,
     View,
@@ -64,11 +65,13 @@ def look(params: Params, work: Workspace, i: int, eye_index: int) -> None:
     if state.is_inside:
         return
     side_m, faces = -eye.half_baseline_m if eye_index else eye.half_baseline_m, 0
+    is_striped = False
     for number in range(plane.layers):
         layer = params.world.layers[state.world, number]
         x_m, y_m = place_in_layer_m(plane, layer, state, agents.layer_cells[i, number])
         view = _eye_view(eye, work, np.float32(x_m - side_m * sin), np.float32(y_m + side_m * cos))
         near = near_of(agents, i, number)
+        is_striped |= layer.stripes_m > 0.0
         if near.counts[BOXES]:
             _see_boxes(eye, work, near.boxes, near.counts[BOXES], view)
         if near.counts[DISCS]:
@@ -79,6 +82,8 @@ def look(params: Params, work: Workspace, i: int, eye_index: int) -> None:
             faces = list_sides(work, i, near.sides, near.counts[SIDES], view, faces)
     if faces:
         see_faces(eye, work, faces)
+    if is_striped:
+        paint_stripes(params, work, i, -side_m * float(sin), side_m * float(cos))
 
 
 @compiled_inline

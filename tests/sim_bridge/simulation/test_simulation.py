@@ -42,6 +42,14 @@ WORLDS = {
     ),
     "gates": World("g", layers=(Gates(), Scatter(0.05, sections=(0.0, 2.0)))),
     "corridor": World("c", edges=Edges.UNBOUNDED, layers=(Corridor(), Scatter(0.1))),
+    "striped": World(
+        "b",
+        edges=Edges.UNBOUNDED,
+        layers=(
+            Corridor(5.0, 1.0, colour=((0.0, 1.0),), stripes_m=0.5, left_wall_mps=0.5),
+            Scatter(0.1, (Rectangles(), Discs()), colour=((0.2, 1.0),), stripes_m=0.3),
+        ),
+    ),
     "automaton": World("a", layers=(Automaton(fill=0.3),)),
     "ghosts": World("h", chassis=Chassis(after_contact=AfterContact.GHOST)),
     "open": World("o", width_m=12.0, edges=Edges.OPEN, scanner=Scanner()),
@@ -156,6 +164,7 @@ STEPS = {
     "moving": 300,
     "gates": 300,
     "corridor": 300,
+    "striped": 100,
     "automaton": 60,
     "ghosts": 300,
     "open": 300,
@@ -179,7 +188,7 @@ def first_not_finite(simulation: Simulation) -> str | None:
 
 @pytest.mark.parametrize("name", WORLDS)
 def test_ten_million_steps_stay_finite(name: str) -> None:
-    """4,096 agents in eight kinds of worlds, with and without turning."""
+    """4,096 agents in nine kinds of worlds, with and without turning."""
     assert AGENTS * sum(STEPS.values()) >= 10_000_000
     actions = (Action("a", 1.0, 0.5, 3.0), Action("b", 1.5, 0.0), Action("c", 0.5, -1.0, -4.0))
     eye = PolicyContract(retina=RetinaSpec(rays=2, range_m=0.5), actions=actions)

@@ -19,6 +19,7 @@ from reflexarc_sim_bridge.worlds.world import (
     World,
 )
 
+GREY = ((0.0, 1.0),)
 WALLED = {"edges": Edges.UNBOUNDED, "layers": (Corridor(width_m=4.0),)}
 
 
@@ -115,6 +116,21 @@ def test_sections_are_thinned_each_at_its_own_density() -> None:
         (lambda: Corridor(width_m=0.1), "corridor.width_m"),
         (lambda: Corridor(meander_m=30.0), "corridor.meander_m"),
         (lambda: Corridor(wavelength_m=1.0), "corridor.wavelength_m"),
+        (lambda: Corridor(colour=GREY, stripes_m=0.01), "corridor.stripes_m"),
+        (lambda: Corridor(colour=GREY, stripes_m=math.nan), "corridor.stripes_m"),
+        (lambda: Corridor(stripes_m=0.5), "corridor.colour"),
+        (lambda: Corridor(left_wall_mps=0.5), "corridor.left_wall_mps"),
+        (
+            lambda: Corridor(colour=GREY, stripes_m=1.0, right_wall_mps=101.0),
+            "corridor.right_wall_mps",
+        ),
+        (lambda: Scatter(colour=GREY, stripes_m=-0.5), "scatter.stripes_m"),
+        (lambda: Scatter(colour=((0.5, 0.5),), stripes_m=0.5), "scatter.colour"),
+        (lambda: Scatter(0.1, (Polygons(),), colour=GREY, stripes_m=0.5), "scatter.stripes_m"),
+        (
+            lambda: Scatter(0.1, (Discs(), Curves()), colour=GREY, stripes_m=0.5),
+            "scatter.stripes_m",
+        ),
         (lambda: Automaton(cells_per_chunk=17), "automaton.cells_per_chunk"),
         (lambda: Automaton(fill=0.7), "automaton.fill"),
         (lambda: Automaton(smoothings=5), "automaton.smoothings"),

@@ -75,5 +75,5 @@ def _obstacle_at(chunk: Chunk, index: int) -> Obstacle:
     kind = WALL if math.floor(y_m / plane.chunk_width_m) == j else NOTHING
     y_m -= j * plane.chunk_width_m
     half_m, thick_m, rise_m = 0.5 * CHUNK_M, 0.5 * WALL_THICKNESS_M, 0.5 * (end_m - begin_m)
-    paint = paint_of(layer, key, _ZERO)
+    paint = index if layer.stripes_m > 0.0 else paint_of(layer, key, _ZERO)
     return Obstacle(kind, half_m, y_m, half_m, thick_m, 0.0, WALL_SIDES, rise_m, _ZERO, paint)

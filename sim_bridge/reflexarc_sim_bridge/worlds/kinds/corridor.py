@@ -6,7 +6,12 @@ from typing import ClassVar, NamedTuple
 
 from reflexarc_sim_bridge.worlds.checks import Span, require, require_within
 from reflexarc_sim_bridge.worlds.grid import CHUNK_M, Across, Around
-from reflexarc_sim_bridge.worlds.kinds.layer_kind import WHITE, MostNear, require_colour
+from reflexarc_sim_bridge.worlds.kinds.layer_kind import (
+    WHITE,
+    MostNear,
+    require_colour,
+    require_stripes,
+)
 
 WALLS, WALL_SIDES = 2, 4
 
@@ -18,6 +23,9 @@ class CorridorColumns(NamedTuple):
     meander_m: float
     knot_m: float
     """Distance along x of the knots through which its middle goes."""
+    stripes_m: float
+    right_wall_mps: float
+    left_wall_mps: float
 
 
 @dataclass(frozen=True)
@@ -33,7 +41,13 @@ class Corridor:
     wavelength_m: float = 40.0
     """Length over which it strays."""
     colour: tuple[Span, ...] = WHITE
-    """See `Scatter.colour`; all walls of a world have one colour."""
+    """See `Scatter.colour`; both walls have one colour, unless they are striped."""
+    stripes_m: float = 0.0
+    """Length along x of a stripe, each of a shade of its own within `colour`; 0: no stripes."""
+    left_wall_mps: float = 0.0
+    """Speed ahead of the left wall's stripes; the wall itself stays."""
+    right_wall_mps: float = 0.0
+    """The same of the right wall."""
 
     def __post_init__(self) -> None:
         require_within("corridor.width_m", self.width_m, 0.5, 1e3)
@@ -42,6 +56,9 @@ class Corridor:
         steepest = self.meander_m / self.wavelength_m
         require(steepest <= 0.5, "corridor.meander_m", "≤ half the wavelength", self.meander_m)
         require_colour("corridor.colour", self.colour)
+        require_stripes("corridor", self.stripes_m, self.colour)
+        self._check_speed("left_wall_mps", self.left_wall_mps)
+        self._check_speed("right_wall_mps", self.right_wall_mps)
 
     @property
     def motion(self) -> None:
@@ -60,8 +77,16 @@ class Corridor:
             half_width_m=self.width_m / 2,
             meander_m=self.meander_m,
             knot_m=self.wavelength_m / 2,
+            stripes_m=self.stripes_m,
+            right_wall_mps=self.right_wall_mps,
+            left_wall_mps=self.left_wall_mps,
         )
 
     def most_near(self, around: Around) -> MostNear:
         """See `LayerKind`."""
         return MostNear(sides=WALLS * WALL_SIDES * around.columns)
+
+    def _check_speed(self, name: str, speed_mps: float) -> None:
+        require_within(f"corridor.{name}", speed_mps, -100.0, 100.0)
+        shows = speed_mps == 0.0 or self.stripes_m > 0.0
+        require(shows, f"corridor.{name}", "0 without `stripes_m`: nothing would move", speed_mps)

@@ -12,6 +12,8 @@ from reflexarc_sim_bridge.worlds.layer_motion import Motion
 
 WHITE: tuple[Span, ...] = ((1.0, 1.0),)
 
+NARROWEST_STRIPE_M, WIDEST_STRIPE_M = 0.05, 100.0
+
 
 class MostNear(NamedTuple):
     """Most obstacles that can be near an agent, by the lists that they are kept in."""
@@ -66,3 +68,13 @@ def require_colour(where: str, colour: tuple[Span, ...]) -> None:
     require(len(colour) in (1, 3), where, "one span (grey) or three (red, green, blue)", colour)
     for span in colour:
         require_span(where, span, 0.0, 1.0)
+
+
+def require_stripes(where: str, stripes_m: float, colour: tuple[Span, ...]) -> None:
+    """Refuse stripes of no usable width, and those that could not be told apart."""
+    bounds = f"0 (none), or {NARROWEST_STRIPE_M:g} to {WIDEST_STRIPE_M:g}"
+    fits = stripes_m == 0.0 or NARROWEST_STRIPE_M <= stripes_m <= WIDEST_STRIPE_M
+    require(fits, f"{where}.stripes_m", bounds, stripes_m)
+    has_shades = any(low < high for low, high in colour)
+    expected = "bounds that differ, as stripes draw their shades between them"
+    require(stripes_m == 0.0 or has_shades, f"{where}.colour", expected, colour)

@@ -6,7 +6,12 @@ from typing import ClassVar, NamedTuple
 
 from reflexarc_sim_bridge.worlds.checks import Span, require, require_within
 from reflexarc_sim_bridge.worlds.grid import CHUNK_M, Across, Around
-from reflexarc_sim_bridge.worlds.kinds.layer_kind import WHITE, MostNear, require_colour
+from reflexarc_sim_bridge.worlds.kinds.layer_kind import (
+    WHITE,
+    MostNear,
+    require_colour,
+    require_stripes,
+)
 from reflexarc_sim_bridge.worlds.layer_motion import Motion
 from reflexarc_sim_bridge.worlds.outlines import CURVE_CORNERS
 from reflexarc_sim_bridge.worlds.shapes import Curves, Discs, Polygons, Rectangles, Shape
@@ -31,6 +36,7 @@ class ScatterColumns(NamedTuple):
     """How many; 1 where the density is even."""
     section_chunks: int
     """Length of a section, in chunks."""
+    stripes_m: float
 
 
 @dataclass(frozen=True)
@@ -57,6 +63,9 @@ class Scatter:
     """Of each obstacle: one span for grey, or three for red, green and blue; 0 to 1."""
     motion: Motion | None = None
     """How the layer moves; None: it stands still."""
+    stripes_m: float = 0.0
+    """Length along the outline of a stripe, each of a shade of its own within `colour`; 0: every
+    obstacle is of one shade. Rectangles and discs only."""
 
     def __post_init__(self) -> None:
         require_within("scatter.density_per_m2", self.density_per_m2, 0.0, _MAX_DENSITY)
@@ -70,6 +79,10 @@ class Scatter:
             require_within("scatter.sections", factor, 0.0, 10.0)
         require_within("scatter.section_m", self.section_m, CHUNK_M, 1e4)
         require_colour("scatter.colour", self.colour)
+        require_stripes("scatter", self.stripes_m, self.colour)
+        round_or_square = all(isinstance(shape, Rectangles | Discs) for shape in self.shapes)
+        fits = self.stripes_m == 0.0 or round_or_square
+        require(fits, "scatter.stripes_m", "0 unless all are rectangles or discs", self.stripes_m)
         crowded = f"cover ≤ {_MAX_COVER}"
         require(self.cover <= _MAX_COVER, "scatter.density_per_m2", crowded, f"{self.cover:.2f}")
 
@@ -121,6 +134,7 @@ class Scatter:
             gap_m=self.gap_m,
             sections=max(1, len(self.sections)),
             section_chunks=max(1, round(self.section_m / CHUNK_M)),
+            stripes_m=self.stripes_m,
         )
 
     def most_near(self, around: Around) -> MostNear:
