@@ -13,7 +13,7 @@ from reflexarc_runtime.contract.body_spec import BodySpec
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.errors import UsageError
 from reflexarc_sim_bridge.evaluation.protocol.contender import Contender
-from reflexarc_sim_bridge.worlds.layers import WHITE, Layer
+from reflexarc_sim_bridge.worlds.layers import WHITE, Corridor, Layer, Scatter
 from reflexarc_sim_bridge.worlds.world import World, WorldSource
 
 FIELD_RATE_HZ = 10.0
@@ -115,4 +115,10 @@ def without_colours(world: World) -> World:
 
 
 def _whitened(layer: Layer) -> Layer:
+    match layer:
+        case Corridor():
+            plain = replace(layer, stripes_m=0.0, left_wall_mps=0.0, right_wall_mps=0.0)
+            return replace(plain, colour=WHITE)
+        case Scatter():
+            return replace(layer, stripes_m=0.0, colour=WHITE)
     return replace(layer, colour=WHITE)
