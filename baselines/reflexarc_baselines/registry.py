@@ -11,6 +11,14 @@ HOMES: Mapping[str, str] = MappingProxyType(
     {
         "braitenberg-2a": "anchors.braitenberg:Braitenberg2a",
         "braitenberg-2b": "anchors.braitenberg:Braitenberg2b",
+        "vfh-plus": "anchors.vfh_plus:VfhPlus",
+        "follow-the-gap": "anchors.follow_the_gap:FollowTheGap",
+        "bubble-gap": "anchors.bubble_gap:BubbleGap",
+        "potential-field": "anchors.potential_field:PotentialField",
+        "look-ahead": "anchors.look_ahead:LookAhead",
+        "three-motions": "anchors.three_motions:ThreeMotions",
+        "blind": "anchors.blind:Blind",
+        "stereo": "history.stereo:Stereo",
     }
 )
 """Name of a baseline → its module in this package, and its class."""
