@@ -70,7 +70,7 @@ def test_of_the_hold_times_the_best_counts() -> None:
 
 def test_what_a_ray_does_not_meet_is_free() -> None:
     nothing: RetinaBatch = np.zeros((1, 1, 1, 16, 1), np.uint8)
-    policy = LookAhead(horizon_s=8.0)
+    policy = LookAhead(half_width_m=1.0, horizon_s=8.0)
     q_values, actions = policy.decide(nothing)
     assert q_values[0].tolist() == pytest.approx([8.0 + policy.preference_s, 8.0, 8.0])
     assert actions.tolist() == [STAY]

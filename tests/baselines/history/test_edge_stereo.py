@@ -7,22 +7,7 @@ import pytest
 
 from reflexarc_baselines.baseline import Floats
 from reflexarc_baselines.history.edge_stereo import Depths, depth_m, edges_in, match
-
-RAYS, FOV_RAD, BASELINE_M = 16, 2 * math.pi / 3, 0.2
-SECTOR_RAD = FOV_RAD / RAYS
-
-
-def view(strips: list[tuple[float, float, float]], eye_y_m: float) -> Floats:
-    """What an eye at (0, eye_y) sees of strips (depth, right end, left end), each across the axis:
-    of each ray the lit share of its sector, (1, RAYS)."""
-    lit = np.zeros((1, RAYS), np.float32)
-    for depth, right_m, left_m in strips:
-        left_rad, right_rad = (math.atan2(y - eye_y_m, depth) for y in (left_m, right_m))
-        for ray in range(RAYS):
-            high = FOV_RAD * (0.5 - ray / RAYS)
-            inside = min(left_rad, high) - max(right_rad, high - SECTOR_RAD)
-            lit[0, ray] += max(0.0, inside) / SECTOR_RAD
-    return lit
+from support.strip_views import BASELINE_M, FOV_RAD, view
 
 
 def depths_of(strips: list[tuple[float, float, float]], *, swapped: bool = False) -> Depths:
@@ -110,3 +95,11 @@ def test_one_ray_partly_lit_on_its_right_is_an_edge_within_it() -> None:
     edges = edges_in(lit, FOV_RAD, 0.1)
     assert np.flatnonzero(edges.signs[0]).tolist() == [3]
     assert edges.tangents[0, 3] == pytest.approx(math.tan(math.radians(28.125)), rel=1e-5)
+
+
+def test_a_falling_edge_stands_right_of_the_ray_that_it_lies_in() -> None:
+    """That ray is partly bright, so what is bright reaches up to it: the same, mirrored, 28.125°."""
+    lit = np.array([[1.0] * 4 + [0.25] + [0.0] * 11], np.float32)
+    edges = edges_in(lit, FOV_RAD, 0.1)
+    assert np.flatnonzero(edges.signs[0]).tolist() == [4]
+    assert edges.tangents[0, 4] == pytest.approx(math.tan(math.radians(28.125)), rel=1e-5)
