@@ -98,7 +98,7 @@ def test_one_ray_partly_lit_on_its_right_is_an_edge_within_it() -> None:
 
 
 def test_a_falling_edge_stands_right_of_the_ray_that_it_lies_in() -> None:
-    """That ray is partly bright, so what is bright reaches up to it: the same, mirrored, 28.125°."""
+    """That ray is partly bright: a quarter of ray 4, from its left end at 30°: 28.125°."""
     lit = np.array([[1.0] * 4 + [0.25] + [0.0] * 11], np.float32)
     edges = edges_in(lit, FOV_RAD, 0.1)
     assert np.flatnonzero(edges.signs[0]).tolist() == [4]
