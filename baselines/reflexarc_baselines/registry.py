@@ -19,6 +19,14 @@ HOMES: Mapping[str, str] = MappingProxyType(
         "motor-schemas-largest": "history.motor_schemas:MotorSchemasLargest",
         "layered-wander": "history.layered_reflexes:LayeredWander",
         "layered-perimeter": "history.layered_reflexes:LayeredPerimeter",
+        "vfh-plus": "anchors.vfh_plus:VfhPlus",
+        "follow-the-gap": "anchors.follow_the_gap:FollowTheGap",
+        "bubble-gap": "anchors.bubble_gap:BubbleGap",
+        "potential-field": "anchors.potential_field:PotentialField",
+        "look-ahead": "anchors.look_ahead:LookAhead",
+        "three-motions": "anchors.three_motions:ThreeMotions",
+        "blind": "anchors.blind:Blind",
+        "stereo": "history.stereo:Stereo",
     }
 )
 """Name of a baseline → its module in this package, and its class."""
