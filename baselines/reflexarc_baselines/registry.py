@@ -11,6 +11,9 @@ HOMES: Mapping[str, str] = MappingProxyType(
     {
         "braitenberg-2a": "anchors.braitenberg:Braitenberg2a",
         "braitenberg-2b": "anchors.braitenberg:Braitenberg2b",
+        "closed-loop": "history.closed_loop:ClosedLoop",
+        "evolved-viewing": "history.viewing_directions:ViewingDirections",
+        "spiking-network": "history.spiking_network:SpikingNetwork",
     }
 )
 """Name of a baseline → its module in this package, and its class."""
