@@ -27,6 +27,9 @@ HOMES: Mapping[str, str] = MappingProxyType(
         "three-motions": "anchors.three_motions:ThreeMotions",
         "blind": "anchors.blind:Blind",
         "stereo": "history.stereo:Stereo",
+        "closed-loop": "history.closed_loop:ClosedLoop",
+        "evolved-viewing": "history.viewing_directions:ViewingDirections",
+        "spiking-network": "history.spiking_network:SpikingNetwork",
     }
 )
 """Name of a baseline → its module in this package, and its class."""

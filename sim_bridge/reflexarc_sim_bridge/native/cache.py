@@ -43,6 +43,7 @@ COMPILED_FROM = (
             "worlds",
         )
     ),
+    "reflexarc_baselines/history/spiking_kernel.py",
     "reflexarc_trainer/sarsa",
 )
 """Folders and files that compiled code comes from, its constants included."""
