@@ -34,6 +34,11 @@ def _agents(track: Track) -> Floats:
     return np.ones(track.met.shape[1])
 
 
+def _straight_m(track: Track) -> Floats:
+    """How far it would get straight ahead, were there nothing in its way."""
+    return _time_s(track) * track.circumstances.forward_mps
+
+
 PER_AGENT: Mapping[str, Callable[[Track], Floats]] = MappingProxyType(
     {
         "agents": _agents,
@@ -41,6 +46,7 @@ PER_AGENT: Mapping[str, Callable[[Track], Floats]] = MappingProxyType(
         "progress_m": _progress_m,
         "time_s": _time_s,
         "greatest_m": greatest_distance_m,
+        "straight_m": _straight_m,
     }
 )
 """Each from a track to (agents,)."""
