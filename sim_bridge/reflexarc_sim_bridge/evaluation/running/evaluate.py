@@ -77,9 +77,13 @@ def processors() -> int:
 
 def write_results(folder: Path, run: SuiteRun, cards: Sequence[ScoreCard]) -> None:
     """Write results and scores, and in a file of its own what differs from run to run."""
-    document = {**run.results.to_json(), "scores": [asdict(card) for card in cards]}
-    write_atomically(folder / RESULTS, _text(document))
+    write_atomically(folder / RESULTS, _text(document_of(run.results, cards)))
     write_atomically(folder / TIMES, _text({"decisions_per_s": run.decisions_per_s}))
+
+
+def document_of(results: Results, cards: Sequence[ScoreCard]) -> dict[str, Any]:
+    """The content of `results.json`, as plain values."""
+    return {**results.to_json(), "scores": [asdict(card) for card in cards]}
 
 
 def plain_numbers(value: Any) -> Any:
