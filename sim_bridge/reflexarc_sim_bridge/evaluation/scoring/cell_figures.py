@@ -11,7 +11,7 @@ import numpy as np
 
 from reflexarc_sim_bridge.evaluation.metrics.track import Floats
 from reflexarc_sim_bridge.evaluation.protocol.results import ResultRow
-from reflexarc_sim_bridge.evaluation.scoring.poisson import (
+from reflexarc_sim_bridge.evaluation.scoring.poisson_interval import (
     dispersion,
     may_be_poisson,
     poisson_interval,
