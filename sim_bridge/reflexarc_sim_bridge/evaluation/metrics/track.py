@@ -66,10 +66,11 @@ class Track:
     met: Bools
     """Whether the step ended in a contact; the agent then stands elsewhere, at the same x."""
     clearance_m: Floats32
-    """From the body's outline to the nearest obstacle, at most `range_m`; 0 in contact."""
+    """From the body's outline to the nearest obstacle, at most `range_m` from its middle; 0 in
+    contact."""
     ahead_s: Floats32
     """Time to the first contact if it went straight on at forward speed, obstacles moving as they
-    do; infinity where it meets nothing within `range_m`."""
+    do; 0 in contact, infinity where it meets nothing of what is within `range_m` now."""
 
     @property
     def steps(self) -> int:
