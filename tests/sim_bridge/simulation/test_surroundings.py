@@ -37,7 +37,7 @@ def scattered(name: str, agents: int, contract: PolicyContract) -> Simulation:
     """Agents that have gone a while, each on its own way."""
     simulation = Simulation(world_named(name), contract, validation_seeds(agents), all_round=True)
     generator = np.random.default_rng(5)
-    for _ in range(60):
+    for _ in range(85 if name == "gates" else 25):  # up to the first gate
         simulation.step(generator.integers(0, len(contract.actions), agents))
     return simulation
 

@@ -21,7 +21,7 @@ from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.simulation.surroundings import Surroundings
 from reflexarc_sim_bridge.worlds.layers import Scatter
 from reflexarc_sim_bridge.worlds.seeds import test_seeds
-from reflexarc_sim_bridge.worlds.world import World, WorldSource
+from reflexarc_sim_bridge.worlds.world import AfterContact, Edges, World, WorldSource
 
 DISCARDED_M = 10.0
 """Driven before the counting begins: an agent begins at a place drawn evenly, not where it would
@@ -113,6 +113,8 @@ def _circumstances(worlds: WorldSource, contract: PolicyContract, cell: SuiteCel
         width_m=world.width_m,
         free_path_m=cell.free_path_m or free_path_m(world) or _USUAL_PATH_M,
         lateral=_lateral(contract),
+        respawns=world.chassis.after_contact is not AfterContact.GHOST,
+        has_sides=world.edges is not Edges.UNBOUNDED,
     )
 
 

@@ -24,8 +24,8 @@ class ResultRow:
     setting: Setting
     family: str
     tier: str
-    sums: dict[str, list[float]]
-    """By the name of the sum: one value a world."""
+    sums: dict[str, list[Any]]
+    """By the name of the sum: one value a world, or one row of values."""
 
     @property
     def key(self) -> tuple[str, Setting, str, str]:
@@ -33,7 +33,7 @@ class ResultRow:
         return self.contender, self.setting, self.family, self.tier
 
     def array(self, name: str) -> Floats:
-        """A sum: (worlds,)."""
+        """A sum: (worlds, …)."""
         return np.array(self.sums[name], np.float64)
 
 
@@ -70,6 +70,9 @@ class Results:
     """Of reflexarc."""
     agents: list[Agent] = field(default_factory=list)
     rows: list[ResultRow] = field(default_factory=list)
+    timing: dict[str, dict[str, float]] = field(default_factory=dict)
+    """How long the decisions of each contender took, by its name: of one machine and hour, never
+    compared (`driving/decision_times.py`)."""
 
     def to_json(self) -> dict[str, Any]:
         """As plain values."""
@@ -86,6 +89,7 @@ class Results:
                 ResultRow(**{**each, "setting": Setting(each["setting"])})
                 for each in document["rows"]
             ],
+            timing=document.get("timing", {}),
         )
 
 
