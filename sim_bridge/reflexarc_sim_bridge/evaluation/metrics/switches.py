@@ -45,7 +45,7 @@ def entropy_bits(counts: Floats) -> float:
     if total == 0.0:
         return float("nan")
     p = counts[counts > 0.0] / total
-    return float(max(-(p * np.log2(p)).sum(), 0.0))
+    return float(abs((p * np.log2(p)).sum()))
 
 
 def _switched(track: Track) -> Bools:
