@@ -18,9 +18,10 @@ from reflexarc_sim_bridge.evaluation.protocol.contender import Contender
 from reflexarc_sim_bridge.evaluation.protocol.setting import Setting, worlds_for
 from reflexarc_sim_bridge.evaluation.protocol.suite import Suite, SuiteCell
 from reflexarc_sim_bridge.simulation.simulation import Simulation
+from reflexarc_sim_bridge.simulation.surroundings import Surroundings
 from reflexarc_sim_bridge.worlds.layers import Scatter
 from reflexarc_sim_bridge.worlds.seeds import test_seeds
-from reflexarc_sim_bridge.worlds.world import World, WorldSource
+from reflexarc_sim_bridge.worlds.world import AfterContact, Edges, World, WorldSource
 
 DISCARDED_M = 10.0
 """Driven before the counting begins: an agent begins at a place drawn evenly, not where it would
@@ -61,15 +62,15 @@ def drive(
     circumstances = _circumstances(worlds, contender.contract, cell)
     extent = _extent(circumstances, suite)
     simulation, pilot = _start(worlds, contender, np.repeat(seeds, suite.lanes))
-    recorder = _Recorder(circumstances, suite.lanes, extent.counted, len(simulation))
+    recorder = _Recorder(circumstances, suite.lanes, extent.counted, simulation)
     for step in range(-extent.discarded, extent.counted):
         simulation.sense()
         actions = pilot.act(simulation.stacks)
         if step >= 0:
-            recorder.before(step, simulation, pilot.wanted)
+            recorder.before(step, pilot.wanted)
         met = simulation.step(actions)
         if step >= 0:
-            recorder.after(step, simulation, met)
+            recorder.after(step, met)
         pilot.begin_anew(met)
     return recorder.track()
 
@@ -81,7 +82,8 @@ def _start(
     crowd = None
     if contender.is_guarded:
         crowd = CrowdGuard(GuardSettings.of(contract), contract, dt_s)
-    simulation = Simulation(worlds, contract if crowd is None else crowd.contract, seeds)
+    moves_by = contract if crowd is None else crowd.contract
+    simulation = Simulation(worlds, moves_by, seeds, all_round=True)
     return simulation, Pilot(contender.policy, contract, len(seeds), dt_s, crowd)
 
 
@@ -111,6 +113,8 @@ def _circumstances(worlds: WorldSource, contract: PolicyContract, cell: SuiteCel
         width_m=world.width_m,
         free_path_m=cell.free_path_m or free_path_m(world) or _USUAL_PATH_M,
         lateral=_lateral(contract),
+        respawns=world.chassis.after_contact is not AfterContact.GHOST,
+        has_sides=world.edges is not Edges.UNBOUNDED,
     )
 
 
@@ -126,23 +130,27 @@ def _lateral(contract: PolicyContract) -> npt.NDArray[np.int8]:
 class _Recorder:
     """Arrays that are filled step by step."""
 
-    def __init__(self, circumstances: Circumstances, lanes: int, steps: int, agents: int) -> None:
-        shape = steps, agents
-        self._circumstances, self._lanes = circumstances, lanes
+    def __init__(
+        self, circumstances: Circumstances, lanes: int, steps: int, simulation: Simulation
+    ) -> None:
+        shape = steps, len(simulation)
+        self._circumstances, self._lanes, self._simulation = circumstances, lanes, simulation
+        self._surroundings = Surroundings(simulation, circumstances.forward_mps)
         self._x_m, self._y_m, self._heading_rad = (np.empty(shape) for _ in range(3))
         self._progress_m = np.empty(shape)
         self._actions, self._met = np.empty(shape, np.int8), np.empty(shape, np.bool_)
-        self._clearance_m = np.full(shape, np.inf, np.float32)
-        self._ahead_s = np.full(shape, np.inf, np.float32)
+        self._clearance_m, self._ahead_s = (np.empty(shape, np.float32) for _ in range(2))
 
-    def before(self, step: int, simulation: Simulation, wanted: Actions) -> None:
+    def before(self, step: int, wanted: Actions) -> None:
+        simulation = self._simulation
         self._x_m[step], self._y_m[step] = simulation.x_m, simulation.y_m
         self._heading_rad[step] = simulation.heading_rad
         self._actions[step] = wanted
         self._progress_m[step] = simulation.distance_m
+        self._surroundings.measure(self._clearance_m[step], self._ahead_s[step])
 
-    def after(self, step: int, simulation: Simulation, met: npt.NDArray[np.bool_]) -> None:
-        self._progress_m[step] = simulation.distance_m - self._progress_m[step]
+    def after(self, step: int, met: npt.NDArray[np.bool_]) -> None:
+        self._progress_m[step] = self._simulation.distance_m - self._progress_m[step]
         self._met[step] = met
 
     def track(self) -> Track:

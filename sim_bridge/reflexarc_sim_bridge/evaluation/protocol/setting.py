@@ -71,7 +71,7 @@ class WorldsFor:
         return self._as_driven(self.source.drawn(seed))
 
     def _as_driven(self, world: World) -> World:
-        world = replace(world, dt_s=1.0 / self.rate_hz)
+        world = at_rate(world, self.rate_hz)
         if self.body is not None:
             world = with_body(world, self.body)
         return without_colours(world) if self.sees_ranges else world
@@ -89,6 +89,22 @@ def worlds_for(source: WorldSource, contender: Contender, setting: Setting) -> W
         raise UsageError(f"{contender.name}: expected a round body, got a rectangle")
     driven = WorldsFor(source, setting.rate_hz(contract), body, contender.sees_ranges)
     return driven.drawn(0) if isinstance(source, World) else driven
+
+
+def at_rate(world: World, rate_hz: float) -> World:
+    """A world whose agents look, and decide, at another rate; its delays stay as long as they were.
+
+    A world file counts them in its own steps: three of 0.1 s are fifteen at 50 Hz. A sensor that
+    shows something new at every step does so at any rate; a slower one is as late at its latest.
+    """
+    per_step, senses = world.dt_s * rate_hz, world.senses
+    gap_steps = max(1, round(senses.gap_steps * per_step)) if senses.gap_steps > 1 else 1
+    senses = replace(
+        senses,
+        latency_steps=round(senses.latency_steps * per_step),
+        gap_steps=gap_steps,
+    )
+    return replace(world, dt_s=1.0 / rate_hz, senses=senses)
 
 
 def with_body(world: World, body: BodySpec) -> World:
