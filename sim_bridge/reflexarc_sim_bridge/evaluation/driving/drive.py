@@ -58,8 +58,8 @@ def drive(
     """
     worlds = worlds_for(cell.source, contender, setting)
     seeds = test_seeds(suite.worlds) if seeds is None else seeds
-    circumstances = _circumstances(worlds, contender.contract, cell)
-    extent = _extent(circumstances, suite)
+    circumstances = circumstances_of(worlds, contender.contract, cell)
+    extent = extent_of(circumstances, suite)
     simulation, pilot = _start(worlds, contender, np.repeat(seeds, suite.lanes))
     recorder = _Recorder(circumstances, suite.lanes, extent.counted, len(simulation))
     for step in range(-extent.discarded, extent.counted):
@@ -85,7 +85,7 @@ def _start(
     return simulation, Pilot(contender.policy, contract, len(seeds), dt_s, crowd)
 
 
-def _extent(circumstances: Circumstances, suite: Suite) -> Extent:
+def extent_of(circumstances: Circumstances, suite: Suite) -> Extent:
     """Turners are watched from their start on; who moves sideways is counted over a distance."""
     dt_s = circumstances.dt_s
     if circumstances.turns:
@@ -95,7 +95,10 @@ def _extent(circumstances: Circumstances, suite: Suite) -> Extent:
     return Extent(math.ceil(DISCARDED_M / step_m), max(1, math.ceil(counted_m / step_m)))
 
 
-def _circumstances(worlds: WorldSource, contract: PolicyContract, cell: SuiteCell) -> Circumstances:
+def circumstances_of(
+    worlds: WorldSource, contract: PolicyContract, cell: SuiteCell
+) -> Circumstances:
+    """What holds while a contract's body drives through the worlds of a cell."""
     world, actions = worlds.drawn(0), contract.actions
     scatters = any(isinstance(layer, Scatter) for layer in world.layers)
     return Circumstances(
