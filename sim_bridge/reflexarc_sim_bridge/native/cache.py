@@ -35,6 +35,7 @@ COMPILED_FROM = (
         for folder in (
             "arrays",
             "evaluation/cover_profile.py",
+            "evaluation/limits/horizon.py",
             "evaluation/limits/least_contacts.py",
             "motion",
             "native",

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 import numpy.typing as npt
@@ -10,6 +11,7 @@ from reflexarc_runtime.arrays import Actions
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_sim_bridge.evaluation.driving.crowd_guard import CrowdGuard
+from reflexarc_sim_bridge.evaluation.driving.driver import Driver, Knower
 from reflexarc_sim_bridge.evaluation.driving.pilot import Pilot
 from reflexarc_sim_bridge.evaluation.metrics.edge_index import obstacle_radius_m
 from reflexarc_sim_bridge.evaluation.metrics.track import Circumstances, Track
@@ -60,24 +62,27 @@ def drive(
     seeds = test_seeds(suite.worlds) if seeds is None else seeds
     circumstances = circumstances_of(worlds, contender.contract, cell)
     extent = extent_of(circumstances, suite)
-    simulation, pilot = _start(worlds, contender, np.repeat(seeds, suite.lanes))
+    simulation, driver = _start(worlds, contender, np.repeat(seeds, suite.lanes))
     recorder = _Recorder(circumstances, suite.lanes, extent.counted, len(simulation))
     for step in range(-extent.discarded, extent.counted):
         simulation.sense()
-        actions = pilot.act(simulation.stacks)
+        actions = driver.drive(simulation)
         if step >= 0:
-            recorder.before(step, simulation, pilot.wanted)
+            recorder.before(step, simulation, driver.wanted)
         met = simulation.step(actions)
         if step >= 0:
             recorder.after(step, simulation, met)
-        pilot.begin_anew(met)
+        driver.begin_anew(met)
     return recorder.track()
 
 
 def _start(
     worlds: WorldSource, contender: Contender, seeds: npt.NDArray[np.uint64]
-) -> tuple[Simulation, Pilot]:
+) -> tuple[Simulation, Driver]:
     contract, dt_s = contender.contract, worlds.drawn(0).dt_s
+    if hasattr(contender.policy, "driver"):
+        simulation = Simulation(worlds, contract, seeds)
+        return simulation, cast("Knower", contender.policy).driver(simulation, contract)
     crowd = None
     if contender.is_guarded:
         crowd = CrowdGuard(GuardSettings.of(contract), contract, dt_s)

@@ -39,6 +39,8 @@ _ASIDE = 0.381966
 _NEARLY = 1e-6
 _SHORT_M = 0.01
 
+Found = npt.NDArray[np.uint8]
+
 
 @dataclass(frozen=True)
 class Rows:
@@ -69,7 +71,7 @@ def rows_of(world: World, contract: PolicyContract, steps: int) -> Rows:
     Raises:
         UsageError: it does not move sideways at one speed ahead, by multiples of one speed aside.
     """
-    multiples, aside_mps = _multiples(contract)
+    multiples, aside_mps = multiples_of(contract)
     width_m, way_m = world.width_m, aside_mps * world.dt_s
     if world.edges is not Edges.UNBOUNDED:
         way_m = width_m / max(1, math.floor(width_m / way_m + _NEARLY)) if way_m else width_m
@@ -100,9 +102,37 @@ def bare(world: World) -> World:
     return replace(white, senses=Senses(), scanner=None, chassis=plain)
 
 
-def blocks_back(
-    world: World, seed: int, rows: Rows, steps: int
-) -> Iterator[tuple[int, npt.NDArray[np.uint8]]]:
+class Lookout:
+    """What a body would meet in one world.
+
+    Args:
+        world: a bare one.
+        seed: which of its variants.
+        ahead_m: how far each step of the body goes ahead.
+        left_m: how far each of its motions goes to the left: (motions,).
+    """
+
+    def __init__(self, world: World, seed: int, ahead_m: float, left_m: Floats) -> None:
+        # Motions as they are here, and an eye so short that what is near is what can be met.
+        ahead_mps, left_mps = ahead_m / world.dt_s, left_m / world.dt_s
+        actions = tuple(Action(str(k), ahead_mps, y) for k, y in enumerate(left_mps.tolist()))
+        short = RetinaSpec(rays=1, range_m=_SHORT_M)
+        contract = PolicyContract(retina=short, actions=actions)
+        self._motions = ahead_m, left_m
+        self._simulation = Simulation(world, contract, np.array([seed], np.uint64))
+        self._held = self._simulation.held_step()[1]
+        self._look = lattice_for(self._simulation.params, motions_of(contract))
+
+    def look(self, start_m: float, rows_m: Floats, first: int, steps: int) -> Found:
+        """What `lattice.look_along` says of some steps, the first of which begins at a place."""
+        found = np.empty((steps, len(rows_m)), np.uint8)
+        ahead_m, left_m = self._motions
+        call_lattice(self._look, self._held, start_m, rows_m, ahead_m, left_m, first, found)
+        self._simulation.require_nothing_lost(self._held)
+        return found
+
+
+def blocks_back(world: World, seed: int, rows: Rows, steps: int) -> Iterator[tuple[int, Found]]:
     """What is met on a lattice, from the last steps to the first.
 
     Args:
@@ -114,29 +144,18 @@ def blocks_back(
     Yields:
         The number of the first step of a block, and what `lattice.look_along` says of it.
     """
-    contract = _contract_for(rows, world.dt_s)
-    simulation = Simulation(world, contract, np.array([seed], np.uint64))
-    held = simulation.held_step()[1]
-    look = lattice_for(simulation.params, motions_of(contract))
+    lookout = Lookout(world, seed, rows.ahead_m, rows.left_m)
     for first in reversed(range(0, steps, _BLOCK)):
-        found = np.empty((min(_BLOCK, steps - first), len(rows.rows_m)), np.uint8)
-        way = first * rows.ahead_m, rows.rows_m, rows.ahead_m, rows.left_m
-        call_lattice(look, held, *way, first, found)
-        simulation.require_nothing_lost(held)
-        yield first, found
+        length = min(_BLOCK, steps - first)
+        yield first, lookout.look(first * rows.ahead_m, rows.rows_m, first, length)
 
 
-def _contract_for(rows: Rows, dt_s: float) -> PolicyContract:
-    """Motions as the rows have them, and an eye so short that near lists are of what can be met."""
-    ahead_mps = rows.ahead_m / dt_s
-    actions = tuple(
-        Action(str(k), ahead_mps, left_m / dt_s) for k, left_m in enumerate(rows.left_m.tolist())
-    )
-    return PolicyContract(retina=RetinaSpec(rays=1, range_m=_SHORT_M), actions=actions)
+def multiples_of(contract: PolicyContract) -> tuple[list[int], float]:
+    """By how many times which speed each action goes to the left.
 
-
-def _multiples(contract: PolicyContract) -> tuple[list[int], float]:
-    """By how many times which speed each action goes to the left."""
+    Raises:
+        UsageError: see `rows_of`.
+    """
     actions = contract.actions
     ahead_mps = {action.linear_mps for action in actions}
     if len(ahead_mps) != 1 or ahead_mps.pop() <= 0.0 or any(a.angular_radps for a in actions):
@@ -160,14 +179,14 @@ def _rows_m(world: World, spacing_m: float, strays_m: float) -> Floats:
     if world.edges is Edges.OPEN:  # motions end at its sides exactly
         return np.linspace(0.0, world.width_m, round(world.width_m / spacing_m) + 1)
     if world.edges is Edges.PERIODIC:
-        return _places_m(np.arange(round(world.width_m / spacing_m)), spacing_m)
+        return _places_m(0, round(world.width_m / spacing_m), spacing_m)
     half_m = world.width_m / 2 + strays_m
     if world.corridor is not None:
         half_m = world.corridor.meander_m + world.corridor.width_m / 2
     count = math.ceil(half_m / spacing_m)
-    return _places_m(np.arange(-count, count + 1), spacing_m)
+    return _places_m(-count, count + 1, spacing_m)
 
 
-def _places_m(numbers: npt.NDArray[np.int64], spacing_m: float) -> Floats:
-    places_m: Floats = (numbers + _ASIDE) * spacing_m
+def _places_m(first: int, end: int, spacing_m: float) -> Floats:
+    places_m: Floats = (np.arange(first, end, dtype=np.float64) + _ASIDE) * spacing_m
     return places_m
