@@ -36,6 +36,7 @@ SUITE = Suite(
 RIVALS = (BLIND, "random", "reflexarc_baselines.anchors.braitenberg:Braitenberg2a")
 NARROW = World("narrow", width_m=2.5, layers=(Scatter(0.9),))
 DRIFTING = replace(NARROW, layers=(Scatter(0.6), Scatter(0.4, motion=Drift(-0.5, 0.7))))
+LOOSE = replace(DRIFTING, layers=(Scatter(0.3), Scatter(0.2, motion=Drift(-0.5, 0.7))))
 WALLED = World(
     "walled", width_m=3.0, edges=Edges.UNBOUNDED, layers=(Corridor(3.0, 1.0, 10.0), Scatter(0.6))
 )
@@ -106,7 +107,7 @@ def puts_on(world, contract, rows_m, copies):
 
 
 def test_a_row_is_free_of_cost_exactly_where_one_of_all_sequences_meets_nothing():
-    steps, world = 8, bare(replace(DRIFTING, dt_s=0.4))
+    steps, world = 8, bare(replace(LOOSE, dt_s=0.4))
     rows = rows_of(world, CONTRACT, steps)
     values = values_at_start(world, 3, rows, Extent(0, steps)).least
     chosen = np.flatnonzero(np.isfinite(values))[::6]
