@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 import numpy.typing as npt
@@ -10,6 +11,7 @@ from reflexarc_runtime.arrays import Actions
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_sim_bridge.evaluation.driving.crowd_guard import CrowdGuard
+from reflexarc_sim_bridge.evaluation.driving.driver import Driver, Knower
 from reflexarc_sim_bridge.evaluation.driving.pilot import Pilot
 from reflexarc_sim_bridge.evaluation.metrics.edge_index import obstacle_radius_m
 from reflexarc_sim_bridge.evaluation.metrics.track import Circumstances, Track
@@ -59,26 +61,29 @@ def drive(
     """
     worlds = worlds_for(cell.source, contender, setting)
     seeds = test_seeds(suite.worlds) if seeds is None else seeds
-    circumstances = _circumstances(worlds, contender.contract, cell)
-    extent = _extent(circumstances, suite)
-    simulation, pilot = _start(worlds, contender, np.repeat(seeds, suite.lanes))
+    circumstances = circumstances_of(worlds, contender.contract, cell)
+    extent = extent_of(circumstances, suite)
+    simulation, driver = _start(worlds, contender, np.repeat(seeds, suite.lanes))
     recorder = _Recorder(circumstances, suite.lanes, extent.counted, simulation)
     for step in range(-extent.discarded, extent.counted):
         simulation.sense()
-        actions = pilot.act(simulation.stacks)
+        actions = driver.drive(simulation)
         if step >= 0:
-            recorder.before(step, pilot.wanted)
+            recorder.before(step, driver.wanted)
         met = simulation.step(actions)
         if step >= 0:
             recorder.after(step, met)
-        pilot.begin_anew(met)
+        driver.begin_anew(met)
     return recorder.track()
 
 
 def _start(
     worlds: WorldSource, contender: Contender, seeds: npt.NDArray[np.uint64]
-) -> tuple[Simulation, Pilot]:
+) -> tuple[Simulation, Driver]:
     contract, dt_s = contender.contract, worlds.drawn(0).dt_s
+    if hasattr(contender.policy, "driver"):
+        simulation = Simulation(worlds, contract, seeds)
+        return simulation, cast("Knower", contender.policy).driver(simulation, contract)
     crowd = None
     if contender.is_guarded:
         crowd = CrowdGuard(GuardSettings.of(contract), contract, dt_s)
@@ -87,7 +92,7 @@ def _start(
     return simulation, Pilot(contender.policy, contract, len(seeds), dt_s, crowd)
 
 
-def _extent(circumstances: Circumstances, suite: Suite) -> Extent:
+def extent_of(circumstances: Circumstances, suite: Suite) -> Extent:
     """Turners are watched from their start on; who moves sideways is counted over a distance."""
     dt_s = circumstances.dt_s
     if circumstances.turns:
@@ -97,7 +102,10 @@ def _extent(circumstances: Circumstances, suite: Suite) -> Extent:
     return Extent(math.ceil(DISCARDED_M / step_m), max(1, math.ceil(counted_m / step_m)))
 
 
-def _circumstances(worlds: WorldSource, contract: PolicyContract, cell: SuiteCell) -> Circumstances:
+def circumstances_of(
+    worlds: WorldSource, contract: PolicyContract, cell: SuiteCell
+) -> Circumstances:
+    """What holds while a contract's body drives through the worlds of a cell."""
     world, actions = worlds.drawn(0), contract.actions
     scatters = any(isinstance(layer, Scatter) for layer in world.layers)
     return Circumstances(

@@ -91,11 +91,10 @@ def run_suite(
         version=_version(),
         agents=[_agent(starter) for starter in starters],
         rows=[filled(job, there[job.key]) for job in jobs],
-        limits=[filled(job, there[job.key]) for job in limits],
+        limits=[filled(job, there[job.key]) for job in limits if there[job.key]],
         cells=_cells(suite),
     )
-    times = {each.contender.name: decision_times(each.contender) for each in starters}
-    return SuiteRun(results, times)
+    return SuiteRun(results, _times(starters))
 
 
 def _kept(folder: Path, file: LinesFile, resume: bool) -> dict[str, PlainSums]:
@@ -162,6 +161,14 @@ def _cells(suite: Suite) -> list[CellFacts]:
         CellFacts(family.name, cell.tier, cell.world, cell.clutter, cell.counts)
         for family, cell in suite.cells
     ]
+
+
+def _times(starters: Sequence[Starter]) -> dict[str, DecisionTimes]:
+    """Of all who decide by what they see."""
+    contenders = [each.contender for each in starters]
+    return {
+        each.name: decision_times(each) for each in contenders if hasattr(each.policy, "decide")
+    }
 
 
 def _version() -> str:

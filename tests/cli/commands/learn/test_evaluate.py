@@ -35,8 +35,8 @@ def test_field_follows_a_body_that_turns_to_its_first_contact(
     found = json.loads(capsys.readouterr().out)
     assert list(found) == [f"blind, as {rover}", rover]
     # A Poisson forest: the mean free path is 1 / 2ρR = 2.78 m, whatever the heading.
-    assert found[f"blind, as {rover}"]["greatest_m"] == pytest.approx(2.78, rel=0.4)
-    assert found[rover]["greatest_m"] > 4.0
+    assert found[f"blind, as {rover}"]["farthest_m"] == pytest.approx(2.78, rel=0.4)
+    assert found[rover]["farthest_m"] > 4.0
 
 
 def test_suite_prints_tables_and_writes_results(
