@@ -108,17 +108,17 @@ def test_another_rate_guard_or_text_of_a_contender_is_another_unit(
     done: list[float] = []
 
     def again(entrant: Entrant) -> int:
-        """How many units were not there yet, of three: robot, field and the limit of both."""
+        """How many units were not there yet."""
         done.clear()
         options = RunOptions(1, folder / "keys", True, lambda now, _: done.append(now))
         run_suite(one, [entrant], options=options)
         return len(done) - 1
 
     mine = Entrant("mine", f"{source}:Mine")
-    assert again(mine) == 4  # 50 Hz and 10 Hz, each with its limit
+    assert again(mine) == 6  # 50 Hz and 10 Hz, each with its two limits
     assert again(mine) == 0
     assert again(Entrant("by another name", mine.source)) == 0
-    assert again(Entrant("mine", mine.source, rate_hz=20.0)) == 3  # 20 Hz, its limit, the field
+    assert again(Entrant("mine", mine.source, rate_hz=20.0)) == 4  # 20 Hz, its limits, the field
     source.write_text(source.read_text() + "\n# changed\n")
     assert again(mine) == 2
 
