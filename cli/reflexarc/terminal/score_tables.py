@@ -30,7 +30,7 @@ def score_tables(results: "Results", cards: "Sequence[ScoreCard]") -> list[Table
 
 def _families(results: "Results", cards: "Sequence[ScoreCard]", setting: "Setting") -> Table:
     title = f"{results.suite}, {setting}: score by family (1 best, 0 blind)"
-    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
+    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
     table.add_column("family", no_wrap=True)
     short = short_names([card.name for card in cards])
     for card in cards:
@@ -45,6 +45,9 @@ def _headlines(results: "Results", cards: "Sequence[ScoreCard]", setting: "Setti
     table = Table(
         title=f"{results.suite}, {setting}: headline; contacts per 100 m, switches a second",
         title_justify="left",
+        box=SIMPLE_HEAD,
+        pad_edge=False,
+        padding=(0, 1, 0, 0),
     )
     table.add_column("contender", overflow="fold")
     right = "score", "95 % interval", "gap", "robust", "per 100 m", "switches"

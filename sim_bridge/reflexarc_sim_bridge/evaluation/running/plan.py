@@ -4,15 +4,20 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.errors import UsageError
 from reflexarc_sim_bridge.evaluation.protocol.contender import Contender
 from reflexarc_sim_bridge.evaluation.protocol.entrant import Entrant
 from reflexarc_sim_bridge.evaluation.protocol.moving_like import moving_like, who_words
 from reflexarc_sim_bridge.evaluation.protocol.results import ResultRow
-from reflexarc_sim_bridge.evaluation.protocol.setting import FIELD_RATE_HZ, Setting
+from reflexarc_sim_bridge.evaluation.protocol.setting import Setting
 from reflexarc_sim_bridge.evaluation.protocol.suite import Suite, SuiteCell
-from reflexarc_sim_bridge.evaluation.running.limit_plugs import LIMITS
+from reflexarc_sim_bridge.evaluation.running.limit_plugs import LIMITS, ORACLE
 from reflexarc_sim_bridge.evaluation.running.suite_unit import Amount, SuiteUnit, evaluation_code
+
+
+_ORACLE_WEIGHT = 10.0
+"""An oracle plans for so many times as long as a contender drives, unless that is kept on disk."""
 
 
 @dataclass(frozen=True)
@@ -48,10 +53,12 @@ class Job:
 
     @property
     def weight(self) -> float:
-        """About how long it takes, in no unit: its decisions a second."""
-        if self.starter is None:
-            return FIELD_RATE_HZ
-        return self.row.setting.rate_hz(self.starter.contender.contract)
+        """About how long it takes, in no unit: its decisions a second, more for an oracle."""
+        if self.starter is not None:
+            return self.row.setting.rate_hz(self.starter.contender.contract)
+        assert self.unit is not None
+        rate_hz = PolicyContract.from_json(self.unit.motion).rate_hz
+        return rate_hz * (_ORACLE_WEIGHT if self.unit.limit == ORACLE else 1.0)
 
 
 def starters_of(entrants: Sequence[Entrant | Contender]) -> list[Starter]:
