@@ -30,6 +30,7 @@ from reflexarc_runtime.config.fill import fill
 from reflexarc_runtime.config.toml_source import TomlSource, read_text
 from reflexarc_runtime.errors import UsageError
 from reflexarc_sim_bridge.evaluation.protocol.clutter import at_clutter
+from reflexarc_sim_bridge.evaluation.protocol.perturbation import Perturbation, perturbed
 from reflexarc_sim_bridge.worlds.files import world_named
 from reflexarc_sim_bridge.worlds.world import WorldSource
 
@@ -52,16 +53,21 @@ class SuiteCell:
     """Mean free path of an agent that never steers; None: 1 / 2ρR of what is scattered."""
     counts: bool = True
     """Whether it is part of the headline."""
+    perturbation: Perturbation | None = None
+    """What is made worse about it."""
 
     @cached_property
     def source(self) -> WorldSource:
         """The world, or family of worlds.
 
         Raises:
-            WorldError: there is none of that name; or it cannot have that clutter.
+            WorldError: there is none of that name; or it cannot have that clutter, or be made so
+                much worse.
         """
         source = world_named(self.world)
-        return source if self.clutter is None else at_clutter(source, self.clutter)
+        if self.clutter is not None:
+            source = at_clutter(source, self.clutter)
+        return source if self.perturbation is None else perturbed(source, self.perturbation)
 
 
 @dataclass(frozen=True)
@@ -105,6 +111,11 @@ class Suite:
         names = [family.name for family in self.families]
         require(bool(names), "families", "one or more", "none")
         require(len(set(names)) == len(names), "families", "distinct names", names)
+
+    @property
+    def cells(self) -> list[tuple[SuiteFamily, SuiteCell]]:
+        """All cells, each with its family."""
+        return [(family, cell) for family in self.families for cell in family.cells]
 
     @property
     def title(self) -> str:
