@@ -15,7 +15,6 @@ from reflexarc_sim_bridge.evaluation.protocol.suite import Suite, SuiteCell
 from reflexarc_sim_bridge.evaluation.running.limit_plugs import LIMITS, ORACLE
 from reflexarc_sim_bridge.evaluation.running.suite_unit import Amount, SuiteUnit, evaluation_code
 
-
 _ORACLE_WEIGHT = 10.0
 """An oracle plans for so many times as long as a contender drives, unless that is kept on disk."""
 
