@@ -63,7 +63,7 @@ class Simulation:
             seeds: one an agent: (n,).
             lanes: tell agents of one seed apart: (n,); by default 0, 1, … for each seed.
             all_round: keep near lists of what lies behind the agents too, where their eyes need
-                not look, for `Surroundings`. Nothing that they see or meet differs.
+                not look, for `AgentSurroundings`. Nothing that they see or meet differs.
 
         Raises:
             WorldError: a contract or seeds that this simulation does not support.

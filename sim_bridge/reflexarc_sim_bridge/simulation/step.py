@@ -101,7 +101,7 @@ def survey(
     first: int,
     end: int,
 ) -> None:
-    """How much room the agents from `first` to `end` have: see `Surroundings.measure`.
+    """How much room the agents from `first` to `end` have: see `AgentSurroundings.measure`.
 
     Args:
         held: a `Held`.

@@ -1,8 +1,8 @@
 """How much room the agents of a simulation have: around each, and straight ahead of it.
 
-    from reflexarc_sim_bridge.simulation.surroundings import Surroundings
+    from reflexarc_sim_bridge.simulation.surroundings import AgentSurroundings
 
-    surroundings = Surroundings(simulation)      # a Simulation(…, all_round=True)
+    surroundings = AgentSurroundings(simulation)      # a Simulation(…, all_round=True)
     surroundings.measure(clearance_m, ahead_s)   # fills two float32 arrays: (n,)
 
 Nothing is disturbed by it, and only who asks for it compiles it. The same agents give the same bits
@@ -24,7 +24,7 @@ from reflexarc_sim_bridge.simulation.step_compilation import survey_for
 Floats32 = npt.NDArray[np.float32]
 
 
-class Surroundings:
+class AgentSurroundings:
     """What is around the agents of a simulation.
 
     Args:
@@ -37,7 +37,7 @@ class Surroundings:
         self._simulation = simulation
         self._range_m = contract.retina.range_m
         is_around = simulation.params.world.planes["behind_m"].min() >= self._range_m
-        assert is_around, "Surroundings: expected a Simulation(…, all_round=True)"
+        assert is_around, "AgentSurroundings: expected a Simulation(…, all_round=True)"
         first_mps = contract.actions[0].linear_mps
         self._forward_mps = float(first_mps if forward_mps is None else forward_mps)
         self._survey = survey_for(simulation.params, motions_of(contract))

@@ -12,7 +12,7 @@ from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.contract.motion import Action
 from reflexarc_sim_bridge.simulation.scene import Outline
 from reflexarc_sim_bridge.simulation.simulation import Simulation
-from reflexarc_sim_bridge.simulation.surroundings import Surroundings
+from reflexarc_sim_bridge.simulation.surroundings import AgentSurroundings
 from reflexarc_sim_bridge.worlds.layers import Drift, Motion, Swing
 from reflexarc_sim_bridge.worlds.world import Chassis
 from support.drawn_worlds import headings, scenes
@@ -32,7 +32,7 @@ motions = st.sampled_from([None, None, Drift(-3.0, 1.0), Drift(1.9, 0.1), Swing(
 
 def room_of(simulation: Simulation) -> tuple[float, float]:
     clearance_m, ahead_s = np.empty(1, np.float32), np.empty(1, np.float32)
-    Surroundings(simulation).measure(clearance_m, ahead_s)
+    AgentSurroundings(simulation).measure(clearance_m, ahead_s)
     return float(clearance_m[0]), float(ahead_s[0])
 
 

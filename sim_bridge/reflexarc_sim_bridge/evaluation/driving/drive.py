@@ -20,7 +20,7 @@ from reflexarc_sim_bridge.evaluation.protocol.contender import Contender
 from reflexarc_sim_bridge.evaluation.protocol.setting import Setting, worlds_for
 from reflexarc_sim_bridge.evaluation.protocol.suite import Suite, SuiteCell
 from reflexarc_sim_bridge.simulation.simulation import Simulation
-from reflexarc_sim_bridge.simulation.surroundings import Surroundings
+from reflexarc_sim_bridge.simulation.surroundings import AgentSurroundings
 from reflexarc_sim_bridge.worlds.layers import Scatter
 from reflexarc_sim_bridge.worlds.seeds import test_seeds
 from reflexarc_sim_bridge.worlds.world import AfterContact, Edges, World, WorldSource
@@ -157,7 +157,7 @@ class _Recorder:
     ) -> None:
         shape = steps, len(simulation)
         self._circumstances, self._lanes, self._simulation = circumstances, lanes, simulation
-        self._surroundings = Surroundings(simulation, circumstances.forward_mps)
+        self._surroundings = AgentSurroundings(simulation, circumstances.forward_mps)
         self._x_m, self._y_m, self._heading_rad = (np.empty(shape) for _ in range(3))
         self._progress_m = np.empty(shape)
         self._actions, self._met = np.empty(shape, np.int8), np.empty(shape, np.bool_)
