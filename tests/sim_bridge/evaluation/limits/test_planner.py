@@ -10,6 +10,7 @@ import pytest
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.contract.motion import sideways_actions
+from reflexarc_runtime.errors import UsageError
 from reflexarc_sim_bridge.evaluation.driving.drive import drive
 from reflexarc_sim_bridge.evaluation.limits.horizon import plan
 from reflexarc_sim_bridge.evaluation.limits.oracle import oracle_sums
@@ -97,3 +98,8 @@ def test_a_body_that_does_not_obey_exactly_is_planned_for_where_it_is():
     track = drive(contender_of(NAME), slippery, replace(SUITE, lanes=1), Setting.FIELD)
     assert track.progress_m.sum() > 0
     assert track.met.mean() < 0.01
+
+
+def test_a_guard_has_no_eye_to_see_by_for_who_knows_everything():
+    with pytest.raises(UsageError, match="expected no guard"):
+        drive(contender_of(NAME, is_guarded=True), CELL, SUITE, Setting.FIELD)
