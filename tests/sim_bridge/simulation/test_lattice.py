@@ -34,7 +34,7 @@ WORLDS = {
         edges=Edges.UNBOUNDED,
         layers=(Corridor(width_m=4.0), Scatter(0.3)),
     ),
-    "automaton": world_named("automaton").drawn(0),
+    "automaton": replace(world_named("automaton").drawn(0), width_m=5.0),
 }
 CONTRACT = PolicyContract(actions=sideways_actions(1.0, 0.5))
 STEPS, SEED = 90, 5

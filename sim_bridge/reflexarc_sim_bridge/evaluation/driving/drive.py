@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from reflexarc_runtime.arrays import Actions
 from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.errors import UsageError
 from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_sim_bridge.evaluation.driving.crowd_guard import CrowdGuard
 from reflexarc_sim_bridge.evaluation.driving.driver import Driver, Knower
@@ -96,6 +97,10 @@ def start(
     """
     contract, dt_s = contender.contract, worlds.drawn(0).dt_s
     if hasattr(contender.policy, "driver"):
+        if contender.is_guarded:
+            raise UsageError(
+                f"{contender.name}: expected no guard, as it does not drive by its eye"
+            )
         simulation = Simulation(worlds, contract, seeds, lanes, all_round=all_round)
         return simulation, cast("Knower", contender.policy).driver(simulation, contract)
     crowd = None

@@ -8,7 +8,7 @@ neither endless nor endlessly wide the change is gradual; half of the worlds mar
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,13 +18,13 @@ from reflexarc_sim_bridge.evaluation.driving.drive import Extent, drive
 from reflexarc_sim_bridge.evaluation.limits.oracle import oracle_sums, values_at_start
 from reflexarc_sim_bridge.evaluation.limits.rows import bare, rows_of
 from reflexarc_sim_bridge.evaluation.metrics.sums import Sums, sums_of
-from reflexarc_sim_bridge.evaluation.protocol.clutter import at_clutter
 from reflexarc_sim_bridge.evaluation.protocol.contender import BLIND, Contender
 from reflexarc_sim_bridge.evaluation.protocol.setting import Setting
 from reflexarc_sim_bridge.evaluation.protocol.suite import Suite, SuiteCell
 from reflexarc_sim_bridge.evaluation.simple_policies import BlindPolicy
-from reflexarc_sim_bridge.worlds.files import world_named
+from reflexarc_sim_bridge.worlds.layers import Scatter
 from reflexarc_sim_bridge.worlds.seeds import test_seeds
+from reflexarc_sim_bridge.worlds.shapes import Discs
 from reflexarc_sim_bridge.worlds.world import World
 
 CLUTTERS = (0.02, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5)
@@ -32,6 +32,8 @@ SIDEWAYS = (0.25, 0.5, 1.0)
 """w/v."""
 
 _WORLD = "reference-1"
+_TREE_M = 0.45
+"""Radius of a tree: R of the reference field."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +73,7 @@ def clutter_curve(
 def share_passed(
     clutter: float, sideways: float, width_m: float, length_m: float, rate_hz: float, worlds: int
 ) -> float:
-    """In how many worlds some way leads through without a contact, as a share.
+    """In how many forests some way leads through without a contact, as a share.
 
     Args:
         clutter: ρR²v/w.
@@ -81,8 +83,7 @@ def share_passed(
         rate_hz: decisions a second.
         worlds: how many.
     """
-    field = at_clutter(world_named(_WORLD), clutter * sideways)
-    world = bare(replace(field, width_m=width_m, dt_s=1.0 / rate_hz))
+    world = bare(_forest(clutter * sideways, width_m, 1.0 / rate_hz))
     contract = PolicyContract(actions=sideways_actions(1.0, sideways))
     steps = round(length_m * rate_hz)
     seeds = test_seeds(worlds).tolist()
@@ -123,6 +124,13 @@ def _has_way(world: World, seed: int, contract: PolicyContract, steps: int) -> b
     rows = rows_of(world, contract, steps)
     values = values_at_start(world, seed, rows, Extent(0, steps))
     return bool((values.least == 0.0).any())
+
+
+def _forest(density_r2: float, width_m: float, dt_s: float) -> World:
+    """Trees as in the theory: discs of one size, anywhere; ρR² is given."""
+    trees = (Discs(radius_m=(_TREE_M, _TREE_M)),)
+    layer = Scatter(density_per_m2=density_r2 / _TREE_M**2, shapes=trees)
+    return World("forest", width_m=width_m, dt_s=dt_s, layers=(layer,))
 
 
 def _per_100m(sums: Sums) -> float:

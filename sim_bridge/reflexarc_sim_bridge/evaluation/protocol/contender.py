@@ -3,7 +3,8 @@
 A contender is named by a short text, so that any process can make it anew:
 
     runs/reflex-0/policy.onnx                   an exported file
-    module:Class                                an object with `contract` and `decide`
+    module:Class                                an object with `contract` and `decide`, or `driver`
+                                                (`driving/driver.py`: it knows the simulation)
     mine.py:Class                               the same, from a file that is on no path
     blind, random                               an agent that never steers, and one that draws
 """
@@ -73,7 +74,7 @@ def _by_name(source: str, is_guarded: bool) -> Contender:
     contract = getattr(made, "contract", None)
     can = any(callable(getattr(made, name, None)) for name in ("decide", "driver"))
     if not (isinstance(contract, PolicyContract) and can):
-        raise UsageError(f"{source}: expected an object with `contract` and `decide`")
+        raise UsageError(f"{source}: expected an object with `contract` and `decide`, or `driver`")
     sees = getattr(getattr(made, "ORIGIN", None), "sees", "")
     return Contender(source, made, contract, str(sees) == "ranges", is_guarded)
 

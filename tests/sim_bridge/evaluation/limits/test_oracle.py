@@ -30,9 +30,8 @@ from reflexarc_sim_bridge.worlds.world import Edges, World
 
 CONTRACT = PolicyContract(actions=sideways_actions(1.0, 0.5))
 CELL = SuiteCell("0.20", "reference-1", clutter=0.2)
-SUITE = Suite(
-    "tiny", 1, worlds=4, lanes=16, free_paths=15.0, families=(SuiteFamily("f", cells=(CELL,)),)
-)
+FAMILIES = (SuiteFamily("f", cells=(CELL,)),)
+SUITE = Suite("tiny", 1, worlds=4, lanes=16, free_paths=15.0, families=FAMILIES)
 RIVALS = (BLIND, "random", "reflexarc_baselines.anchors.braitenberg:Braitenberg2a")
 NARROW = World("narrow", width_m=2.5, layers=(Scatter(0.9),))
 DRIFTING = replace(NARROW, layers=(Scatter(0.6), Scatter(0.4, motion=Drift(-0.5, 0.7))))
