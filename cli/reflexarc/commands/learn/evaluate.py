@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 _AGENTS, _STEPS = 4096, 2000
 _MOST_HZ = 10_000.0
+STATUS = {"keeps": 0, "loses": 1, "undecided": 3}
+"""Exit status of a comparison."""
 
 
 @dataclass(frozen=True)
@@ -27,13 +29,16 @@ class EvaluateCommand:
     before the first contact, in 60 s. With --suite: in all its worlds, at the robot's rate and body
     and at the field's; the figure is a score, 0 for an agent that never steers and 1 for what is
     possible, family by family. Writes results.json into runs/evaluation-SUITE. After Ctrl-C, or
-    worse, --resume goes on. Policies are greedy; each has its own eye.
+    worse, --resume goes on. With --against: one policy is compared with an older one on the same
+    validation worlds; exit status 0 if it loses no more than --loss in any family, 1 if it loses
+    more in one, 3 if neither could be shown. Policies are greedy; each has its own eye.
 
     Examples:
       reflexarc evaluate runs/reflex-0/policy.onnx
       reflexarc evaluate runs/*/policy.onnx --agents 1024 --json
       reflexarc evaluate runs/*/policy.onnx --baseline braitenberg-2a --suite lite
       reflexarc evaluate --controller mine.py:Mine --world crossing --rate 20
+      reflexarc evaluate new.onnx --against old.onnx --loss 0.1
     """
 
     policies: tyro.conf.Positional[tuple[Path, ...]] = ()
@@ -66,6 +71,10 @@ class EvaluateCommand:
     resume: bool = False
     """Go on with a suite that was interrupted: take what its folder has of the same cells, the same
     contenders and the same code."""
+    against: Path | None = None
+    """An older policy: does the given one lose by the change?"""
+    loss: float = 0.1
+    """With --against: largest share of more contacts in a family that is borne."""
     json: bool = False
     """Print one JSON object."""
 
@@ -81,6 +90,8 @@ class EvaluateCommand:
             guard=self.guard,
             rate_hz=self.rate or None,
         )
+        if self.against is not None:
+            return self._run_comparison(entrants)
         return self._run_suite(entrants) if self.suite else self._run_field(entrants)
 
     def _check(self) -> None:
@@ -92,7 +103,12 @@ class EvaluateCommand:
             raise UsageError(f"--rate: expected 0.1 to {_MOST_HZ:g}, got {self.rate}")
         if not 0 <= self.jobs <= MOST_JOBS:
             raise UsageError(f"--jobs: expected 1 to {MOST_JOBS}, got {self.jobs}")
-        if self.suite:
+        if self.against is not None:
+            _refuse("without --against", world=self.world, out=self.out, resume=self.resume)
+            _refuse("without --against", agents=self.agents != _AGENTS, steps=self.steps != _STEPS)
+            if not 0.0 < self.loss <= 10.0:
+                raise UsageError(f"--loss: expected a share in (0, 10], got {self.loss}")
+        elif self.suite:
             _refuse("without --suite", world=self.world)
             _refuse("without --suite", agents=self.agents != _AGENTS, steps=self.steps != _STEPS)
             if self.setting == "field" and self.rate:
@@ -100,6 +116,42 @@ class EvaluateCommand:
         else:
             _refuse("with --suite", family=self.family, jobs=self.jobs, out=self.out)
             _refuse("with --suite", resume=self.resume, setting=self.setting != "both")
+
+    def _run_comparison(self, entrants: "list[Entrant]") -> int:
+        from reflexarc.terminal.suite_progress import show_suite_progress
+        from reflexarc.terminal.verdict_table import WORDS, plain_verdicts, verdict_table
+        from reflexarc.wiring.entrants import entrants_of
+        from reflexarc_sim_bridge.evaluation.protocol.setting import Setting
+        from reflexarc_sim_bridge.evaluation.protocol.suite import suite_named
+        from reflexarc_sim_bridge.evaluation.running.compare import Terms, compare
+        from reflexarc_sim_bridge.evaluation.running.evaluate import processors
+        from reflexarc_sim_bridge.evaluation.scoring.regression import overall
+
+        if len(entrants) != 1 or self.against is None:
+            raise UsageError(f"--against: expected one policy to judge, got {len(entrants)}")
+        rate_hz = self.rate or None
+        [old] = entrants_of((self.against,), (), (), guard=self.guard, rate_hz=rate_hz)
+        suite = suite_named(self.suite or "lite")
+        suite = suite.only(self.family) if self.family else suite
+        setting = Setting.FIELD if self.setting == "both" else Setting(self.setting)
+        with terminated_as_interrupted(), show_suite_progress("families") as progress:
+            verdicts = compare(
+                entrants[0],
+                old,
+                suite,
+                setting,
+                Terms(self.loss),
+                self.jobs or processors(),
+                progress,
+            )
+        claim = overall(verdicts)
+        if self.json:
+            print_json(plain_verdicts(verdicts, claim))
+        else:
+            title = f"{entrants[0].name} against {old.name}, {setting}, margin {self.loss:.0%}"
+            console.print(verdict_table(verdicts, title))
+            console.print(WORDS[claim])
+        return STATUS[claim]
 
     def _run_field(self, entrants: "list[Entrant]") -> int:
         from reflexarc.terminal.field_tables import (
