@@ -4,7 +4,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from reflexarc_baselines.registry import source_of
+from reflexarc_baselines.registry import HOMES, source_of
 from reflexarc_runtime.errors import UsageError
 from reflexarc_sim_bridge.evaluation.protocol.contender import BLIND, RANDOM
 from reflexarc_sim_bridge.evaluation.protocol.entrant import Entrant
@@ -36,3 +36,14 @@ def entrants_of(
     if not named:
         raise UsageError("evaluate: expected a policy, --controller or --baseline, got none")
     return [Entrant(name, source, guard, rate_hz) for name, source in named]
+
+
+def entrant_of(text: str, *, guard: bool, rate_hz: float | None) -> Entrant:
+    """One of them, of whatever kind its text says: a baseline's name, a class, or a file."""
+    if text in HOMES or text in (BLIND, RANDOM):
+        [one] = entrants_of((), (), (text,), guard=guard, rate_hz=rate_hz)
+    elif ":" in text and not Path(text).exists():
+        [one] = entrants_of((), (text,), (), guard=guard, rate_hz=rate_hz)
+    else:
+        [one] = entrants_of((Path(text),), (), (), guard=guard, rate_hz=rate_hz)
+    return one

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 _AGENTS, _STEPS = 4096, 2000
 _MOST_HZ = 10_000.0
+_LOSS = 0.1
 STATUS = {"keeps": 0, "loses": 1, "undecided": 3}
 """Exit status of a comparison."""
 
@@ -71,9 +72,9 @@ class EvaluateCommand:
     resume: bool = False
     """Go on with a suite that was interrupted: take what its folder has of the same cells, the same
     contenders and the same code."""
-    against: Path | None = None
-    """An older policy: does the given one lose by the change?"""
-    loss: float = 0.1
+    against: str = ""
+    """An older policy, or a controller or baseline: does the given one lose by the change?"""
+    loss: float = _LOSS
     """With --against: largest share of more contacts in a family that is borne."""
     json: bool = False
     """Print one JSON object."""
@@ -90,7 +91,7 @@ class EvaluateCommand:
             guard=self.guard,
             rate_hz=self.rate or None,
         )
-        if self.against is not None:
+        if self.against:
             return self._run_comparison(entrants)
         return self._run_suite(entrants) if self.suite else self._run_field(entrants)
 
@@ -103,7 +104,7 @@ class EvaluateCommand:
             raise UsageError(f"--rate: expected 0.1 to {_MOST_HZ:g}, got {self.rate}")
         if not 0 <= self.jobs <= MOST_JOBS:
             raise UsageError(f"--jobs: expected 1 to {MOST_JOBS}, got {self.jobs}")
-        if self.against is not None:
+        if self.against:
             _refuse("without --against", world=self.world, out=self.out, resume=self.resume)
             _refuse("without --against", agents=self.agents != _AGENTS, steps=self.steps != _STEPS)
             if not 0.0 < self.loss <= 10.0:
@@ -114,23 +115,23 @@ class EvaluateCommand:
             if self.setting == "field" and self.rate:
                 raise UsageError("--rate: expected --setting robot or both; the field's is 10 Hz")
         else:
+            _refuse("with --against", loss=self.loss != _LOSS)
             _refuse("with --suite", family=self.family, jobs=self.jobs, out=self.out)
             _refuse("with --suite", resume=self.resume, setting=self.setting != "both")
 
     def _run_comparison(self, entrants: "list[Entrant]") -> int:
         from reflexarc.terminal.suite_progress import show_suite_progress
         from reflexarc.terminal.verdict_table import WORDS, plain_verdicts, verdict_table
-        from reflexarc.wiring.entrants import entrants_of
+        from reflexarc.wiring.entrants import entrant_of
         from reflexarc_sim_bridge.evaluation.protocol.setting import Setting
         from reflexarc_sim_bridge.evaluation.protocol.suite import suite_named
         from reflexarc_sim_bridge.evaluation.running.compare import Terms, compare
         from reflexarc_sim_bridge.evaluation.running.evaluate import processors
         from reflexarc_sim_bridge.evaluation.scoring.regression import overall
 
-        if len(entrants) != 1 or self.against is None:
+        if len(entrants) != 1:
             raise UsageError(f"--against: expected one policy to judge, got {len(entrants)}")
-        rate_hz = self.rate or None
-        [old] = entrants_of((self.against,), (), (), guard=self.guard, rate_hz=rate_hz)
+        old = entrant_of(self.against, guard=self.guard, rate_hz=self.rate or None)
         suite = suite_named(self.suite or "lite")
         suite = suite.only(self.family) if self.family else suite
         setting = Setting.FIELD if self.setting == "both" else Setting(self.setting)

@@ -67,9 +67,30 @@ def test_suite_prints_tables_and_writes_results(
     assert (out / "results.json").read_bytes() == before
 
 
+def test_against_has_a_status_for_each_answer(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    suite, _ = write_small_suite(tmp_path)
+    few = ["--suite", str(suite), "--jobs", "1", "--json"]
+    assert main(["evaluate", "--baseline", "blind", "--against", "blind", *few]) == 0
+    same = json.loads(capsys.readouterr().out)
+    assert same["verdict"] == "keeps"
+    assert {family["loss"] for family in same["families"]} == {0.0}
+    assert main(["evaluate", "--baseline", "blind", "--against", "braitenberg-2a", *few]) == 1
+    assert json.loads(capsys.readouterr().out)["verdict"] == "loses"
+    # Blind makes 1.30 times less than random: of a margin of 0.315 neither side can be shown.
+    close = ["--baseline", "random", "--against", "blind", "--loss", "0.315"]
+    assert main(["evaluate", *close, *few[:-1]]) in (0, 1, 3)
+    assert "margin 32%" in " ".join(capsys.readouterr().out.split())
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
+        (["--baseline", "blind", "random", "--against", "blind"], "one policy to judge, got 2"),
+        (["--baseline", "blind", "--against", "blind", "--loss", "0"], "--loss: expected a share"),
+        (["--baseline", "blind", "--against", "zebra"], "zebra"),
+        (["--baseline", "blind", "--loss", "0.2"], "--loss: expected only with --against"),
         ([], "expected a policy, --controller or --baseline, got none"),
         (["--controller", "mine"], "expected module:Class or file.py:Class, got 'mine'"),
         (["--controller", "no_such_module_:Mine"], "ModuleNotFoundError"),
