@@ -22,8 +22,17 @@ def baseline_named(name: str) -> Baseline | Remembering:
     Raises:
         UsageError: no baseline has this name.
     """
+    module, _, kind = source_of(name).partition(":")
+    made: Baseline | Remembering = getattr(import_module(module), kind)()
+    return made
+
+
+def source_of(name: str) -> str:
+    """`module:Class` of a baseline, from which any process can make it.
+
+    Raises:
+        UsageError: no baseline has this name.
+    """
     if name not in HOMES:
         raise UsageError(f"baseline: none is named {name!r}; known: {', '.join(HOMES)}")
-    module, _, kind = HOMES[name].partition(":")
-    made: Baseline | Remembering = getattr(import_module(f"reflexarc_baselines.{module}"), kind)()
-    return made
+    return f"reflexarc_baselines.{HOMES[name]}"

@@ -9,6 +9,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from reflexarc_sim_bridge.evaluation.metrics.greatest_distance import greatest_distance_m
 from reflexarc_sim_bridge.evaluation.metrics.track import Floats, Track
 
 Sums = dict[str, Floats]
@@ -29,8 +30,24 @@ def _time_s(track: Track) -> Floats:
     return np.full(track.met.shape[1], track.steps * track.circumstances.dt_s)
 
 
+def _agents(track: Track) -> Floats:
+    return np.ones(track.met.shape[1])
+
+
+def _straight_m(track: Track) -> Floats:
+    """How far it would get straight ahead, were there nothing in its way."""
+    return _time_s(track) * track.circumstances.forward_mps
+
+
 PER_AGENT: Mapping[str, Callable[[Track], Floats]] = MappingProxyType(
-    {"contacts": _contacts, "progress_m": _progress_m, "time_s": _time_s}
+    {
+        "agents": _agents,
+        "contacts": _contacts,
+        "progress_m": _progress_m,
+        "time_s": _time_s,
+        "greatest_m": greatest_distance_m,
+        "straight_m": _straight_m,
+    }
 )
 """Each from a track to (agents,)."""
 

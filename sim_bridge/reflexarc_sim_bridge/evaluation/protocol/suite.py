@@ -52,6 +52,8 @@ class SuiteCell:
     """Mean free path of an agent that never steers; None: 1 / 2ρR of what is scattered."""
     counts: bool = True
     """Whether it is part of the headline."""
+    perturbs: str = ""
+    """FAMILY/TIER of the cell of which this one is a worse version; see the robustness area."""
 
     @cached_property
     def source(self) -> WorldSource:
@@ -107,6 +109,11 @@ class Suite:
         require(len(set(names)) == len(names), "families", "distinct names", names)
 
     @property
+    def cells(self) -> list[tuple[SuiteFamily, SuiteCell]]:
+        """All cells, each with its family."""
+        return [(family, cell) for family in self.families for cell in family.cells]
+
+    @property
     def title(self) -> str:
         """Name and version."""
         return f"{self.name}-{self.version}"
@@ -138,4 +145,14 @@ def suite_named(name: str) -> Suite:
         path = Path(name)
     else:
         raise UsageError(f"suite: expected one of {', '.join(known)}, or a file, got {name!r}")
-    return fill(Suite, TomlSource(read_text(path, str(path)), str(path)))
+    suite = fill(Suite, TomlSource(read_text(path, str(path)), str(path)))
+    _check_perturbed(suite)
+    return suite
+
+
+def _check_perturbed(suite: Suite) -> None:
+    """`Suite.only` may leave the nominal cell out; a file may not name one that it has not."""
+    known = {f"{family.name}/{cell.tier}" for family, cell in suite.cells}
+    for _, cell in suite.cells:
+        if cell.perturbs:
+            require(cell.perturbs in known, "perturbs", "a cell of the suite", cell.perturbs)

@@ -1,0 +1,35 @@
+"""Who is measured, from the flags of `evaluate`."""
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from reflexarc_baselines.registry import source_of
+from reflexarc_runtime.errors import UsageError
+from reflexarc_sim_bridge.evaluation.protocol.entrant import Entrant
+
+
+def entrants_of(
+    policies: Sequence[Path],
+    controllers: Sequence[str],
+    baselines: Sequence[str],
+    *,
+    guard: bool,
+    rate_hz: float | None,
+) -> list[Entrant]:
+    """Files, then controllers, then baselines, each by the name that it was given.
+
+    Raises:
+        UsageError: nobody, somebody twice, or a controller without a class.
+    """
+    for text in controllers:
+        if ":" not in text:
+            raise UsageError(f"--controller: expected module:Class or file.py:Class, got {text!r}")
+    if "" not in sys.path:
+        sys.path.append(str(Path.cwd()))  # where whoever names a module has it
+    named = [(str(path), str(path)) for path in policies]
+    named += [(text, text) for text in controllers]
+    named += [(name, source_of(name)) for name in baselines]
+    if not named:
+        raise UsageError("evaluate: expected a policy, --controller or --baseline, got none")
+    return [Entrant(name, source, guard, rate_hz) for name, source in named]
