@@ -31,8 +31,9 @@ def _families(results: "Results", cards: "Sequence[ScoreCard]", setting: "Settin
     title = f"{results.suite}, {setting}: score by family (1 best, 0 blind)"
     table = Table(title=title, title_justify="left")
     table.add_column("family", no_wrap=True)
+    short = short_names([card.name for card in cards])
     for card in cards:
-        table.add_column(escape(card.name), justify="right", overflow="fold")
+        table.add_column(escape(short[card.name]), justify="right", overflow="fold")
     for family in dict.fromkeys(name for card in cards for name in card.families):
         scores = [card.families.get(family) for card in cards]
         table.add_row(escape(family), *("–" if s is None else f"{s.value:.2f}" for s in scores))
@@ -40,14 +41,32 @@ def _families(results: "Results", cards: "Sequence[ScoreCard]", setting: "Settin
 
 
 def _headlines(results: "Results", cards: "Sequence[ScoreCard]", setting: "Setting") -> Table:
-    table = Table(title=f"{results.suite}, {setting}: headline", title_justify="left")
+    table = Table(
+        title=f"{results.suite}, {setting}: headline; contacts per 100 m, switches a second",
+        title_justify="left",
+    )
     table.add_column("contender", overflow="fold")
-    right = "score", "95 % interval", "gap", "robustness", "contacts / 100 m", "switches / s"
+    right = "score", "95 % interval", "gap", "robust", "per 100 m", "switches"
     for name in (*right[:2], "worst family", *right[2:]):
         table.add_column(name, justify="left" if name == "worst family" else "right")
+    short = short_names([card.name for card in cards])
     for card in cards:
-        table.add_row(*_headline(results, card))
+        table.add_row(escape(short[card.name]), *_headline(results, card))
     return table
+
+
+def short_names(names: Sequence[str]) -> dict[str, str]:
+    """Paths by as few of their last parts as tell them apart, other names as they are."""
+    return {name: _short(name, names) for name in names}
+
+
+def _short(name: str, names: Sequence[str]) -> str:
+    parts = name.split("/")
+    for count in range(1, len(parts)):
+        tail = "/".join(parts[-count:])
+        if sum(f"/{other}".endswith(f"/{tail}") for other in names) == 1:
+            return tail
+    return name
 
 
 def _headline(results: "Results", card: "ScoreCard") -> tuple[str, ...]:
@@ -56,7 +75,6 @@ def _headline(results: "Results", card: "ScoreCard") -> tuple[str, ...]:
     area = card.robustness_area
     interval = interval_words(card.headline, 3)
     return (
-        escape(card.name),
         f"{card.headline.value:.3f}",
         card.note if interval == "–" else interval,
         f"{escape(card.worst_family)} {worst:.2f}",

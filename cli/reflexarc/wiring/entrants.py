@@ -6,6 +6,7 @@ from pathlib import Path
 
 from reflexarc_baselines.registry import source_of
 from reflexarc_runtime.errors import UsageError
+from reflexarc_sim_bridge.evaluation.protocol.contender import BLIND, RANDOM
 from reflexarc_sim_bridge.evaluation.protocol.entrant import Entrant
 
 
@@ -19,6 +20,8 @@ def entrants_of(
 ) -> list[Entrant]:
     """Files, then controllers, then baselines, each by the name that it was given.
 
+    Baselines are those of `reflexarc_baselines`, and `blind` and `random`.
+
     Raises:
         UsageError: nobody, somebody twice, or a controller without a class.
     """
@@ -29,7 +32,7 @@ def entrants_of(
         sys.path.append(str(Path.cwd()))  # where whoever names a module has it
     named = [(str(path), str(path)) for path in policies]
     named += [(text, text) for text in controllers]
-    named += [(name, source_of(name)) for name in baselines]
+    named += [(name, name if name in (BLIND, RANDOM) else source_of(name)) for name in baselines]
     if not named:
         raise UsageError("evaluate: expected a policy, --controller or --baseline, got none")
     return [Entrant(name, source, guard, rate_hz) for name, source in named]

@@ -41,7 +41,7 @@ class EvaluateCommand:
     controller: tuple[str, ...] = ()
     """Policies in Python: module:Class or file.py:Class, with `contract` and `decide`."""
     baseline: tuple[str, ...] = ()
-    """Earlier systems and plain rules, by name."""
+    """Earlier systems and plain rules, by name; also blind and random."""
     suite: str = ""
     """lite, full, or the file of a suite."""
     family: tuple[str, ...] = ()
