@@ -59,7 +59,7 @@ def drive(
     worlds = worlds_for(cell.source, contender, setting)
     seeds = test_seeds(suite.worlds) if seeds is None else seeds
     circumstances = circumstances_of(worlds, contender.contract, cell)
-    extent = _extent(circumstances, suite)
+    extent = extent_of(circumstances, suite)
     simulation, pilot = start(worlds, contender, np.repeat(seeds, suite.lanes))
     recorder = _Recorder(circumstances, suite.lanes, extent.counted, len(simulation))
     for step in range(-extent.discarded, extent.counted):
@@ -96,7 +96,7 @@ def start(
     return simulation, Pilot(contender.policy, contract, len(seeds), dt_s, crowd)
 
 
-def _extent(circumstances: Circumstances, suite: Suite) -> Extent:
+def extent_of(circumstances: Circumstances, suite: Suite) -> Extent:
     """Turners are watched from their start on; who moves sideways is counted over a distance."""
     dt_s = circumstances.dt_s
     if circumstances.turns:
