@@ -23,7 +23,6 @@ name = "senses"
 [[families.cells]]
 tier = "noisy"
 world = "noisy"
-perturbs = "rectangles/reference"
 """
 
 CONTROLLERS = """\

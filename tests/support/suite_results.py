@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from reflexarc_sim_bridge.evaluation.protocol.results import Agent, CellFacts, ResultRow, Results
 from reflexarc_sim_bridge.evaluation.protocol.setting import Setting
 
-BLIND = "blind: as all"
+BLIND, ORACLE = "blind: as all", "oracle: as all"
 METRES = 100.0
 
 
@@ -21,10 +21,9 @@ def row(name: str, cell: CellFacts, counts: Sequence[float]) -> ResultRow:
         "contacts": [float(count) for count in counts],
         "progress_m": [METRES] * worlds,
         "time_s": [60.0] * worlds,
-        "greatest_m": [float(count) for count in counts],
-        "straight_m": [60.0] * worlds,
+        "farthest_m": [float(count) for count in counts],
     }
-    limits = {} if name == BLIND else {"blind": BLIND}
+    limits = {} if name in (BLIND, ORACLE) else {"blind": BLIND, "oracle": ORACLE}
     return ResultRow(name, Setting.FIELD, cell.family, cell.tier, sums, limits)
 
 
@@ -33,20 +32,17 @@ def results_of(
     agents: Sequence[Agent],
     *,
     uncounted: Sequence[str] = (),
-    perturbs: Mapping[str, str] | None = None,
 ) -> Results:
     """Results.
 
     Args:
-        contacts: by contender, among them `BLIND`, then by FAMILY/TIER: one value a world.
-        agents: all but `BLIND`.
+        contacts: by contender, among them `BLIND` and perhaps `ORACLE`, then by FAMILY/TIER: one
+            value a world.
+        agents: all others.
         uncounted: cells that do not count.
-        perturbs: cell → the one that it perturbs.
     """
     cells = {
-        name: CellFacts(
-            *name.split("/"), "", None, name not in uncounted, (perturbs or {}).get(name, "")
-        )
+        name: CellFacts(*name.split("/"), "", None, name not in uncounted)
         for name in contacts[BLIND]
     }
     rows = {
@@ -57,7 +53,7 @@ def results_of(
         suite="made-up-1",
         version="0",
         agents=list(agents),
-        rows=[each for who in rows if who != BLIND for each in rows[who]],
-        limits=rows[BLIND],
+        rows=[each for who in rows if who not in (BLIND, ORACLE) for each in rows[who]],
+        limits=[*rows[BLIND], *rows.get(ORACLE, [])],
         cells=list(cells.values()),
     )

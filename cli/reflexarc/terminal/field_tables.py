@@ -28,7 +28,7 @@ def plain_score(score: "FieldScore", blind: float) -> dict[str, float | None]:
 
 def plain_distance(distance: "Interval") -> dict[str, float | None]:
     """A distance as plain values."""
-    return {"greatest_m": distance.value, "low": distance.low, "high": distance.high}
+    return {"farthest_m": distance.value, "low": distance.low, "high": distance.high}
 
 
 def contacts_table(scores: "Mapping[str, FieldScore]", where: str, *, guarded: bool) -> Table:

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from rich.box import SIMPLE_HEAD
 from rich.markup import escape
 from rich.table import Table
 
@@ -29,7 +30,7 @@ def score_tables(results: "Results", cards: "Sequence[ScoreCard]") -> list[Table
 
 def _families(results: "Results", cards: "Sequence[ScoreCard]", setting: "Setting") -> Table:
     title = f"{results.suite}, {setting}: score by family (1 best, 0 blind)"
-    table = Table(title=title, title_justify="left")
+    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
     table.add_column("family", no_wrap=True)
     short = short_names([card.name for card in cards])
     for card in cards:

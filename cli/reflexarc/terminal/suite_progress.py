@@ -18,6 +18,7 @@ def show_suite_progress(title: str) -> Iterator[Callable[[float, float], None]]:
         console=aside,
         transient=True,
         speed_estimate_period=600.0,
+        disable=not aside.is_terminal,
     ) as bar:
         task = bar.add_task(title, total=None)
         yield lambda done, total: bar.update(task, completed=done, total=total)

@@ -14,7 +14,7 @@ from reflexarc_sim_bridge.evaluation.protocol.suite import Suite, SuiteCell, Sui
 from reflexarc_sim_bridge.evaluation.reference_field import FieldScore, measure
 from reflexarc_sim_bridge.evaluation.scoring.cell_figures import (
     Interval,
-    mean_greatest_m,
+    mean_farthest_m,
     percentile_interval,
 )
 from reflexarc_sim_bridge.evaluation.scoring.world_draws import world_draws
@@ -91,4 +91,4 @@ def _driven(contender: Contender, plan: FieldPlan) -> Sums:
 def _distance(sums: Sums) -> Interval:
     row = row_of("", Setting.FIELD, "field", "field", sums)
     worlds = len(row.array("agents"))
-    return percentile_interval(mean_greatest_m(row, world_draws(worlds)), worlds)
+    return percentile_interval(mean_farthest_m(row, world_draws(worlds)), worlds)

@@ -10,7 +10,7 @@ from reflexarc_pictures.log_pictures.decision_strips import BRIGHT
 from reflexarc_pictures.log_pictures.logged_poses import Floats
 from reflexarc_sim_bridge.evaluation.cover_profile import right_side_m
 from reflexarc_sim_bridge.evaluation.driving.drive import start
-from reflexarc_sim_bridge.evaluation.driving.pilot import Pilot
+from reflexarc_sim_bridge.evaluation.driving.driver import Driver
 from reflexarc_sim_bridge.evaluation.protocol.contender import Contender
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.world import AfterContact, Edges, World, WorldSource
@@ -50,16 +50,16 @@ def drive_in_world(
     """
     world = source.drawn(seed)
     lanes = np.array([lane], np.uint64)
-    simulation, pilot = start(source, contender, np.array([seed], np.uint64), lanes)
+    simulation, driver = start(source, contender, np.array([seed], np.uint64), lanes)
     before, steps = round(from_s / world.dt_s), max(round(duration_s / world.dt_s), 1)
     simulation.sense()
     for step in range(before):
-        _go_on(simulation, pilot)
+        _go_on(simulation, driver)
         simulation.sense()
         progress(step + 1, before + steps)
     snapshots = [_snapshot(simulation, world, None, met=False)]
     for step in range(steps):
-        met = _go_on(simulation, pilot)
+        met = _go_on(simulation, driver)
         simulation.sense()
         snapshots.append(_snapshot(simulation, world, snapshots[-1], met))
         progress(before + step + 1, before + steps)
@@ -77,10 +77,10 @@ def drive_in_world(
     )
 
 
-def _go_on(simulation: Simulation, pilot: Pilot) -> bool:
+def _go_on(simulation: Simulation, driver: Driver) -> bool:
     """One step; whether it ended in a contact."""
-    met = simulation.step(pilot.act(simulation.stacks))
-    pilot.begin_anew(met)
+    met = simulation.step(driver.drive(simulation))
+    driver.begin_anew(met)
     return bool(met[0])
 
 

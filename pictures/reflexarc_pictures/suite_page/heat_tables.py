@@ -12,9 +12,9 @@ from reflexarc_pictures.suite_page.markup import Markup, element
 from reflexarc_pictures.suite_page.page_content import Entry, PageContent
 from reflexarc_pictures.suite_page.tables import note, row, score_cell, section, table
 from reflexarc_pictures.suite_page.told import number
-from reflexarc_sim_bridge.evaluation.protocol.results import CellFacts
 from reflexarc_sim_bridge.evaluation.protocol.setting import Setting
 from reflexarc_sim_bridge.evaluation.scoring.cell_figures import Interval
+from reflexarc_sim_bridge.evaluation.scoring.robustness import FAMILY, NOMINAL
 from reflexarc_sim_bridge.evaluation.scoring.scored_cells import CellScore
 
 
@@ -33,6 +33,7 @@ def tiers_section(content: PageContent) -> Markup:
     tables = [
         element("div", element("h3", family), _tiers(content, family, setting), class_="card")
         for family in content.families
+        if family != FAMILY
     ]
     return section(
         "Score by tier",
@@ -47,27 +48,24 @@ def tiers_section(content: PageContent) -> Markup:
 
 
 def robustness_section(content: PageContent) -> Markup:
-    """Perturbed cells beside those that they are worse versions of."""
-    setting, facts = content.settings[0], [c for c in content.results.cells if c.perturbs]
-    title = "Robustness"
-    if not facts:
-        return section(title, "robustness", note("No cell of this suite perturbs another one."))
-    nominal = list(dict.fromkeys(cell.perturbs for cell in facts))
-    head = ["contender", "area", *map(_in_two_lines, nominal)]
-    head += [_in_two_lines(f"{cell.family}/{cell.tier}") for cell in facts]
+    """The world as it is beside the same made worse, degree by degree."""
+    setting, title, anchor = content.settings[0], "Robustness", "robustness"
+    tiers = [cell.tier for cell in content.results.cells if cell.family == FAMILY]
+    if not tiers:
+        return section(title, anchor, note("This suite has no grid of worlds made worse."))
     lines = [
-        _robustness_line(entry, setting, nominal, facts)
+        _robustness_line(entry, setting, tiers)
         for entry in content.entries
         if setting in entry.cards
     ]
     return section(
         title,
-        "robustness",
-        table(head, lines, class_="heat-table"),
+        anchor,
+        table(["contender", "area", *tiers], lines, class_="heat-table"),
         note(
-            f"At the {setting}\u2019s rate and body. First {_counted(len(nominal), 'cell')} as"
-            f" intended, then {_counted(len(facts), 'worse version')}. Area: their mean score over"
-            " that of the intended ones; 1 is a contender that nothing disturbs."
+            f"At the {setting}\u2019s rate and body: one world as it is ({NOMINAL}), and made"
+            " worse. Area: the mean score where it is made worse, over that where it is not; 1 is a"
+            " contender that nothing disturbs."
         ),
     )
 
@@ -99,21 +97,16 @@ def _tier_cell(cells: Sequence[CellScore]) -> Markup:
     if len(cells) != 1:
         return score_cell(_mean(cells))
     cell = cells[0]
-    if cell.greatest_m is not None:
-        return score_cell(cell.score, note=f"{number(cell.greatest_m.value, 1)} m")
+    if cell.farthest_m is not None:
+        return score_cell(cell.score, note=f"{number(cell.farthest_m.value, 1)} m")
     contacts = None if cell.contacts_per_100m is None else cell.contacts_per_100m.value
     return score_cell(cell.score, note=f"{number(contacts, 1)} / 100 m")
 
 
-def _robustness_line(
-    entry: Entry, setting: Setting, nominal: Sequence[str], facts: Sequence[CellFacts]
-) -> Markup:
-    scores = {
-        f"{family}/{tier}": _mean(cells) for (family, tier), cells in _cells(entry, setting).items()
-    }
-    worse = [scores.get(f"{cell.family}/{cell.tier}") for cell in facts]
+def _robustness_line(entry: Entry, setting: Setting, tiers: Sequence[str]) -> Markup:
+    cells = _cells(entry, setting)
     area = number(entry.cards[setting].robustness_area)
-    shown = [score_cell(each) for each in [*map(scores.get, nominal), *worse]]
+    shown = [score_cell(_mean(cells.get((FAMILY, tier), []))) for tier in tiers]
     return row(_name(entry), element("td", element("b", area)), *shown)
 
 
@@ -139,10 +132,6 @@ def _name(entry: Entry) -> Markup:
     return element("th", place, f" {entry.name}", scope="row")
 
 
-def _in_two_lines(cell: str) -> str:
-    return cell.replace("/", "/ ", 1)
-
-
 def _key() -> Markup:
     scores = [-1.0, -0.5, 0.0, 0.25, 0.5, 0.75, 1.0]
     shown = [score_cell(Interval(score, None, None)) for score in scores]
@@ -164,7 +153,3 @@ def _questions(content: PageContent) -> Markup:
         if name in known
     ]
     return table(["family", "what it asks", "learning"], asked, class_="plain")
-
-
-def _counted(count: int, noun: str) -> str:
-    return f"{count} {noun}{'' if count == 1 else 's'}"

@@ -118,11 +118,10 @@ def _worlds(content: PageContent) -> Markup:
             cell.world,
             "as the world says" if cell.clutter is None else f"{cell.clutter:g}",
             "yes" if cell.counts else "no",
-            cell.perturbs or "\u2013",
         )
         for cell in content.results.cells
     ]
-    head = ["family", "tier", "world", "clutter", "counts", "worse version of"]
+    head = ["family", "tier", "world", "clutter", "counts"]
     shown = table(head, lines, class_="plain")
     return element("details", element("summary", f"{len(lines)} cells"), shown)
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from reflexarc_sim_bridge.evaluation.metrics.survival import BIN, BINS, survival_curve
 from reflexarc_sim_bridge.evaluation.metrics.track import Floats
 from reflexarc_sim_bridge.evaluation.protocol.results import ResultRow, Results
 
@@ -16,8 +17,6 @@ MINUS = "\u2212"
 NONE = "\u2013"
 
 _LIVES = "way_lives"
-_BIN = 0.25
-"""Length of a bin of lives, in mean free paths."""
 
 
 @dataclass(frozen=True)
@@ -55,25 +54,19 @@ def total(rows: Sequence[ResultRow], name: str) -> Floats | None:
 
 
 def survival(rows: Sequence[ResultRow]) -> tuple[Floats, Floats] | None:
-    """Kaplan and Meier's curve over mean free paths, from counts of lives by bin.
-
-    Row 0 of the counts says how many lives reach a bin, row 1 how many end in it by a contact; the
-    others are cut off by the end of the drive, and counted for half the bin (life-table form).
+    """Kaplan and Meier's curve: see `metrics/survival.py`.
 
     Returns:
-        Borders of the bins, and the share of lives that go on beyond each, as far as any does;
+        Ways in mean free paths, and the share of lives that go on beyond each, as far as any does;
         None where lives were not counted.
     """
     lives = total(rows, _LIVES)
-    if lives is None or lives.ndim != 2 or not lives[0, 0] > 0.0:
+    if lives is None or lives.shape != (2, BINS + 1) or not lives[0, 0] > 0.0:
         return None
-    reach, end = lives[0, :-1], lives[1, :-1]
-    cut = reach - end - lives[0, 1:]
-    reached = int((reach > 0.0).sum())
-    goes_on = 1.0 - (end / np.maximum(reach - 0.5 * cut, 0.5))[:reached]
-    curve: Floats = np.append(1.0, np.cumprod(np.clip(goes_on, 0.0, 1.0)))
-    borders: Floats = _BIN * np.arange(reached + 1, dtype=np.float64)
-    return borders, curve
+    curve = survival_curve(lives)
+    known = np.isfinite(curve)
+    borders: Floats = BIN * np.arange(BINS + 1, dtype=np.float64)
+    return borders[known], curve[known]
 
 
 def limits_of(results: Results, rows: Sequence[ResultRow], name: str) -> list[ResultRow]:

@@ -35,6 +35,8 @@ COMPILED_FROM = (
         for folder in (
             "arrays",
             "evaluation/cover_profile.py",
+            "evaluation/limits/horizon.py",
+            "evaluation/limits/least_contacts.py",
             "motion",
             "native",
             "obstacles",

@@ -81,7 +81,7 @@ class _Way(_Side):
     def __init__(self, who: Contender, cell: SuiteCell, setting: Setting, worlds: int) -> None:
         driven = worlds_for(cell.source, who, setting)
         circumstances = circumstances_of(driven, who.contract, cell)
-        self._simulation, self._pilot = start(driven, who, validation_seeds(worlds))
+        self._simulation, self._driver = start(driven, who, validation_seeds(worlds))
         self._step_m = circumstances.forward_mps * circumstances.dt_s
         self.sums: Floats = np.zeros(worlds)
         self._drive(DISCARDED_M)
@@ -93,9 +93,9 @@ class _Way(_Side):
     def _drive(self, way_m: float) -> None:
         for _ in range(round(way_m / self._step_m)):
             self._simulation.sense()
-            met = self._simulation.step(self._pilot.act(self._simulation.stacks))
+            met = self._simulation.step(self._driver.drive(self._simulation))
             self.sums += met
-            self._pilot.begin_anew(met)
+            self._driver.begin_anew(met)
 
 
 class _Trials(_Side):
@@ -110,10 +110,10 @@ class _Trials(_Side):
     def go_on(self, units: int) -> None:
         for _ in range(units):
             lanes = np.full(len(self._seeds), self._trials, np.uint64)
-            simulation, pilot = start(self._driven, self._who, self._seeds, lanes)
+            simulation, driver = start(self._driven, self._who, self._seeds, lanes)
             reach = Reach(simulation)
             for _step in range(round(TRIAL_S / simulation.dt_s)):
                 simulation.sense()
-                reach.note(simulation.step(pilot.act(simulation.stacks)))
+                reach.note(simulation.step(driver.drive(simulation)))
             self.sums += reach.greatest_m
             self._trials += 1

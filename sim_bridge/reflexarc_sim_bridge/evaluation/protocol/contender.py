@@ -71,7 +71,8 @@ def contender_of(source: str, *, is_guarded: bool = False) -> Contender:
 def _by_name(source: str, is_guarded: bool) -> Contender:
     made = _made(source)
     contract = getattr(made, "contract", None)
-    if not isinstance(contract, PolicyContract) or not callable(getattr(made, "decide", None)):
+    can = any(callable(getattr(made, name, None)) for name in ("decide", "driver"))
+    if not (isinstance(contract, PolicyContract) and can):
         raise UsageError(f"{source}: expected an object with `contract` and `decide`")
     sees = getattr(getattr(made, "ORIGIN", None), "sees", "")
     return Contender(source, made, contract, str(sees) == "ranges", is_guarded)

@@ -24,8 +24,8 @@ class ResultRow:
     setting: Setting
     family: str
     tier: str
-    sums: dict[str, list[float]]
-    """By the name of the sum: one value a world."""
+    sums: dict[str, list[Any]]
+    """By the name of the sum: one value a world, or one row of values."""
     limits: dict[str, str] = field(default_factory=dict)
     """By the name of a limit, such as `blind`: who holds it for a body that moves like this one."""
 
@@ -35,7 +35,7 @@ class ResultRow:
         return self.contender, self.setting, self.family, self.tier
 
     def array(self, name: str) -> Floats:
-        """A sum: (worlds,)."""
+        """A sum: (worlds, …)."""
         return np.array(self.sums[name], np.float64)
 
 
@@ -74,7 +74,6 @@ class CellFacts:
     world: str
     clutter: float | None
     counts: bool
-    perturbs: str
 
 
 @dataclass
@@ -116,7 +115,7 @@ class Results:
         )
 
 
-def plain_sums(sums: Sums) -> dict[str, list[float]]:
+def plain_sums(sums: Sums) -> dict[str, list[Any]]:
     """Sums as plain values."""
     return {name: values.tolist() for name, values in sums.items()}
 

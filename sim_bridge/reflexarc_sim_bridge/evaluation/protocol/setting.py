@@ -71,7 +71,7 @@ class WorldsFor:
         return self._as_driven(self.source.drawn(seed))
 
     def _as_driven(self, world: World) -> World:
-        world = replace(world, dt_s=1.0 / self.rate_hz)
+        world = at_rate(world, self.rate_hz)
         if self.body is not None:
             world = with_body(world, self.body)
         return without_colours(world) if self.sees_ranges else world
@@ -89,6 +89,11 @@ def worlds_for(source: WorldSource, contender: Contender, setting: Setting) -> W
         raise UsageError(f"{contender.name}: expected a round body, got a rectangle")
     driven = WorldsFor(source, setting.rate_hz(contract), body, contender.sees_ranges)
     return driven.drawn(0) if isinstance(source, World) else driven
+
+
+def at_rate(world: World, rate_hz: float) -> World:
+    """A world whose agents look and decide at another rate; its times stay as they are."""
+    return replace(world, dt_s=1.0 / rate_hz)
 
 
 def with_body(world: World, body: BodySpec) -> World:

@@ -30,6 +30,7 @@ from reflexarc_runtime.config.fill import fill
 from reflexarc_runtime.config.toml_source import TomlSource, read_text
 from reflexarc_runtime.errors import UsageError
 from reflexarc_sim_bridge.evaluation.protocol.clutter import at_clutter
+from reflexarc_sim_bridge.evaluation.protocol.perturbation import Perturbation, perturbed
 from reflexarc_sim_bridge.worlds.files import world_named
 from reflexarc_sim_bridge.worlds.world import WorldSource
 
@@ -52,18 +53,21 @@ class SuiteCell:
     """Mean free path of an agent that never steers; None: 1 / 2ρR of what is scattered."""
     counts: bool = True
     """Whether it is part of the headline."""
-    perturbs: str = ""
-    """FAMILY/TIER of the cell of which this one is a worse version; see the robustness area."""
+    perturbation: Perturbation | None = None
+    """What is made worse about it."""
 
     @cached_property
     def source(self) -> WorldSource:
         """The world, or family of worlds.
 
         Raises:
-            WorldError: there is none of that name; or it cannot have that clutter.
+            WorldError: there is none of that name; or it cannot have that clutter, or be made so
+                much worse.
         """
         source = world_named(self.world)
-        return source if self.clutter is None else at_clutter(source, self.clutter)
+        if self.clutter is not None:
+            source = at_clutter(source, self.clutter)
+        return source if self.perturbation is None else perturbed(source, self.perturbation)
 
 
 @dataclass(frozen=True)
@@ -156,14 +160,4 @@ def suite_named(name: str) -> Suite:
         path = Path(name)
     else:
         raise UsageError(f"suite: expected one of {', '.join(known)}, or a file, got {name!r}")
-    suite = fill(Suite, TomlSource(read_text(path, str(path)), str(path)))
-    _check_perturbed(suite)
-    return suite
-
-
-def _check_perturbed(suite: Suite) -> None:
-    """`Suite.only` may leave the nominal cell out; a file may not name one that it has not."""
-    known = {f"{family.name}/{cell.tier}" for family, cell in suite.cells}
-    for _, cell in suite.cells:
-        if cell.perturbs:
-            require(cell.perturbs in known, "perturbs", "a cell of the suite", cell.perturbs)
+    return fill(Suite, TomlSource(read_text(path, str(path)), str(path)))

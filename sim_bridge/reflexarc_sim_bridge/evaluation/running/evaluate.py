@@ -78,7 +78,9 @@ def processors() -> int:
 def write_results(folder: Path, run: SuiteRun, cards: Sequence[ScoreCard]) -> None:
     """Write results and scores, and in a file of its own what differs from run to run."""
     write_atomically(folder / RESULTS, _text(document_of(run.results, cards)))
-    write_atomically(folder / TIMES, _text({"decisions_per_s": run.decisions_per_s}))
+    write_atomically(
+        folder / TIMES, _text({name: times._asdict() for name, times in run.times.items()})
+    )
 
 
 def document_of(results: Results, cards: Sequence[ScoreCard]) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 from reflexarc_runtime.errors import UsageError
 from reflexarc_sim_bridge.evaluation.protocol.contender import Contender
@@ -125,6 +126,6 @@ def _holder(name: str, starter: Starter, setting: Setting) -> str:
     return f"{name}: {who_words(moving_like(starter.contender.contract, setting))}"
 
 
-def filled(job: Job, sums: dict[str, list[float]]) -> ResultRow:
+def filled(job: Job, sums: dict[str, list[Any]]) -> ResultRow:
     """The row of a job that is done."""
     return replace(job.row, sums=sums)

@@ -6,7 +6,7 @@ the lines whose keys it would compute again, and no others: see `suite_unit.py`.
 
 import copy
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, version
@@ -17,13 +17,14 @@ from reflexarc_runtime.errors import ReflexarcError, UsageError
 from reflexarc_sim_bridge.crew.crew import Crew
 from reflexarc_sim_bridge.crew.lines_file import LinesFile, read_lines
 from reflexarc_sim_bridge.crew.worker_process import Failure, Task
+from reflexarc_sim_bridge.evaluation.driving.decision_times import DecisionTimes, decision_times
 from reflexarc_sim_bridge.evaluation.protocol.agent_facts import agent_of
 from reflexarc_sim_bridge.evaluation.protocol.contender import Contender
 from reflexarc_sim_bridge.evaluation.protocol.entrant import Entrant
 from reflexarc_sim_bridge.evaluation.protocol.results import Agent, CellFacts, Results
 from reflexarc_sim_bridge.evaluation.protocol.setting import Setting
 from reflexarc_sim_bridge.evaluation.protocol.suite import Suite
-from reflexarc_sim_bridge.evaluation.running.doing import Measured, drive_timed
+from reflexarc_sim_bridge.evaluation.running.doing import PlainSums, drive_alike
 from reflexarc_sim_bridge.evaluation.running.plan import (
     Job,
     Starter,
@@ -56,9 +57,9 @@ class SuiteRun:
     """What came of a suite."""
 
     results: Results
-    decisions_per_s: dict[str, float] = field(default_factory=dict)
-    """By contender: of single agents, on one processor. Not a part of the results: it differs from
-    run to run."""
+    times: dict[str, DecisionTimes] = field(default_factory=dict)
+    """How long the decisions of each contender take. Not a part of the results: it differs from run
+    to run."""
 
 
 def run_suite(
@@ -89,29 +90,27 @@ def run_suite(
         suite=suite.title,
         version=_version(),
         agents=[_agent(starter) for starter in starters],
-        rows=[filled(job, there[job.key].sums) for job in jobs],
-        limits=[filled(job, there[job.key].sums) for job in limits],
+        rows=[filled(job, there[job.key]) for job in jobs],
+        limits=[filled(job, there[job.key]) for job in limits if there[job.key]],
         cells=_cells(suite),
     )
-    return SuiteRun(results, _speeds(jobs, there))
+    return SuiteRun(results, _times(starters))
 
 
-def _kept(folder: Path, file: LinesFile, resume: bool) -> dict[str, Measured]:
+def _kept(folder: Path, file: LinesFile, resume: bool) -> dict[str, PlainSums]:
     """Units of an earlier run, by their keys; lines of other versions are left alone."""
     if not resume:
         file.empty()
         return {}
     there = {}
     for line in read_lines(folder / ROWS):
-        try:
-            there[str(line["key"])] = Measured.from_plain(line["measured"])
-        except (KeyError, TypeError, ValueError, AttributeError):
-            continue
+        if isinstance(line.get("key"), str) and isinstance(line.get("sums"), dict):
+            there[line["key"]] = line["sums"]
     return there
 
 
 def _do_all(
-    jobs: Sequence[Job], there: dict[str, Measured], file: LinesFile, options: RunOptions
+    jobs: Sequence[Job], there: dict[str, PlainSums], file: LinesFile, options: RunOptions
 ) -> None:
     """Do the units that are not there yet, the long ones first."""
     wanted = {job.key: job for job in jobs if job.unit is not None}
@@ -125,8 +124,8 @@ def _do_all(
             job = wanted[outcome.task.key]
             if isinstance(outcome, Failure):
                 raise UsageError(f"{job.where}: {outcome.reason}")
-            file.append_line({"key": job.key, "measured": outcome.answer})
-            there[job.key] = Measured.from_plain(outcome.answer)
+            file.append_line({"key": job.key, "sums": outcome.answer})
+            there[job.key] = outcome.answer
             done += job.weight
             options.progress(done, total)
 
@@ -136,7 +135,7 @@ def _task(job: Job) -> Task:
     return Task(job.key, {"unit": job.unit.to_plain(), "path": sys.path})
 
 
-def _drive_here(job: Job, suite: Suite) -> Measured:
+def _drive_here(job: Job, suite: Suite) -> PlainSums:
     assert job.starter is not None
     contender = job.starter.contender
 
@@ -147,7 +146,7 @@ def _drive_here(job: Job, suite: Suite) -> Measured:
             return contender
 
     try:
-        return drive_timed(make, job.cell, suite, job.row.setting)
+        return drive_alike(make, job.cell, suite, job.row.setting)
     except ReflexarcError as error:
         raise UsageError(f"{job.where}: {error}") from error
 
@@ -159,18 +158,16 @@ def _agent(starter: Starter) -> Agent:
 
 def _cells(suite: Suite) -> list[CellFacts]:
     return [
-        CellFacts(family.name, cell.tier, cell.world, cell.clutter, cell.counts, cell.perturbs)
+        CellFacts(family.name, cell.tier, cell.world, cell.clutter, cell.counts)
         for family, cell in suite.cells
     ]
 
 
-def _speeds(jobs: Sequence[Job], there: Mapping[str, Measured]) -> dict[str, float]:
-    done: dict[str, list[Measured]] = {}
-    for job in jobs:
-        done.setdefault(job.row.contender, []).append(there[job.key])
+def _times(starters: Sequence[Starter]) -> dict[str, DecisionTimes]:
+    """Of all who decide by what they see."""
+    contenders = [each.contender for each in starters]
     return {
-        name: sum(m.decisions for m in all_of) / max(1e-9, sum(m.decided_s for m in all_of))
-        for name, all_of in done.items()
+        each.name: decision_times(each) for each in contenders if hasattr(each.policy, "decide")
     }
 
 

@@ -24,6 +24,8 @@ from reflexarc_sim_bridge.worlds.files import world_text
 
 _SOURCES = "reflexarc_runtime/", "reflexarc_sim_bridge/"
 _PACKAGES = "numpy", "numba"
+_NAMES = "tier", "world", "counts"
+"""Of a cell, what its sums do not depend on; of its world counts the text."""
 
 
 @dataclass(frozen=True)
@@ -84,7 +86,7 @@ class SuiteUnit:
         facts = {
             "amount": asdict(self.amount),
             "world": hashlib.sha256(world_text(cell.world).encode()).hexdigest(),
-            "cell": (cell.clutter, cell.free_path_m),
+            "cell": {name: value for name, value in asdict(cell).items() if name not in _NAMES},
             "drives": (rate_hz, repr(body)),
             "who": (self.content, self.limit, self.motion, self.code),
             "entrant": entrant and (entrant.source, entrant.is_guarded, entrant.rate_hz),

@@ -1,6 +1,5 @@
 """A worker process of a suite: `python -m reflexarc_sim_bridge.evaluation.running.suite_worker`."""
 
-import dataclasses
 import sys
 from typing import Any
 
@@ -17,7 +16,7 @@ def main() -> None:
 def _do(plain: dict[str, Any]) -> dict[str, Any]:
     """A unit; `path` are the places where its parent finds modules."""
     sys.path += [place for place in plain["path"] if place not in sys.path]
-    return dataclasses.asdict(do_unit(SuiteUnit.from_plain(plain["unit"])))
+    return do_unit(SuiteUnit.from_plain(plain["unit"]))
 
 
 if __name__ == "__main__":

@@ -1,8 +1,6 @@
-"""The figure of a row: contacts per 100 m, or how far a body that turns gets; and its cost.
+"""The figure of a row: contacts per 100 m, or how far a body that turns gets.
 
-A body that turns has no progress along x to count contacts over; see `greatest_distance.py`. Its
-cost is how much less it gets than straight ahead without any obstacle, so that less is better for
-all: costs of one row are compared with those of its own limits only.
+A body that turns has no progress along x to count contacts over: see `metrics/farthest.py`.
 """
 
 from dataclasses import dataclass
@@ -11,7 +9,7 @@ import numpy as np
 
 from reflexarc_sim_bridge.evaluation.metrics.track import Floats
 from reflexarc_sim_bridge.evaluation.protocol.results import ResultRow
-from reflexarc_sim_bridge.evaluation.scoring.poisson import (
+from reflexarc_sim_bridge.evaluation.scoring.poisson_interval import (
     dispersion,
     may_be_poisson,
     poisson_interval,
@@ -39,15 +37,16 @@ def contacts_per_100m(row: ResultRow, draws: Floats) -> Floats:
     return rates
 
 
-def mean_greatest_m(row: ResultRow, draws: Floats) -> Floats:
+def mean_farthest_m(row: ResultRow, draws: Floats) -> Floats:
     """Restricted mean of the greatest distance: (draws, worlds) → (draws,)."""
-    means: Floats = (draws @ row.array("greatest_m")) / (draws @ row.array("agents"))
+    means: Floats = (draws @ row.array("farthest_m")) / (draws @ row.array("agents"))
     return means
 
 
-def cost(row: ResultRow, draws: Floats, *, turns: bool) -> Floats:
-    """What is to be small, in each draw of worlds: (draws, worlds) → (draws,)."""
-    return -mean_greatest_m(row, draws) if turns else contacts_per_100m(row, draws)
+def speed_mps(row: ResultRow, draws: Floats) -> Floats:
+    """Progress over time: (draws, worlds) → (draws,)."""
+    speeds: Floats = (draws @ row.array("progress_m")) / (draws @ row.array("time_s"))
+    return speeds
 
 
 def contacts_interval(row: ResultRow, draws: Floats) -> Interval:

@@ -5,7 +5,7 @@
     headline         mean over families of the interquartile mean over seeds
     worst family     the least of these interquartile means
     optimality gap   mean over families and seeds of max(0, 1 − score) (rliable)
-    robustness area  mean score of the perturbed cells ÷ mean score of the cells that they perturb
+    robustness area  see `robustness.py`; mean over seeds
 
 The interval of a file is over worlds; that of a preset over training seeds crossed with worlds, and
 of three seeds or fewer there is none. Smoothness is no part of any of it.
@@ -43,7 +43,7 @@ class ScoreCard:
     worst_family: str
     optimality_gap: float
     robustness_area: float | None
-    """None without perturbed cells, or where the nominal ones are no better than blind."""
+    """None without such a grid, or where the nominal score is no better than blind."""
     note: str
     """What the interval is over, or why there is none."""
     cells: dict[str, list[CellScore]] = field(default_factory=dict)
@@ -128,12 +128,9 @@ def _optimality_gap(scores: Floats) -> float:
 
 
 def _robustness_area(scored: Sequence[ScoredCells]) -> float | None:
-    pairs = [each.perturbed_and_nominal() for each in scored]
-    perturbed = [score for one, _ in pairs for score in one]
-    nominal = [score for _, one in pairs for score in one]
-    if not perturbed or not nominal or np.mean(nominal) <= 0.0:
-        return None
-    return float(np.mean(perturbed) / np.mean(nominal))
+    """Mean over the seeds that have one."""
+    areas = [area for each in scored if np.isfinite(area := each.robustness_area())]
+    return float(np.mean(areas)) if areas else None
 
 
 def rows_of(rows: Sequence[ResultRow], name: str, setting: Setting) -> list[ResultRow]:

@@ -11,12 +11,14 @@ from reflexarc_sim_bridge.evaluation.protocol.results import CellFacts, ResultRo
 from reflexarc_sim_bridge.evaluation.scoring.cell_figures import (
     Interval,
     contacts_interval,
-    cost,
-    mean_greatest_m,
+    contacts_per_100m,
+    mean_farthest_m,
     percentile_interval,
     row_dispersion,
+    speed_mps,
 )
-from reflexarc_sim_bridge.evaluation.scoring.cell_score import cell_score
+from reflexarc_sim_bridge.evaluation.scoring.cell_score import LEAST_WAY, between
+from reflexarc_sim_bridge.evaluation.scoring.robustness import robustness_area
 from reflexarc_sim_bridge.evaluation.scoring.world_draws import world_draws
 
 _BLIND, _ORACLE = "blind", "oracle"
@@ -33,7 +35,7 @@ class CellScore:
     """Its value is NaN where there is nothing to tell."""
     contacts_per_100m: Interval | None
     """None for a body that turns."""
-    greatest_m: Interval | None
+    farthest_m: Interval | None
     """Of a body that turns: how far it gets before its first contact, or in the given time."""
     dispersion: float | None
     """Variance over mean of the contacts of the worlds."""
@@ -68,21 +70,10 @@ class ScoredCells:
         means: Floats = np.stack(chosen).mean(axis=0)
         return means
 
-    def perturbed_and_nominal(self) -> tuple[list[float], list[float]]:
-        """Scores of the cells that are worse versions of others, and of those others."""
-        by_name = {
-            f"{facts.family}/{facts.tier}": float(scores[0])
-            for facts, scores in zip(self._facts, self._scores, strict=True)
-        }
-        perturbed = {f"{facts.family}/{facts.tier}": facts.perturbs for facts in self._facts}
-        by_name = {name: score for name, score in by_name.items() if np.isfinite(score)}
-        pairs = {
-            mine: theirs
-            for mine, theirs in perturbed.items()
-            if mine in by_name and theirs in by_name
-        }
-        nominal = dict.fromkeys(pairs.values())
-        return [by_name[mine] for mine in pairs], [by_name[theirs] for theirs in nominal]
+    def robustness_area(self) -> float:
+        """See `robustness.py`; NaN where there is none."""
+        scores = {row.key: float(s[0]) for row, s in zip(self.rows, self._scores, strict=True)}
+        return robustness_area(self.rows, lambda row: scores[row.key])
 
     @cached_property
     def _facts(self) -> list[CellFacts]:
@@ -106,30 +97,26 @@ class ScoredCells:
         ]
 
     def _scores_in(self, row: ResultRow) -> Floats:
-        own = cost(row, self._draws, turns=self.turns)
-        blind, oracle = (self._limit(row, name) for name in (_BLIND, _ORACLE))
+        blind, oracle = (self.results.limit(row, name) for name in (_BLIND, _ORACLE))
         assert blind is not None
-        least = self._least_cost(row) if oracle is None else oracle
-        scores = cell_score(own, blind, least)
+        own, of_blind = self._figure(row), self._figure(blind)
+        best = np.zeros_like(own) if oracle is None else self._figure(oracle)
+        scores = between(own, of_blind, best)
+        if not self.turns:
+            stands = speed_mps(row, self._draws) < LEAST_WAY * speed_mps(blind, self._draws)
+            scores = np.where(stands, -1.0, scores)
         # A draw of worlds in which nothing can be told says what all of them say.
         return np.where(np.isfinite(scores), scores, scores[0])
 
-    def _limit(self, row: ResultRow, name: str) -> Floats | None:
-        limit = self.results.limit(row, name)
-        return None if limit is None else cost(limit, self._draws, turns=self.turns)
-
-    def _least_cost(self, row: ResultRow) -> Floats:
-        """What nothing can undercut: no contact; or straight ahead for all the time."""
-        if not self.turns:
-            return np.zeros(len(self._draws))
-        return -(self._draws @ row.array("straight_m")) / (self._draws @ row.array("agents"))
+    def _figure(self, row: ResultRow) -> Floats:
+        return (mean_farthest_m if self.turns else contacts_per_100m)(row, self._draws)
 
     def _cell(self, facts: CellFacts, row: ResultRow) -> CellScore:
         score = percentile_interval(self._scores[self.rows.index(row)], self.worlds)
         contacts = None if self.turns else contacts_interval(row, self._draws)
         greatest = None
         if self.turns:
-            greatest = percentile_interval(mean_greatest_m(row, self._draws), self.worlds)
+            greatest = percentile_interval(mean_farthest_m(row, self._draws), self.worlds)
         dispersion = None if self.turns else row_dispersion(row)
         return CellScore(
             facts.family, facts.tier, facts.counts, score, contacts, greatest, dispersion

@@ -59,8 +59,10 @@ def test_rows_are_what_a_drive_in_this_process_says(
     row = next(row for row in alone.rows if row.contender == "Mine")
     sums = sums_of(drive(mine.contender(), cell, suite, row.setting))
     assert row.sums == {name: values.tolist() for name, values in sums.items()}
-    assert alone.limit(row, "blind") in alone.limits
-    assert alone.limit(row, "oracle") is None
+    oracle, blind = (alone.limit(row, name) for name in ("oracle", "blind"))
+    assert oracle is not None
+    assert blind is not None
+    assert oracle.array("contacts").sum() < blind.array("contacts").sum()
 
 
 def test_objects_drive_here_as_entrants_do_elsewhere_and_are_not_worn_out(
@@ -77,8 +79,8 @@ def test_a_run_goes_on_with_lines_that_still_hold_and_with_no_others(
     out.mkdir()
     # Of the lines: some are missing, one belongs to nobody, one is torn; one tells a lie.
     lie = json.loads(rows[0])
-    lie["measured"]["sums"]["contacts"] = [1e6, 0.0, 0.0]
-    other = b'{"key": "of another version", "measured": {"sums": {}}}'
+    lie["sums"]["contacts"] = [1e6, 0.0, 0.0]
+    other = b'{"key": "of another version", "figures": []}'
     kept = [json.dumps(lie).encode(), *rows[1:4], other, rows[4][:50]]
     (out / ROWS).write_bytes(b"\n".join(kept))
     who = [*entrants(folder, "Mine", "Gambler", "Counter"), Entrant("random", "random")]
@@ -106,17 +108,17 @@ def test_another_rate_guard_or_text_of_a_contender_is_another_unit(
     done: list[float] = []
 
     def again(entrant: Entrant) -> int:
-        """How many units were not there yet, of three: robot, field and the limit of both."""
+        """How many units were not there yet."""
         done.clear()
         options = RunOptions(1, folder / "keys", True, lambda now, _: done.append(now))
         run_suite(one, [entrant], options=options)
         return len(done) - 1
 
     mine = Entrant("mine", f"{source}:Mine")
-    assert again(mine) == 4  # 50 Hz and 10 Hz, each with its limit
+    assert again(mine) == 6  # 50 Hz and 10 Hz, each with its two limits
     assert again(mine) == 0
     assert again(Entrant("by another name", mine.source)) == 0
-    assert again(Entrant("mine", mine.source, rate_hz=20.0)) == 3  # 20 Hz, its limit, the field
+    assert again(Entrant("mine", mine.source, rate_hz=20.0)) == 4  # 20 Hz, its limits, the field
     source.write_text(source.read_text() + "\n# changed\n")
     assert again(mine) == 2
 

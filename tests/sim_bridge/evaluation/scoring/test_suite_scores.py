@@ -9,7 +9,7 @@ from reflexarc_sim_bridge.evaluation.protocol.results import Results
 from reflexarc_sim_bridge.evaluation.scoring.score_card import ScoreCard, middle_means
 from reflexarc_sim_bridge.evaluation.scoring.statistics import interquartile_mean
 from reflexarc_sim_bridge.evaluation.scoring.suite_scores import presets_of, score_cards
-from support.suite_results import BLIND, agent, results_of
+from support.suite_results import BLIND, METRES, ORACLE, agent, results_of
 
 
 def card_of(results: Results) -> ScoreCard:
@@ -70,21 +70,44 @@ def test_a_cell_in_which_blind_never_collides_tells_nothing() -> None:
     assert card_of(results).headline.value == pytest.approx(0.5)
 
 
-def test_the_robustness_area_compares_with_the_cells_that_are_perturbed() -> None:
+def test_the_robustness_area_is_that_of_the_grid() -> None:
+    nominal, one, two = "robustness/none", "robustness/noise", "robustness/slip"
     results = results_of(
         {
-            BLIND: {"a/0": [10, 10], "b/1": [10, 10], "b/2": [10, 10]},
-            "mine": {"a/0": [2, 2], "b/1": [4, 4], "b/2": [8, 8]},
+            BLIND: {"a/0": [10, 10], nominal: [10, 10], one: [10, 10], two: [10, 10]},
+            "mine": {"a/0": [5, 5], nominal: [2, 2], one: [4, 4], two: [8, 8]},
         },
         [agent("mine")],
-        perturbs={"b/1": "a/0", "b/2": "a/0"},
+        uncounted=[nominal, one, two],
     )
-    assert card_of(results).robustness_area == pytest.approx(((0.6 + 0.2) / 2) / 0.8)
+    card = card_of(results)
+    assert card.robustness_area == pytest.approx(((0.6 + 0.2) / 2) / 0.8)
+    assert card.headline.value == pytest.approx(0.5)
+
+
+def test_an_oracle_that_cannot_avoid_all_is_the_measure_of_the_best() -> None:
+    results = results_of(
+        {BLIND: {"a/1": [10, 10]}, ORACLE: {"a/1": [2, 2]}, "mine": {"a/1": [4, 4]}},
+        [agent("mine")],
+    )
+    assert card_of(results).headline.value == pytest.approx((10 - 4) / (10 - 2))
+
+
+def test_who_stands_avoids_nothing() -> None:
+    results = results_of({BLIND: {"a/1": [10, 10]}, "idle": {"a/1": [0, 0]}}, [agent("idle")])
+    (row,) = results.rows
+    row.sums["progress_m"] = [METRES / 20.0] * 2
+    assert card_of(results).headline.value == -1.0
 
 
 def test_a_body_that_turns_is_scored_by_how_far_it_gets() -> None:
     results = results_of(
-        {BLIND: {"a/1": [3, 3]}, "rover": {"a/1": [20, 24]}, "circle": {"a/1": [1, 1]}},
+        {
+            BLIND: {"a/1": [3, 3]},
+            ORACLE: {"a/1": [60, 60]},
+            "rover": {"a/1": [20, 24]},
+            "circle": {"a/1": [1, 1]},
+        },
         [agent("rover", turns=True), agent("circle", turns=True)],
     )
     rover, circle = score_cards(results)

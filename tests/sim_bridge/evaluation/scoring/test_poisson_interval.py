@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from reflexarc_sim_bridge.evaluation.scoring.poisson import (
+from reflexarc_sim_bridge.evaluation.scoring.poisson_interval import (
     dispersion,
     may_be_poisson,
     poisson_interval,
