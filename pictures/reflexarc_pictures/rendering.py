@@ -149,10 +149,11 @@ def render_results(
     Raises:
         UsageError: these are no results of a suite.
     """
-    from reflexarc_pictures.suite_page.from_results import draw_results
+    from reflexarc_pictures.suite_page.from_results import draw_results, read_results
 
+    results = read_results(path)
     with progress_bar("driving to the worst moments", 1) as progress:
-        draw_results(path, out, suite, progress)
+        draw_results(results, out, suite, progress)
     is_page = out.suffix.lower() == PAGE
     return Rendered(out, "page" if is_page else "scores", out.stat().st_size, 1)
 

@@ -56,21 +56,20 @@ def content_of(
 
 
 def draw_results(
-    path: Path, out: Path, suite_name: str = "", progress: Progress | None = None
+    results: Results, out: Path, suite_name: str = "", progress: Progress | None = None
 ) -> None:
-    """The page, or the picture, of the results in a file.
+    """Write the page, or the picture, of results.
 
     Args:
-        path: `results.json`.
+        results: of a suite.
         out: the page (HTML) or the picture (PNG).
         suite_name: see `content_of`.
         progress: see `content_of`.
 
     Raises:
-        ReflexarcError: the results cannot be read.
+        UsageError: nobody was measured, or no cell tells anything.
         OSError: the file cannot be written.
     """
-    results = read_results(path)
     if out.suffix.lower() == PAGE:
         write_page(content_of(results, suite_name, progress), out)
     else:

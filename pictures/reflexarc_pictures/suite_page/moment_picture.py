@@ -34,7 +34,7 @@ def moments_section(content: PageContent) -> Markup:
     """A picture for each moment."""
     title, anchor = "Worst moments", "moments"
     if not content.moments:
-        return section(title, anchor, note("None was driven again for this page."))
+        return section(title, anchor, note("No moment was driven again for this page."))
     who = content.moments[0].contender
     shown = [element("div", _card(moment), class_="card") for moment in content.moments]
     return section(

@@ -14,9 +14,9 @@ Colour = tuple[int, int, int]
 _LIGHT: tuple[Colour, Colour, Colour] = (246, 246, 244), (8, 81, 156), (166, 54, 3)
 """Score 0, score 1, score −1."""
 _DARK: tuple[Colour, Colour, Colour] = (40, 44, 48), (120, 184, 245), (240, 140, 70)
-_DARK_INK, _LIGHT_INK = "#14181c", "#ffffff"
-_BRIGHT = 0.30
-"""Of this luminance and more a ground takes dark ink."""
+_BLACK, _WHITE = "#000000", "#ffffff"
+_FLARE = 0.05
+"""Light that a screen reflects, in WCAG's contrast."""
 
 _LINES = """
 --ink:#1c2329;--soft:#5b6670;--ground:#ffffff;--card:#f7f7f5;--rule:#d9dcdf;--grid:#e8eaec;
@@ -51,7 +51,7 @@ th .place{color:var(--soft);font-weight:400;margin-right:5px}
 vertical-align:-3px}.score i{display:block}i{font-style:normal;font-size:11.5px;
 color:var(--soft);white-space:nowrap}
 .heat-table td{border:2px solid var(--ground);text-align:center;min-width:68px;padding:5px 4px}
-.heat-table i{display:block;color:inherit;opacity:.85;font-size:10.5px}
+.heat-table i{display:block;color:inherit;font-size:10.5px}
 .heat-table thead th{text-align:center;border:0}.heat-table thead th:first-child{text-align:left}
 .heat-table td.none{color:var(--soft)}.key{margin:10px 0}.key th{font-weight:400;font-size:12px}
 .key td{min-width:48px}.small{font-size:12.5px}.small tbody th{min-width:96px;max-width:150px;
@@ -119,8 +119,9 @@ def _shades(zero: Colour, best: Colour, worst: Colour) -> str:
     for letter, end in (("h", best), ("m", worst)):
         for k in range(SHADES + 1):
             colour = _between(zero, end, (k / SHADES) ** 1.2)
-            ink = _DARK_INK if _luminance(colour) > _BRIGHT else _LIGHT_INK
-            rules.append(f".{letter}{k}{{background:rgb{colour};color:{ink}}}".replace(" ", ""))
+            rules.append(
+                f".{letter}{k}{{background:rgb{colour};color:{_ink_on(colour)}}}".replace(" ", "")
+            )
     return "".join(rules)
 
 
@@ -129,7 +130,17 @@ def _between(start: Colour, end: Colour, share: float) -> Colour:
     return red, green, blue
 
 
+def _ink_on(ground: Colour) -> str:
+    """Black or white, whichever is told better from a ground."""
+    light = _luminance(ground) + _FLARE
+    return _BLACK if light / _FLARE > (1.0 + _FLARE) / light else _WHITE
+
+
 def _luminance(colour: Colour) -> float:
-    """Relative luminance of a screen colour, about."""
-    red, green, blue = (math.pow(part / 255.0, 2.2) for part in colour)
+    """Relative luminance (WCAG 2.1)."""
+    red, green, blue = (_linear(part / 255.0) for part in colour)
     return 0.2126 * red + 0.7152 * green + 0.0722 * blue
+
+
+def _linear(part: float) -> float:
+    return part / 12.92 if part <= 0.04045 else math.pow((part + 0.055) / 1.055, 2.4)

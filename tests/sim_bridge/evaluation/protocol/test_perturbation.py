@@ -16,26 +16,26 @@ def test_by_default_nothing_is_worse() -> None:
 
 
 def test_what_a_world_has_already_stays() -> None:
-    senses = Senses(noise=0.03, dropout=0.5, latency_steps=2)
+    senses = Senses(noise=0.03, dropout=0.5, latency_s=0.2)
     world = World("w", senses=senses, chassis=Chassis(slip=0.3))
     worse = perturbed(world, Perturbation(noise=0.04, dropout=0.5, latency_s=0.3, slip=0.4))
     assert worse.senses.noise == pytest.approx(0.05)
     assert worse.senses.dropout == pytest.approx(0.75)
-    assert worse.senses.latency_steps == 5
+    assert worse.senses.latency_s == pytest.approx(0.5)
     assert worse.chassis.slip == pytest.approx(0.5)
 
 
 @pytest.mark.parametrize(("rate_hz", "steps"), [(10.0, 3), (50.0, 15), (2.0, 1)])
 def test_a_delay_is_as_long_at_any_rate(rate_hz: float, steps: int) -> None:
     late = at_rate(world_named("late").drawn(0), rate_hz)
-    assert (late.dt_s, late.senses.latency_steps) == (1.0 / rate_hz, steps)
-    assert late.senses.gap_steps == 1
+    assert (late.dt_s, late.latency_steps) == (1.0 / rate_hz, steps)
+    assert late.gap_steps == 1
 
 
 def test_a_slow_sensor_is_as_slow_at_any_rate() -> None:
     seldom = world_named("seldom").drawn(0)
-    assert at_rate(seldom, 50.0).senses.gap_steps == 5 * seldom.senses.gap_steps
-    assert at_rate(seldom, 1.0).senses.gap_steps >= 1
+    assert at_rate(seldom, 50.0).gap_steps == 5 * seldom.gap_steps
+    assert at_rate(seldom, 1.0).gap_steps >= 1
 
 
 def test_a_family_of_worlds_cannot_be_made_worse() -> None:
