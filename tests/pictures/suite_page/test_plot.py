@@ -1,4 +1,5 @@
 import math
+from itertools import pairwise
 
 import pytest
 from hypothesis import given
@@ -16,7 +17,7 @@ def test_names_keep_their_order_their_distance_and_their_bounds(wanted: list[flo
     apart = min(15.0, 400.0 / max(len(wanted) - 1, 1))
     assert min(places) >= -1e-6
     assert max(places) <= 400.0 + 1e-6
-    for before, after in zip(order, order[1:], strict=False):
+    for before, after in pairwise(order):
         assert places[after] - places[before] >= apart - 1e-6
 
 
