@@ -42,7 +42,7 @@ table{border-collapse:collapse;font-size:13.5px;font-variant-numeric:tabular-num
 th,td{padding:5px 9px;text-align:left;vertical-align:middle}
 thead th{color:var(--soft);font-weight:600;font-size:12.5px;vertical-align:bottom;
 border-bottom:1px solid var(--rule)}
-tbody th{font-weight:600;overflow-wrap:break-word;min-width:130px;max-width:260px}
+tbody th{font-weight:600;overflow-wrap:break-word;min-width:150px;max-width:260px}
 th .place{color:var(--soft);font-weight:400;margin-right:5px}
 .board{width:100%}.board tbody tr{border-bottom:1px solid var(--grid)}
 .board thead th{cursor:pointer}.board .place{color:var(--soft);text-align:right}
