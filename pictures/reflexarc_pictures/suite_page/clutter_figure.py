@@ -44,7 +44,8 @@ def clutter_section(content: PageContent) -> Markup:
         note(
             "Contacts per metre, over those of an agent that never steers in the same worlds:"
             " 1 is that agent (dotted), the lowest line an oracle that knows everything, where one"
-            " was found (dashed). Shaded: the critical clutter of the theory for v = w. At the"
+            " was found (dashed); what is above the axis stands at its upper end. Shaded: the"
+            " critical clutter of the theory for v = w. At the"
             f" {content.settings[0]}\u2019s rate and body; bodies that turn are left out, as they"
             " have no way ahead."
         ),

@@ -30,7 +30,7 @@ _LINES_DARK = """
 """
 _RULES = """
 *{box-sizing:border-box}
-body{margin:0 auto;max-width:1240px;padding:28px 28px 60px;background:var(--ground);
+body{margin:0 auto;max-width:1320px;padding:28px 28px 60px;background:var(--ground);
 color:var(--ink);font:15px/1.5 system-ui,-apple-system,"Segoe UI",Roboto,"DejaVu Sans",sans-serif}
 h1{font-size:30px;line-height:1.2;margin:0 0 4px}h2{font-size:21px;margin:44px 0 12px;
 border-bottom:1px solid var(--rule);padding-bottom:5px}
@@ -50,9 +50,10 @@ th .place{color:var(--soft);font-weight:400;margin-right:5px}
 .score b{display:inline-block;min-width:52px;font-size:15px}.score svg{width:110px;
 vertical-align:-3px}.score i{display:block}i{font-style:normal;font-size:11.5px;
 color:var(--soft);white-space:nowrap}
-.heat-table td{border:2px solid var(--ground);text-align:center;min-width:68px;padding:5px 4px}
-.heat-table i{display:block;color:inherit;font-size:10.5px}
+.heat-table td{border:2px solid var(--ground);text-align:center;min-width:62px;padding:5px 1px}
+.heat-table i{display:block;color:inherit;font-size:10px;letter-spacing:-.02em}
 .heat-table thead th{text-align:center;border:0}.heat-table thead th:first-child{text-align:left}
+.heat-table tbody th{max-width:170px;overflow-wrap:anywhere}
 .heat-table td.none{color:var(--soft)}.key{margin:10px 0}.key th{font-weight:400;font-size:12px}
 .key td{min-width:48px}.small{font-size:12.5px}.small tbody th{min-width:96px;max-width:150px;
 font-weight:500}.small td{min-width:66px}
