@@ -29,7 +29,8 @@ class EvaluateCommand:
     (bootstrap over agents). Bodies that turn have no such figure: theirs is the greatest distance
     before the first contact, in 60 s. With --suite: in all its worlds, at the robot's rate and body
     and at the field's; the figure is a score, 0 for an agent that never steers and 1 for what is
-    possible, family by family. Writes results.json into runs/evaluation-SUITE. After Ctrl-C, or
+    possible, family by family. Writes results.json and the page index.html into
+    runs/evaluation-SUITE. After Ctrl-C, or
     worse, --resume goes on. With --against: one policy is compared with an older one on the same
     validation worlds; exit status 0 if it loses no more than --loss in any family, 1 if it loses
     more in one, 3 if neither could be shown. Policies are greedy; each has its own eye.
@@ -72,6 +73,8 @@ class EvaluateCommand:
     resume: bool = False
     """Go on with a suite that was interrupted: take what its folder has of the same cells, the same
     contenders and the same code."""
+    page: bool = True
+    """Draw a suite's results as one page that a browser opens, with its worst moments."""
     against: str = ""
     """An older policy, or a controller or baseline: does the given one lose by the change?"""
     loss: float = _LOSS
@@ -118,6 +121,7 @@ class EvaluateCommand:
             _refuse("with --against", loss=self.loss != _LOSS)
             _refuse("with --suite", family=self.family, jobs=self.jobs, out=self.out)
             _refuse("with --suite", resume=self.resume, setting=self.setting != "both")
+            _refuse("with --suite", no_page=not self.page)
 
     def _run_comparison(self, entrants: "list[Entrant]") -> int:
         from reflexarc.terminal.suite_progress import show_suite_progress
@@ -205,12 +209,14 @@ class EvaluateCommand:
             raise
         cards = score_cards(run.results)
         write_results(out, run, cards)
+        if self.page:
+            _draw_page(out, self.suite)
         if self.json:
             print_json(document_of(run.results, cards))
             return 0
         for table in score_tables(run.results, cards):
             console.print(table)
-        console.print(f"results: {out}")
+        console.print(f"results: {out / ('index.html' if self.page else 'results.json')}")
         return 0
 
     @property
@@ -220,8 +226,14 @@ class EvaluateCommand:
         return tuple(Setting) if self.setting == "both" else (Setting(self.setting),)
 
 
+def _draw_page(out: Path, suite: str) -> None:
+    from reflexarc_pictures.rendering import render_results
+
+    render_results(out / "results.json", out / "index.html", suite, progress_bar)
+
+
 def _refuse(when: str, **flags: object) -> None:
     """Refuse flags that would change nothing."""
     for name, given in flags.items():
         if given:
-            raise UsageError(f"--{name}: expected only {when}")
+            raise UsageError(f"--{name.replace('_', '-')}: expected only {when}")

@@ -122,6 +122,17 @@ class Suite:
         """Name and version."""
         return f"{self.name}-{self.version}"
 
+    def cell(self, name: str) -> SuiteCell:
+        """The cell of that name, FAMILY/TIER.
+
+        Raises:
+            UsageError: it has none of that name.
+        """
+        known = {f"{family.name}/{cell.tier}": cell for family, cell in self.cells}
+        if name not in known:
+            raise UsageError(f"{self.name}: expected one of {', '.join(known)}, got {name!r}")
+        return known[name]
+
     def only(self, families: tuple[str, ...]) -> Self:
         """The suite with some of its families.
 
