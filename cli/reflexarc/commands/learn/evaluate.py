@@ -209,14 +209,13 @@ class EvaluateCommand:
             raise
         cards = score_cards(run.results)
         write_results(out, run, cards)
-        if self.page:
-            _draw_page(out, self.suite)
+        drawn = self.page and _draw_page(out, self.suite)
         if self.json:
             print_json(document_of(run.results, cards))
             return 0
         for table in score_tables(run.results, cards):
             console.print(table)
-        console.print(f"results: {out / ('index.html' if self.page else 'results.json')}")
+        console.print(f"results: {out / ('index.html' if drawn else 'results.json')}")
         return 0
 
     @property
@@ -226,10 +225,15 @@ class EvaluateCommand:
         return tuple(Setting) if self.setting == "both" else (Setting(self.setting),)
 
 
-def _draw_page(out: Path, suite: str) -> None:
-    from reflexarc_pictures.rendering import render_results
-
+def _draw_page(out: Path, suite: str) -> bool:
+    """Draw the page, if the extra for pictures is there."""
+    try:
+        from reflexarc_pictures.rendering import render_results
+    except ModuleNotFoundError as missing:
+        aside.print(f"no page: {missing.name} is missing: pip install 'reflexarc[pictures]'")
+        return False
     render_results(out / "results.json", out / "index.html", suite, progress_bar)
+    return True
 
 
 def _refuse(when: str, **flags: object) -> None:

@@ -51,6 +51,7 @@ def test_suite_prints_tables_and_writes_results(
     assert "small-1, robot: score by family" in said
     assert "small-1, field: headline" in said
     assert sorted(path.name for path in out.iterdir()) == [
+        "index.html",
         "results.json",
         "rows.jsonl",
         "times.json",
