@@ -19,6 +19,13 @@ HOMES: Mapping[str, str] = MappingProxyType(
         "motor-schemas-largest": "history.motor_schemas:MotorSchemasLargest",
         "layered-wander": "history.layered_reflexes:LayeredWander",
         "layered-perimeter": "history.layered_reflexes:LayeredPerimeter",
+        "flow-balance": "history.flow_balance:FlowBalance",
+        "flow-balance-always": "history.flow_balance:FlowBalanceAlways",
+        "flow-largest": "history.flow_balance:FlowLargest",
+        "flow-correlator": "history.flow_balance:FlowCorrelator",
+        "flow-emergency": "history.flow_evasion:FlowEmergency",
+        "flow-divergence": "history.flow_evasion:FlowDivergence",
+        "flow-regulation": "history.flow_regulation:FlowRegulation",
     }
 )
 """Name of a baseline → its module in this package, and its class."""
