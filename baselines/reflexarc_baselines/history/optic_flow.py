@@ -25,6 +25,8 @@ from reflexarc_runtime.sensing.ray_values import FULL_SCALE
 
 SPEED_MPS, ASIDE_MPS = 1.0, 0.25
 """Slow sidesteps: at equal speeds a body that always looks mostly sees its own."""
+RATE_HZ, MAX_INPUT_AGE_S = 10.0, 0.25
+"""On a robot as on the reference field: more often, frames differ by less than their 256 steps."""
 
 
 def flow_contract() -> PolicyContract:
@@ -35,7 +37,12 @@ def flow_contract() -> PolicyContract:
     eye = RetinaSpec(
         rays=16, fov_rad=math.pi, range_m=5.0, shading=Shading.COLOUR, frames=2, samples=16
     )
-    return PolicyContract(retina=eye, actions=sideways_actions(SPEED_MPS, ASIDE_MPS))
+    return PolicyContract(
+        retina=eye,
+        actions=sideways_actions(SPEED_MPS, ASIDE_MPS),
+        rate_hz=RATE_HZ,
+        max_input_age_s=MAX_INPUT_AGE_S,
+    )
 
 
 def frames_of(retinas: RetinaBatch) -> tuple[Floats, Floats]:

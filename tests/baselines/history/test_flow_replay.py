@@ -58,3 +58,9 @@ def test_it_sees_two_frames_of_colour(name: str) -> None:
     assert policy.ORIGIN.sees is Sees.RETINA
     assert (eye.frames, eye.shading, eye.samples) == (2, Shading.COLOUR, 16)
     assert policy.ORIGIN.home_world.startswith("bees")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_it_counts_in_the_periods_that_its_contract_runs_at(name: str) -> None:
+    policy = baseline_named(name)
+    assert getattr(policy, "period_s") * policy.contract.rate_hz == 1.0  # noqa: B009  # no part of the protocol
