@@ -75,3 +75,13 @@ def test_a_ray_s_mean_follows_with_its_time_constant() -> None:
     for _ in range(10):
         signals, _, memory = filters.followed(np.ones((1, 1), np.float32), memory)
     assert signals[0, 0] == pytest.approx(math.exp(-1.0), rel=1e-5)
+
+
+def test_the_first_frame_is_its_own_mean() -> None:
+    seen = np.array([[0.9, 0.2, 0.6]], np.float32)
+    signals, delayed, memory = Filters.of(0.1, 1.0, DT_S).followed(
+        seen, np.zeros((1, 7), np.float32)
+    )
+    assert not signals.any()
+    assert not delayed.any()
+    assert memory[0, 1:4].tolist() == seen[0].tolist()

@@ -71,6 +71,14 @@ def test_it_knows_on_which_side_the_run_is(left_rad: float, right_rad: float) ->
     assert run.tau_s[0] < NEVER_S
 
 
+def test_what_stands_beside_a_gap_is_no_part_of_the_run() -> None:
+    ahead, beside = seen(face, 1.0), bar(1.1, 0.9, 0.8, 0.0)
+    both = np.maximum(ahead, two_frames(beside, beside))
+    alone = looming(ahead, EYE, 0.6, DT_S)
+    assert looming(both, EYE, 0.6, DT_S).tau_s[0] == alone.tau_s[0]
+    assert looming(both, EYE, 0.6, DT_S).bearing_rad[0] == alone.bearing_rad[0]
+
+
 def test_what_shrinks_or_stays_or_fills_the_eye_is_never_met() -> None:
     approaching = seen(face, 1.0)
     receding, still = approaching[:, ::-1], approaching[:, [1, 1]]
