@@ -31,7 +31,7 @@ def kept_share(period_s: float, time_constant_s: float) -> float:
     return math.exp(-period_s / time_constant_s)
 
 
-def low_passed(late: _Signal, now: _Signal, kept: _Signal) -> _Signal:
+def low_passed(late: _Signal, now: _Signal, kept: _Signal | np.float32) -> _Signal:
     """s̄ after one more look.
 
     Args:

@@ -30,6 +30,13 @@ HOMES: Mapping[str, str] = MappingProxyType(
         "closed-loop": "history.closed_loop:ClosedLoop",
         "evolved-viewing": "history.viewing_directions:ViewingDirections",
         "spiking-network": "history.spiking_network:SpikingNetwork",
+        "flow-balance": "history.flow.flow_balance:FlowBalance",
+        "flow-balance-always": "history.flow.flow_balance:FlowBalanceAlways",
+        "flow-largest": "history.flow.flow_balance:FlowLargest",
+        "flow-correlator": "history.flow.flow_balance:FlowCorrelator",
+        "flow-emergency": "history.flow.flow_evasion:FlowEmergency",
+        "flow-divergence": "history.flow.flow_evasion:FlowDivergence",
+        "flow-regulation": "history.flow.flow_regulation:FlowRegulation",
     }
 )
 """Name of a baseline → its module in this package, and its class."""

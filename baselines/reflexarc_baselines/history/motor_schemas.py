@@ -80,7 +80,7 @@ class _MotorSchemas(ABC):
     @property
     def contract(self) -> PolicyContract:
         """The reference field's, with a memory of the noise."""
-        return replace(self.drives_by, state=StateSpec(wandering.SIZE))
+        return replace(self.drives_by, rate_hz=1.0 / self.period_s, state=StateSpec(wandering.SIZE))
 
     def decide(self, retinas: RetinaBatch, memories: Memories) -> tuple[QValues, Actions, Memories]:
         """See `RememberingPolicy`."""

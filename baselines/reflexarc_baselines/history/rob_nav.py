@@ -65,7 +65,7 @@ class RobNav:
     @property
     def contract(self) -> PolicyContract:
         """The reference field's, with its memory."""
-        return replace(self.drives_by, state=StateSpec(4))
+        return replace(self.drives_by, rate_hz=1.0 / self.period_s, state=StateSpec(4))
 
     @property
     def aside_s(self) -> float:

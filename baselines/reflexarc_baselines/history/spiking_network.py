@@ -169,7 +169,7 @@ class SpikingNetwork:
     @property
     def contract(self) -> PolicyContract:
         """The reference field's eye and motions."""
-        return contract_of_network()
+        return replace(contract_of_network(), rate_hz=1.0 / self.period_s)
 
     @cached_property
     def _wires(self) -> Floats:

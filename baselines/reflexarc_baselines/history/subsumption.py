@@ -186,7 +186,7 @@ class Subsumption1(_Wandering):
     @property
     def contract(self) -> PolicyContract:
         """The reference field's, with a memory of wander and of one wire."""
-        return replace(self.drives_by, state=StateSpec(_OUTPUT.stop))
+        return replace(self.drives_by, rate_hz=1.0 / self.period_s, state=StateSpec(_OUTPUT.stop))
 
     def _heard(
         self, retinas: RetinaBatch, wander: Messages, memories: Memories, following: Memories
@@ -210,7 +210,7 @@ class Subsumption(_Wandering):
     @property
     def contract(self) -> PolicyContract:
         """The reference field's, with a memory of wander and of three wires."""
-        return replace(self.drives_by, state=StateSpec(_BLANK.stop))
+        return replace(self.drives_by, rate_hz=1.0 / self.period_s, state=StateSpec(_BLANK.stop))
 
     def plan(self, retinas: RetinaBatch) -> Messages:
         """Bearings of the farthest passages (rad)."""

@@ -58,7 +58,7 @@ class ViewingDirections:
     @property
     def contract(self) -> PolicyContract:
         """The reference field's motions."""
-        return with_memory(self.eye)
+        return replace(with_memory(self.eye), rate_hz=1.0 / self.period_s)
 
     @cached_property
     def _wiring(self) -> Wiring:

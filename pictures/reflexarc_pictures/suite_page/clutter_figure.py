@@ -8,7 +8,7 @@ its critical clutter for w = v, 0.20 to 0.25; beyond it every way ends in a cont
 from collections.abc import Sequence
 
 from reflexarc_pictures.suite_page.markup import Markup, element, joined
-from reflexarc_pictures.suite_page.page_content import Entry, PageContent
+from reflexarc_pictures.suite_page.page_content import BoardEntry, PageContent
 from reflexarc_pictures.suite_page.plot import Plot, label, line_class, plot
 from reflexarc_pictures.suite_page.tables import note, section
 from reflexarc_pictures.suite_page.told import CONTACTS, limits_of
@@ -93,7 +93,7 @@ def _degrees(content: PageContent, family: str) -> list[CellFacts]:
     return sorted(cells, key=lambda cell: cell.clutter or 0.0)
 
 
-def _points(content: PageContent, entry: Entry, family: str, limit: str = "") -> Points:
+def _points(content: PageContent, entry: BoardEntry, family: str, limit: str = "") -> Points:
     """By clutter: contacts of an entry, or of one of its limits, over those of its blind agent."""
     points = []
     for cell in _degrees(content, family):
@@ -109,7 +109,7 @@ def _points(content: PageContent, entry: Entry, family: str, limit: str = "") ->
     return points
 
 
-def _oracles(content: PageContent, entries: Sequence[Entry], family: str) -> list[Points]:
+def _oracles(content: PageContent, entries: Sequence[BoardEntry], family: str) -> list[Points]:
     """Those of all motions, each once."""
     found: list[Points] = []
     for entry in entries:

@@ -1,7 +1,7 @@
 """Two figures with a dot for each contender: contacts against switches, and edge indices."""
 
 from reflexarc_pictures.suite_page.markup import Markup, element, joined
-from reflexarc_pictures.suite_page.page_content import Entry, PageContent
+from reflexarc_pictures.suite_page.page_content import BoardEntry, PageContent
 from reflexarc_pictures.suite_page.plot import (
     Plot,
     label,
@@ -95,7 +95,7 @@ def _edge_axis(axes: Plot) -> Markup:
     return joined(even, ticks, label(middle, low + 35, "edge index", "name middle"))
 
 
-def _edge_row(axes: Plot, k: int, entry: Entry, index: float) -> Markup:
+def _edge_row(axes: Plot, k: int, entry: BoardEntry, index: float) -> Markup:
     y, x = axes.up.end + _ROW * (k + 0.5), axes.across.at(index)
     one, own = axes.across.at(1.0), line_class(entry.place)
     name = f"{shortened(entry.name, _MOST)}  {entry.place}"
@@ -112,7 +112,7 @@ def _edge_row(axes: Plot, k: int, entry: Entry, index: float) -> Markup:
     )
 
 
-def _dots(axes: Plot, found: list[tuple[Entry, float, float]]) -> list[Markup]:
+def _dots(axes: Plot, found: list[tuple[BoardEntry, float, float]]) -> list[Markup]:
     """Dots with names, each name where it covers no other."""
     taken: list[tuple[float, float, float]] = []
     parts = []

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from reflexarc_pictures.suite_page.markup import Markup, element
-from reflexarc_pictures.suite_page.page_content import Entry, PageContent
+from reflexarc_pictures.suite_page.page_content import BoardEntry, PageContent
 from reflexarc_pictures.suite_page.tables import note, row, score_cell, section, table
 from reflexarc_pictures.suite_page.told import number
 from reflexarc_sim_bridge.evaluation.protocol.setting import Setting
@@ -103,14 +103,14 @@ def _tier_cell(cells: Sequence[CellScore]) -> Markup:
     return score_cell(cell.score, note=f"{number(contacts, 1)} / 100 m")
 
 
-def _robustness_line(entry: Entry, setting: Setting, tiers: Sequence[str]) -> Markup:
+def _robustness_line(entry: BoardEntry, setting: Setting, tiers: Sequence[str]) -> Markup:
     cells = _cells(entry, setting)
     area = number(entry.cards[setting].robustness_area)
     shown = [score_cell(_mean(cells.get((FAMILY, tier), []))) for tier in tiers]
     return row(_name(entry), element("td", element("b", area)), *shown)
 
 
-def _cells(entry: Entry, setting: Setting) -> dict[tuple[str, str], list[CellScore]]:
+def _cells(entry: BoardEntry, setting: Setting) -> dict[tuple[str, str], list[CellScore]]:
     """By family and tier: of each member of the entry one."""
     found: dict[tuple[str, str], list[CellScore]] = {}
     for cells in entry.cards[setting].cells.values():
@@ -127,7 +127,7 @@ def _mean(cells: Sequence[CellScore]) -> Interval | None:
     return Interval(float(np.mean(values)), None, None) if values else None
 
 
-def _name(entry: Entry) -> Markup:
+def _name(entry: BoardEntry) -> Markup:
     place = element("span", str(entry.place), class_="place")
     return element("th", place, f" {entry.name}", scope="row")
 

@@ -1,7 +1,7 @@
 """The leaderboard: a line for each contender, the best headline score first."""
 
 from reflexarc_pictures.suite_page.markup import Markup, element, joined
-from reflexarc_pictures.suite_page.page_content import Entry, PageContent
+from reflexarc_pictures.suite_page.page_content import BoardEntry, PageContent
 from reflexarc_pictures.suite_page.plot import Scale, svg
 from reflexarc_pictures.suite_page.tables import interval_words, note, row, section, table
 from reflexarc_pictures.suite_page.told import CONTACTS, REVERSALS, SWITCHES, number
@@ -59,7 +59,7 @@ def _title(words: str) -> Markup:
     return element("th", words, scope="col")
 
 
-def _line(content: PageContent, entry: Entry, scale: Scale) -> Markup:
+def _line(content: PageContent, entry: BoardEntry, scale: Scale) -> Markup:
     setting = content.settings[0]
     card, rows = entry.cards.get(setting), content.rows(entry, setting)
     contacts = None if entry.turns else CONTACTS.of(rows)
@@ -82,7 +82,7 @@ def _line(content: PageContent, entry: Entry, scale: Scale) -> Markup:
     )
 
 
-def _score(entry: Entry, setting: Setting, scale: Scale) -> Markup:
+def _score(entry: BoardEntry, setting: Setting, scale: Scale) -> Markup:
     card = entry.cards.get(setting)
     if card is None:
         return element("td", number(None), class_="num")

@@ -12,7 +12,7 @@ from reflexarc_sim_bridge.evaluation.scoring.score_card import ScoreCard
 
 
 @dataclass(frozen=True)
-class Entry:
+class BoardEntry:
     """One line of the leaderboard: a contender, or a preset with several seeds."""
 
     place: int
@@ -46,7 +46,7 @@ class PageContent:
         return list(dict.fromkeys(card.setting for card in self.cards))
 
     @cached_property
-    def entries(self) -> list[Entry]:
+    def entries(self) -> list[BoardEntry]:
         """From the best headline score to the least; equal ones by name."""
         by_name: dict[str, dict[Setting, ScoreCard]] = {}
         for card in self.cards:
@@ -54,11 +54,11 @@ class PageContent:
         agents = {agent.name: agent for agent in self.results.agents}
         ordered = sorted(by_name.items(), key=lambda item: (self._worth(item[1]), item[0]))
         return [
-            Entry(place, name, tuple(agents[each] for each in _members(cards)), cards)
+            BoardEntry(place, name, tuple(agents[each] for each in _members(cards)), cards)
             for place, (name, cards) in enumerate(ordered, 1)
         ]
 
-    def rows(self, entry: Entry, setting: Setting) -> list[ResultRow]:
+    def rows(self, entry: BoardEntry, setting: Setting) -> list[ResultRow]:
         """The rows of an entry in a setting; those of a preset are of all its seeds."""
         names = {agent.name for agent in entry.agents}
         return [

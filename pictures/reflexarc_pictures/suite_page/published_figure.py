@@ -13,7 +13,7 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 from reflexarc_pictures.log_pictures.decision_strips import INK
-from reflexarc_pictures.suite_page.page_content import Entry, PageContent
+from reflexarc_pictures.suite_page.page_content import BoardEntry, PageContent
 from reflexarc_pictures.suite_page.plot import shortened
 from reflexarc_pictures.suite_page.told import number
 from reflexarc_runtime.errors import UsageError
@@ -71,7 +71,7 @@ def _figure(entries: int, families: int) -> Figure:
     return figure
 
 
-def _draw_headlines(axes: Axes, entries: list[Entry], setting: Setting) -> None:
+def _draw_headlines(axes: Axes, entries: list[BoardEntry], setting: Setting) -> None:
     scores = [entry.cards[setting].headline for entry in entries]
     places = range(len(entries))
     axes.barh(places, [score.value for score in scores], height=0.55, color=_BAR)
@@ -91,7 +91,9 @@ def _draw_headlines(axes: Axes, entries: list[Entry], setting: Setting) -> None:
     axes.spines[:].set_visible(False)
 
 
-def _draw_families(axes: Axes, entries: list[Entry], families: list[str], setting: Setting) -> None:
+def _draw_families(
+    axes: Axes, entries: list[BoardEntry], families: list[str], setting: Setting
+) -> None:
     scores = np.full((len(entries), len(families)), np.nan)
     for place, entry in enumerate(entries):
         for column, family in enumerate(families):

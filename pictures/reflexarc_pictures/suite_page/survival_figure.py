@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 
 from reflexarc_pictures.suite_page.markup import Markup, element, joined
-from reflexarc_pictures.suite_page.page_content import Entry, PageContent
+from reflexarc_pictures.suite_page.page_content import BoardEntry, PageContent
 from reflexarc_pictures.suite_page.plot import (
     COLOURED,
     Plot,
@@ -54,7 +54,7 @@ def survival_section(content: PageContent) -> Markup:
 
 
 def _all_families(
-    content: PageContent, curves: Sequence[tuple[Entry, Curve]], longest: float
+    content: PageContent, curves: Sequence[tuple[BoardEntry, Curve]], longest: float
 ) -> Markup:
     axes = plot(900.0, 380.0, (0.0, longest), (0.0, 1.0), (40.0, _NAMES, 44.0, 30.0))
     return axes.svg(
@@ -74,7 +74,7 @@ def _panel(content: PageContent, family: str, longest: float) -> Markup:
 
 
 def _drawn(
-    axes: Plot, content: PageContent, curves: Sequence[tuple[Entry, Curve]], family: str | None
+    axes: Plot, content: PageContent, curves: Sequence[tuple[BoardEntry, Curve]], family: str | None
 ) -> list[Markup]:
     """Blind below, then the others, the best on top."""
     lines = []
@@ -85,7 +85,7 @@ def _drawn(
     return lines
 
 
-def _curves(content: PageContent, family: str | None) -> list[tuple[Entry, Curve]]:
+def _curves(content: PageContent, family: str | None) -> list[tuple[BoardEntry, Curve]]:
     found = []
     for entry in content.entries:
         curve = survival(_rows(content, entry, family))
@@ -94,12 +94,12 @@ def _curves(content: PageContent, family: str | None) -> list[tuple[Entry, Curve
     return found
 
 
-def _blind(content: PageContent, entry: Entry, family: str | None) -> Curve | None:
+def _blind(content: PageContent, entry: BoardEntry, family: str | None) -> Curve | None:
     rows = limits_of(content.results, _rows(content, entry, family), "blind")
     return survival(rows)
 
 
-def _rows(content: PageContent, entry: Entry, family: str | None) -> list[ResultRow]:
+def _rows(content: PageContent, entry: BoardEntry, family: str | None) -> list[ResultRow]:
     rows = content.rows(entry, content.settings[0])
     return [row for row in rows if family in (None, row.family)]
 
@@ -108,7 +108,7 @@ def _points(curve: Curve) -> list[tuple[float, float]]:
     return [(float(x), float(y)) for x, y in zip(*curve, strict=True) if math.isfinite(y)]
 
 
-def _names(axes: Plot, curves: Sequence[tuple[Entry, Curve]]) -> Markup:
+def _names(axes: Plot, curves: Sequence[tuple[BoardEntry, Curve]]) -> Markup:
     """The names of the coloured lines, beside where these end."""
     named = [(entry, curve) for entry, curve in curves if entry.place <= COLOURED]
     ends = [(float(lengths[-1]), float(shares[-1])) for _, (lengths, shares) in named]

@@ -94,7 +94,7 @@ def measure(
         if step == discard:
             before = (simulation.distance_m.copy(), simulation.contacts.copy())
         simulation.sense()
-        simulation.step(pilot.act(simulation.stacks))
+        pilot.begin_anew(simulation.step(pilot.act(simulation.stacks)))
         if progress is not None:
             progress(step + 1, discard + steps)
     did = None if crowd is None else crowd.did

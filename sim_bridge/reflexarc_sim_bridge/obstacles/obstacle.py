@@ -55,20 +55,33 @@ def paint_of(layer: Row, key: np.uint64, block: np.uint64) -> int:
     """`Obstacle.paint` of the obstacle whose random numbers begin at `block`."""
     if layer.stripes_m > 0.0:
         return np.int64(number(key, block + PAINT) >> _S40)  # type: ignore[return-value]  # int, compiled
-    return colour_of(layer, key, block)
+    return colour_of(layer, key, block, 1.0)
 
 
 @compiled_inner
-def colour_of(layer: Row, key: np.uint64, block: np.uint64) -> int:
-    """A colour within the bounds of a layer: 8 bits each of red, green and blue."""
+def colour_of(layer: Row, key: np.uint64, block: np.uint64, contrast: float) -> int:
+    """A colour within the bounds of a layer: 8 bits each of red, green and blue.
+
+    Args:
+        layer: whose bounds.
+        key: of the stream that it is drawn from.
+        block: where in the stream.
+        contrast: how far it lies from their middle, as a share of what was drawn.
+    """
     bits = number(key, block + PAINT)
     draw_red = draw_green = draw_blue = first_half(bits)
     if layer.channels == 3:
         draw_green, draw_blue = second_half(bits), first_half(number(key, block + PAINT_BLUE))
-    red = int(_FULL * between(layer.red_low, layer.red_high, draw_red) + 0.5)
-    green = int(_FULL * between(layer.green_low, layer.green_high, draw_green) + 0.5)
-    blue = int(_FULL * between(layer.blue_low, layer.blue_high, draw_blue) + 0.5)
+    red = _shade(layer.red_low, layer.red_high, draw_red, contrast)
+    green = _shade(layer.green_low, layer.green_high, draw_green, contrast)
+    blue = _shade(layer.blue_low, layer.blue_high, draw_blue, contrast)
     return (red << 16) | (green << 8) | blue
+
+
+@compiled_inline
+def _shade(low: float, high: float, draw: float, contrast: float) -> int:
+    """8 bits; at full contrast the draw itself, for no bit of its 32 is lost here."""
+    return int(_FULL * between(low, high, 0.5 + contrast * (draw - 0.5)) + 0.5)
 
 
 @compiled_inline

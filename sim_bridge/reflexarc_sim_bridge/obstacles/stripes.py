@@ -80,11 +80,28 @@ def _mark_entries(rows: Floats32, paint: int, count: int, number: int, kind: int
 
 
 @compiled_inner
-def stripe_at(layer: Row, layer_key: np.uint64, surface: int, place_m: float) -> int:
-    """Which stripe a place of a surface is in, and its colour: 8 bits each of red, green, blue."""
+def stripe_at(
+    layer: Row, layer_key: np.uint64, surface: int, place_m: float, contrast: float
+) -> int:
+    """Which stripe a place of a surface is in, and its colour: 8 bits each of red, green, blue.
+
+    Args:
+        layer: whose surface; its row.
+        layer_key: its key.
+        surface: which of its surfaces.
+        place_m: where on it.
+        contrast: of the surface: of a wall its own, of all else 1.
+    """
     stripe = math.floor(place_m / layer.stripes_m)
     key = joined(joined(layer_key, _STRIPES), np.uint64(surface))
-    return colour_of(layer, key, np.uint64(stripe) * BLOCK)
+    return colour_of(layer, key, np.uint64(stripe) * BLOCK, contrast)
+
+
+@compiled_inline
+def contrast_of_wall(layer: Row, wall: int) -> float:
+    """Of the right (0) or left (1) wall of a corridor."""
+    contrast: float = layer.left_contrast if wall == 1 else layer.right_contrast
+    return contrast
 
 
 @compiled_inline

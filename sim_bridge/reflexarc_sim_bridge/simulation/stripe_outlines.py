@@ -15,7 +15,7 @@ import numpy.typing as npt
 from reflexarc_sim_bridge.arrays.layout import Row
 from reflexarc_sim_bridge.native.decorators import compiled
 from reflexarc_sim_bridge.obstacles.keys import layer_key
-from reflexarc_sim_bridge.obstacles.stripes import place_on_wall_m, stripe_at
+from reflexarc_sim_bridge.obstacles.stripes import contrast_of_wall, place_on_wall_m, stripe_at
 
 _SLICES = 36
 """A disc is drawn with so many corners, and those of its stripes."""
@@ -57,13 +57,14 @@ class Striping:
         """Stripes of a piece of the right (0) or left (1) wall, whose ends lie along y: (4, 2)."""
         rear_right, rear_left, front_right, front_left = corners_m[np.lexsort(corners_m.T[::-1])]
         low_m, high_m = float(rear_right[0]), float(front_right[0])
+        contrast = _contrast_of_wall(self.layer, wall)
         ahead_m = -_place_on_wall_m(self.layer, wall, 0.0, self.time_s)
         found = []
         for from_m, to_m in self._cut(low_m - ahead_m, high_m - ahead_m):
             rear, front = ((m + ahead_m - low_m) / (high_m - low_m) for m in (from_m, to_m))
             rights = [rear_right + (front_right - rear_right) * share for share in (rear, front)]
             lefts = [rear_left + (front_left - rear_left) * share for share in (front, rear)]
-            found.append(self._stripe([*rights, *lefts], wall, (from_m + to_m) / 2))
+            found.append(self._stripe([*rights, *lefts], wall, (from_m + to_m) / 2, contrast))
         return tuple(found)
 
     def of_box(self, corners_m: npt.NDArray[np.float64], surface: int) -> tuple[Stripe, ...]:
@@ -95,9 +96,14 @@ class Striping:
         yield from itertools.pairwise(cuts_m)
 
     def _stripe(
-        self, corners_m: list[npt.NDArray[np.float64]], surface: int, place_m: float
+        self,
+        corners_m: list[npt.NDArray[np.float64]],
+        surface: int,
+        place_m: float,
+        contrast: float = 1.0,
     ) -> Stripe:
-        paint = _paint_at(self.layer, self.stream, self.seed, self.number, surface, place_m)
+        key = self.stream, np.uint64(self.seed), self.number
+        paint = _paint_at(self.layer, *key, surface, place_m, contrast)
         return Stripe(np.array(corners_m), rgb_of(paint))
 
 
@@ -107,17 +113,24 @@ def rgb_of(paint: float) -> tuple[float, float, float]:
     return (bits >> 16) / 255, (bits >> 8 & 255) / 255, (bits & 255) / 255
 
 
-def _paint_at(layer: Row, stream: int, seed: int, number: int, surface: int, place_m: float) -> int:
-    return int(_compiled_paint_at(layer, stream, np.uint64(seed), number, surface, place_m))
-
-
 @compiled
-def _compiled_paint_at(
-    layer: Row, stream: int, seed: np.uint64, number: int, surface: int, place_m: float
+def _paint_at(
+    layer: Row,
+    stream: int,
+    seed: np.uint64,
+    number: int,
+    surface: int,
+    place_m: float,
+    contrast: float,
 ) -> int:
-    return stripe_at(layer, layer_key(stream, seed, number), surface, place_m)
+    return stripe_at(layer, layer_key(stream, seed, number), surface, place_m, contrast)
 
 
 @compiled
 def _place_on_wall_m(layer: Row, wall: int, x_m: float, time_s: float) -> float:
     return place_on_wall_m(layer, wall, x_m, time_s)
+
+
+@compiled
+def _contrast_of_wall(layer: Row, wall: int) -> float:
+    return contrast_of_wall(layer, wall)

@@ -26,6 +26,7 @@ from reflexarc_sim_bridge.obstacles.geometry import turned_back
 from reflexarc_sim_bridge.obstacles.keys import layer_key
 from reflexarc_sim_bridge.obstacles.near_lists import near_of, place_in_layer_m
 from reflexarc_sim_bridge.obstacles.stripes import (
+    contrast_of_wall,
     place_on_box_m,
     place_on_disc_m,
     place_on_wall_m,
@@ -82,11 +83,11 @@ def paint_stripes(
 def _shade_met(layer: Row, key: np.uint64, near: Near, kind: int, entry: int, met: Met) -> int:
     if kind == SIDES:
         place_m = place_on_wall_m(layer, entry, met.corner_x_m + met.x_m, met.time_s)
-        return stripe_at(layer, key, entry, place_m)
+        return stripe_at(layer, key, entry, place_m, contrast_of_wall(layer, entry))
     if kind == DISCS:
         x_m, y_m = _from_middle_m(near.discs, entry, met)
         place_m = place_on_disc_m(x_m, y_m, np.float64(near.discs[DISC_RADIUS, entry]))
-        return stripe_at(layer, key, _surface_of(near.discs, entry), place_m)
+        return stripe_at(layer, key, _surface_of(near.discs, entry), place_m, 1.0)
     if kind == TURNED:
         x_m, y_m = _from_middle_m(near.turned, entry, met)
         cos, sin = near.turned[BOX_COS, entry], near.turned[BOX_SIN, entry]
@@ -103,7 +104,7 @@ def _shade_box(
     half_length_m = np.float64(rows[BOX_HALF_LENGTH, entry])
     half_width_m = np.float64(rows[BOX_HALF_WIDTH, entry])
     place_m = place_on_box_m(x_m, y_m, half_length_m, half_width_m)
-    return stripe_at(layer, key, _surface_of(rows, entry), place_m)
+    return stripe_at(layer, key, _surface_of(rows, entry), place_m, 1.0)
 
 
 @compiled_inline

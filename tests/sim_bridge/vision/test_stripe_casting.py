@@ -86,6 +86,16 @@ def test_a_moving_wall_looks_as_one_at_rest_from_farther_back() -> None:
     assert (here[:16] != still[:16]).any()
 
 
+@pytest.mark.parametrize("contrast", [0.0, 0.5])
+def test_a_wall_of_less_contrast_has_its_shades_nearer_to_their_middle(contrast: float) -> None:
+    faint = corridor(dataclasses.replace(STRAIGHT, left_contrast=contrast))
+    there, here = (look_from(world, 7.0, 0.3, steps=1) for world in (corridor(), faint))
+    is_met = there[:16] > 0.0
+    assert is_met.sum() >= 10
+    assert np.abs(here[:16] - 127.5 - contrast * (there[:16] - 127.5))[is_met].max() <= 1.0
+    assert (here[16:] == there[16:]).all()
+
+
 def test_the_sides_of_a_corridor_and_its_stripes_are_independent() -> None:
     simulation = Simulation(corridor(), reference_contract(), seeds(120))
     walls = []
@@ -128,7 +138,8 @@ POSTS: dict[str, Layer] = {
 @pytest.mark.parametrize("posts", POSTS)
 @pytest.mark.parametrize("walled", [False, True])
 def test_what_is_drawn_is_what_is_seen(posts: str, walled: bool) -> None:
-    layers = (STRAIGHT, POSTS[posts]) if walled else (POSTS[posts],)
+    walls = dataclasses.replace(STRAIGHT, left_contrast=0.5)
+    layers = (walls, POSTS[posts]) if walled else (POSTS[posts],)
     world = World("posts", width_m=12.0, edges=Edges.UNBOUNDED, layers=layers)
     two = RetinaSpec(rays=32, eyes=2, baseline_m=0.4, **COLOUR)  # type: ignore[arg-type]  # by name
     simulation = Simulation(world, PolicyContract(two, TURNING), seeds(6))

@@ -120,6 +120,8 @@ def test_sections_are_thinned_each_at_its_own_density() -> None:
         (lambda: Corridor(colour=GREY, stripes_m=math.nan), "corridor.stripes_m"),
         (lambda: Corridor(stripes_m=0.5), "corridor.colour"),
         (lambda: Corridor(left_wall_mps=0.5), "corridor.left_wall_mps"),
+        (lambda: Corridor(right_contrast=0.5), "corridor.right_contrast"),
+        (lambda: Corridor(colour=GREY, stripes_m=1.0, left_contrast=1.1), "corridor.left_contrast"),
         (
             lambda: Corridor(colour=GREY, stripes_m=1.0, right_wall_mps=101.0),
             "corridor.right_wall_mps",

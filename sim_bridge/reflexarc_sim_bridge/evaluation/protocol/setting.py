@@ -117,8 +117,10 @@ def without_colours(world: World) -> World:
 def _whitened(layer: Layer) -> Layer:
     match layer:
         case Corridor():
-            plain = replace(layer, stripes_m=0.0, left_wall_mps=0.0, right_wall_mps=0.0)
-            return replace(plain, colour=WHITE)
+            still = replace(layer, left_wall_mps=0.0, right_wall_mps=0.0)
+            return replace(
+                still, stripes_m=0.0, left_contrast=1.0, right_contrast=1.0, colour=WHITE
+            )
         case Scatter():
             return replace(layer, stripes_m=0.0, colour=WHITE)
     return replace(layer, colour=WHITE)

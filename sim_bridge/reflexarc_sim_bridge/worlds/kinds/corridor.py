@@ -26,6 +26,8 @@ class CorridorColumns(NamedTuple):
     stripes_m: float
     right_wall_mps: float
     left_wall_mps: float
+    right_contrast: float
+    left_contrast: float
 
 
 @dataclass(frozen=True)
@@ -48,6 +50,10 @@ class Corridor:
     """Speed ahead of the left wall's stripes; the wall itself stays."""
     right_wall_mps: float = 0.0
     """The same of the right wall."""
+    left_contrast: float = 1.0
+    """How far the shades of the left wall's stripes lie from the middle of `colour`: 0 to 1."""
+    right_contrast: float = 1.0
+    """The same of the right wall."""
 
     def __post_init__(self) -> None:
         require_within("corridor.width_m", self.width_m, 0.5, 1e3)
@@ -59,6 +65,8 @@ class Corridor:
         require_stripes("corridor", self.stripes_m, self.colour)
         self._check_speed("left_wall_mps", self.left_wall_mps)
         self._check_speed("right_wall_mps", self.right_wall_mps)
+        self._check_contrast("left_contrast", self.left_contrast)
+        self._check_contrast("right_contrast", self.right_contrast)
 
     @property
     def motion(self) -> None:
@@ -80,6 +88,8 @@ class Corridor:
             stripes_m=self.stripes_m,
             right_wall_mps=self.right_wall_mps,
             left_wall_mps=self.left_wall_mps,
+            right_contrast=self.right_contrast,
+            left_contrast=self.left_contrast,
         )
 
     def most_near(self, around: Around) -> MostNear:
@@ -90,3 +100,8 @@ class Corridor:
         require_within(f"corridor.{name}", speed_mps, -100.0, 100.0)
         shows = speed_mps == 0.0 or self.stripes_m > 0.0
         require(shows, f"corridor.{name}", "0 without `stripes_m`: nothing would move", speed_mps)
+
+    def _check_contrast(self, name: str, contrast: float) -> None:
+        require_within(f"corridor.{name}", contrast, 0.0, 1.0)
+        shows = contrast == 1.0 or self.stripes_m > 0.0
+        require(shows, f"corridor.{name}", "1 without `stripes_m`: nothing would differ", contrast)

@@ -1,0 +1,1 @@
+"""Steering by optic flow: how fast things pass by on either side."""
