@@ -11,7 +11,7 @@ PYTEST_WORKERS ?= 3
 export OPENBLAS_NUM_THREADS ?= 1
 export OMP_WAIT_POLICY ?= passive
 
-.PHONY: help demo test tests-alone test-long test-quick test-numba test-arm check fmt wheel golden proto clean real-input worlds studies
+.PHONY: help demo test tests-alone test-long test-quick test-numba test-arm check fmt wheel golden proto clean real-input worlds studies limits
 
 help:            ## say what there is
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/'
@@ -76,6 +76,9 @@ studies: $(STAMP) ## run every shipped study (half an hour) → docs/studies/
 	for file in trainer/reflexarc_trainer/study/shipped/*.toml; do \
 		$(BIN)/reflexarc study $$(basename $$file .toml) || [ $$? = 1 ] || exit 2; done
 	$(BIN)/python docs/studies_page.py
+
+limits: $(STAMP) ## the oracle's figures that ship with the suites: a quarter of an hour
+	$(BIN)/python -m reflexarc_sim_bridge.evaluation.limits.shipping
 
 proto:           ## generate messages_pb2 (protoc of grpcio-tools 1.71, the oldest supported protobuf)
 	$(PYTHON) -m venv .venv-proto

@@ -18,6 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.motion import Action
 from reflexarc_sim_bridge.evaluation.driving.drive import Extent, circumstances_of, extent_of
 from reflexarc_sim_bridge.evaluation.limits.kept import kept
 from reflexarc_sim_bridge.evaluation.limits.least_contacts import go_back
@@ -44,6 +45,26 @@ class Values(NamedTuple):
     """From where one is put beside each row, drawn evenly: (rows,)."""
 
 
+class Asked(NamedTuple):
+    """A question to the oracle."""
+
+    worlds: list[tuple[World, int]]
+    """Bare worlds and their seeds."""
+    actions: tuple[Action, ...]
+    extent: Extent
+
+    @property
+    def text(self) -> str:
+        """All that the answer depends on, in words: of a world, what can be met, and when."""
+        fields = "layers", "edges", "width_m", "dt_s", "stream"
+        worlds = [
+            (*(getattr(world, name) for name in fields), world.chassis.radius_m, seed)
+            for world, seed in self.worlds
+        ]
+        speeds = [(each.linear_mps, each.lateral_mps) for each in self.actions]
+        return repr((worlds, speeds, tuple(self.extent.__dict__.values())))
+
+
 def oracle_sums(
     contender: Contender,
     cell: SuiteCell,
@@ -65,21 +86,33 @@ def oracle_sums(
     Raises:
         UsageError: no oracle is known for such a body, or in such a world.
     """
+    asked = depends_on(contender, cell, suite, setting, seeds)
+    worlds, extent = asked.worlds, asked.extent
+    least = kept(
+        asked.text,
+        lambda: [least_contacts(*world, contender.contract, extent) for world in worlds],
+    )
+    time_s = np.full(len(worlds), suite.lanes * extent.counted * worlds[0][0].dt_s)
+    return {
+        "contacts": suite.lanes * np.array(least),
+        "progress_m": contender.contract.actions[0].linear_mps * time_s,
+        "time_s": time_s,
+    }
+
+
+def depends_on(
+    contender: Contender,
+    cell: SuiteCell,
+    suite: Suite,
+    setting: Setting,
+    seeds: npt.NDArray[np.uint64] | None = None,
+) -> Asked:
+    """All that the oracle's figures of a cell depend on: see `oracle_sums`."""
     source = worlds_for(cell.source, contender, setting)
     seeds = test_seeds(suite.worlds) if seeds is None else seeds
     circumstances = circumstances_of(source, contender.contract, cell)
-    extent = extent_of(circumstances, suite)
     worlds = [(bare(source.drawn(seed)), seed) for seed in seeds.tolist()]
-    least = kept(
-        (worlds, contender.contract.actions, extent),
-        lambda: [least_contacts(*world, contender.contract, extent) for world in worlds],
-    )
-    time_s = np.full(len(worlds), suite.lanes * extent.counted * circumstances.dt_s)
-    return {
-        "contacts": suite.lanes * np.array(least),
-        "progress_m": circumstances.forward_mps * time_s,
-        "time_s": time_s,
-    }
+    return Asked(worlds, contender.contract.actions, extent_of(circumstances, suite))
 
 
 def least_contacts(world: World, seed: int, contract: PolicyContract, extent: Extent) -> float:
