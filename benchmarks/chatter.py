@@ -26,7 +26,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_runtime.policy.policy import LoadedPolicy, load_policy
+from reflexarc_runtime.policy.policy import Policy, load_policy
 from reflexarc_sim_bridge.evaluation.driving.pilot import Pilot
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.files import world_named
@@ -56,7 +56,7 @@ class Chatter:
 
 
 def chatter(
-    policy: LoadedPolicy, contract: PolicyContract, rate_hz: float, agents: int, seconds: float
+    policy: Policy, contract: PolicyContract, rate_hz: float, agents: int, seconds: float
 ) -> Chatter:
     """Drive with the hold and the margin of a contract."""
     world = replace(world_named(WORLD_NAME).drawn(0), dt_s=1.0 / rate_hz)
