@@ -191,8 +191,9 @@ HELP: Mapping[str, str] = MappingProxyType(
         "binocular": (
             "Two eyes of 8 rays each, 0.1 m apart, in place of one of 16: as many values, fewer "
             "bearings, and near things stand at different ones for either eye. Learner and world "
-            "of `reflex`, its hold and its least lead. Reaches about 2.3 contacts per 100 m at 10 Hz "
-            "in 520,000 transitions (2.2 to 2.3, three seeds); `reflexarc study eyes` compares more."
+            "of `reflex`, its hold and its least lead. Reaches about 2.3 contacts per 100 m at "
+            "10 Hz in 520,000 transitions (2.2 to 2.3, three seeds); `reflexarc study eyes` "
+            "compares more."
         ),
         "rover": (
             "For wheels: left and right turn the body at 2 rad/s, at a uniform 1 m/s, a disc of "
@@ -204,8 +205,8 @@ HELP: Mapping[str, str] = MappingProxyType(
             "One agent and one update a step, as on a robot that learns while it drives, with "
             "what serves best: each action repeated for three steps, squared inputs, a step "
             "divided by each weight's running RMS, averaged weights, single precision. Network "
-            "16-63-3, hold and least lead of `reflex`. Reaches 1.9 to 2.0 contacts per 100 m at 10 Hz "
-            "in a million transitions (test worlds, three seeds)."
+            "16-63-3, hold and least lead of `reflex`. Reaches 1.9 to 2.0 contacts per 100 m at "
+            "10 Hz in a million transitions (test worlds, three seeds)."
         ),
         "online": (
             "One agent and one update a step: the paper's "
