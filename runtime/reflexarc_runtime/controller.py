@@ -313,7 +313,8 @@ class Controller:
         self, held: Hold | None, q_values: tuple[float, ...], winner: int, slot: int
     ) -> Hold:
         contract = self.contract
-        return choose(held, q_values, winner, slot, contract.hold_slots, contract.margin)
+        hold_slots, margin, least_lead = contract.hold_slots, contract.margin, contract.least_lead
+        return choose(held, q_values, winner, slot, hold_slots, margin, least_lead)
 
     def _remember(self, state: State, outcome: Outcome, decision: Decision) -> State:
         """The state after a tick. Any verdict but OK ends a hold.

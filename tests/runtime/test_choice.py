@@ -55,6 +55,29 @@ def test_another_action_must_win_by_the_margin(q_values, action):
     assert choose(Hold(LEFT, 0), q_values, RIGHT, 9, 1, 0.5).action == action
 
 
+@pytest.mark.parametrize(
+    ("q_values", "action"),
+    [
+        ([0.0, 0.75, 1.0], RIGHT),  # leads by 0.25, the least lead
+        ([-9.0, 0.8125, 1.0], LEFT),  # by less, of any spread
+        ([7.0, 7.75, 8.0], RIGHT),  # the same, elsewhere
+        ([0.0, 0.5, 0.7], LEFT),  # half as large: a lead has the unit of the Q-values
+    ],
+)
+def test_another_action_must_win_by_the_least_lead(q_values, action):
+    assert choose(Hold(LEFT, 0), q_values, RIGHT, 9, 1, 0.0, 0.25).action == action
+
+
+def test_a_lead_must_be_enough_by_share_and_by_unit():
+    values = [0.0, 0.75, 1.0]  # a lead of 0.25, a quarter of the spread
+    done = {
+        (margin, least): choose(Hold(LEFT, 0), values, RIGHT, 9, 1, margin, least).action
+        for margin in (0.25, 0.3)
+        for least in (0.25, 0.3)
+    }
+    assert done == {(0.25, 0.25): RIGHT, (0.25, 0.3): LEFT, (0.3, 0.25): LEFT, (0.3, 0.3): LEFT}
+
+
 def test_after_a_release_the_winner_is_done_whatever_its_margin():
     assert choose(None, [0.0, 1.0, 1.0 + 1e-9], RIGHT, 9, 100, 1.0) == Hold(RIGHT, 9)
 
@@ -67,7 +90,7 @@ def test_a_time_in_slots_is_rounded_up_and_not_by_the_error_of_a_float(seconds, 
     assert slots_of(seconds, rate_hz) == slots
 
 
-def slow_choice(rows: np.ndarray, hold: int, margin: float) -> list[int]:
+def slow_choice(rows: np.ndarray, hold: int, margin: float, least_lead: float) -> list[int]:
     """The definition, in words: look back to when the present action began."""
     actions: list[int] = []
     for slot, row in enumerate(rows):
@@ -78,7 +101,8 @@ def slow_choice(rows: np.ndarray, hold: int, margin: float) -> list[int]:
         now = actions[-1]
         age = next((i for i, a in enumerate(reversed(actions)) if a != now), len(actions))
         may_change = age >= hold
-        is_better = float(row[winner]) - float(row[now]) >= margin * float(max(row) - min(row))
+        lead = float(row[winner]) - float(row[now])
+        is_better = lead >= max(margin * float(max(row) - min(row)), least_lead)
         actions.append(winner if slot and may_change and is_better else now)
     return actions
 
@@ -87,11 +111,12 @@ def slow_choice(rows: np.ndarray, hold: int, margin: float) -> list[int]:
     st.lists(st.lists(st.integers(-8, 8), min_size=3, max_size=3), min_size=1, max_size=30),
     st.integers(0, 6),
     st.sampled_from([0.0, 0.25, 0.5, 1.0]),
+    st.sampled_from([0.0, 1.0, 2.5, 6.0]),
 )
-def test_it_is_the_slow_definition(rows, hold, margin):
+def test_it_is_the_slow_definition(rows, hold, margin, least_lead):
     held, actions = None, []
     for slot, row in enumerate(rows):
         winner = int(np.argmax(row))
-        held = choose(held, [float(q) for q in row], winner, slot, hold, margin)
+        held = choose(held, [float(q) for q in row], winner, slot, hold, margin, least_lead)
         actions.append(held.action)
-    assert actions == slow_choice(np.array(rows, float), hold, margin)
+    assert actions == slow_choice(np.array(rows, float), hold, margin, least_lead)

@@ -59,10 +59,17 @@ def _pace(contract: PolicyContract) -> dict[str, str]:
         "inputs": f"at most {contract.max_input_age_s:g} s old; "
         f"{contract.recovery_inputs} good in a row before it drives",
         "hold": f"{hold_s:g} s, {_count(slots, 'tick')}" if slots else "none",
-        "margin": f"{contract.margin:g} of the Q-values' spread" if contract.margin else "none",
+        "margin": _margin(contract),
         "memory": _count(memory, "value") if memory else "none",
         "backends": f"agree to {contract.q_tolerance:g} × max(1, |Q|)",
     }
+
+
+def _margin(contract: PolicyContract) -> str:
+    """By how much another action must win over the one that is being done."""
+    share, lead = contract.margin, contract.least_lead
+    words = [f"{share:g} of the Q-values' spread"] if share else []
+    return " and ".join([*words, *([f"{lead:g} in Q"] if lead else [])]) or "none"
 
 
 def _body(body: BodySpec) -> dict[str, str]:

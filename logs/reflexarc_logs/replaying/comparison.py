@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from reflexarc_logs.replaying.message_fields import Difference
+from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.policy.agreement import Q_TOLERANCE
 
 SHOWN_FLIPS = 12
@@ -210,9 +211,11 @@ def find_flip(
     return Flip(tick, recorded, replayed, margin, rounding=abs(margin) <= allowed)
 
 
-def is_at_the_edge(q_values: Sequence[float], lead: float, margin: float, tolerance: float) -> bool:
-    """Whether a lead is so near to the margin that two backends may see it on either side."""
-    edge = margin * (max(q_values) - min(q_values))
+def is_at_the_edge(
+    q_values: Sequence[float], lead: float, contract: PolicyContract, tolerance: float
+) -> bool:
+    """Whether a lead is so near to the least one that two backends may see it on either side."""
+    edge = max(contract.margin * (max(q_values) - min(q_values)), contract.least_lead)
     return abs(lead - edge) <= 4 * tolerance * max(1.0, *map(abs, q_values))
 
 

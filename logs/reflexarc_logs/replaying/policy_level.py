@@ -166,9 +166,9 @@ class PolicyLevel:
 
     def _action_differences(self, one: Asked, values: QValues, winner: int) -> list[Difference]:
         contract, slot, now = self.policy.contract, one.decision.slot, winner
-        if contract.hold_slots or contract.margin:
-            hold, margin = contract.hold_slots, contract.margin
-            now = choose(one.held, values.tolist(), winner, slot, hold, margin).action
+        if contract.keeps_actions:
+            least = contract.hold_slots, contract.margin, contract.least_lead
+            now = choose(one.held, values.tolist(), winner, slot, *least).action
         if now == one.decision.action or self._is_at_the_edge(one, winner):
             return []
         return [Difference("action", str(one.decision.action), str(now))]
@@ -176,11 +176,11 @@ class PolicyLevel:
     def _is_at_the_edge(self, one: Asked, winner: int) -> bool:
         """Whether a margin is won or missed by the rounding of two backends only."""
         contract, rules, held = self.policy.contract, self.tally.rules, one.held
-        if rules.exact or held is None or not contract.margin:
+        if rules.exact or held is None or not (contract.margin or contract.least_lead):
             return False
         q_values = one.decision.q_values
         lead = q_values[winner] - q_values[held.action]
-        return is_at_the_edge(q_values, lead, contract.margin, rules.tolerance)
+        return is_at_the_edge(q_values, lead, contract, rules.tolerance)
 
 
 class CandidateMemory:

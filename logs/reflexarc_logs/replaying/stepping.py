@@ -154,11 +154,11 @@ class Stepping:
         index, q_values, tolerance = recorded.index, recorded.q_values, self.rules.tolerance
         if self.fields.compares("winner") and recorded.winner != replayed.winner:
             return find_flip(index, q_values, recorded.winner, replayed.winner, tolerance)
-        margin = self.controller.contract.margin
+        contract = self.controller.contract
         flip = find_flip(index, q_values, recorded.action, replayed.action, tolerance)
-        if flip is None or not margin:
+        if flip is None or not (contract.margin or contract.least_lead):
             return flip
-        rounding = is_at_the_edge(q_values, abs(flip.margin), margin, tolerance)
+        rounding = is_at_the_edge(q_values, abs(flip.margin), contract, tolerance)
         return replace(flip, rounding=rounding)
 
     def _warms_up(self, recorded: pb.Decision) -> bool:

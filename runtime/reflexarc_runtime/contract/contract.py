@@ -8,6 +8,7 @@ retina is the leftmost ray. SI units; times on the bus are integer nanoseconds.
 """
 
 import dataclasses
+import math
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from typing import Self
@@ -51,6 +52,8 @@ class PolicyContract:
     margin: float = 0.0
     """Another action is taken only if it wins by this share of the spread of the Q-values (largest
     minus smallest) over the one that is being done, in [0, 1]."""
+    least_lead: float = 0.0
+    """Nor is it taken unless its Q-value is larger by this, in the unit of the Q-values."""
     q_tolerance: float = 1e-6
     """What the Q-values of two backends may differ by, times the larger of 1 and |Q|."""
     state: StateSpec = field(default_factory=StateSpec)
@@ -71,6 +74,8 @@ class PolicyContract:
         _require(1 <= most <= 1000, "recovery_inputs", "1 to 1000", most)
         _require(0.0 <= self.hold_s <= 3600.0, "hold_s", "in [0, 3600]", self.hold_s)
         _require(0.0 <= self.margin <= 1.0, "margin", "in [0, 1]", self.margin)
+        lead = self.least_lead
+        _require(0.0 <= lead < math.inf, "least_lead", "0 or more, and finite", lead)
         _require(0.0 < self.q_tolerance <= 1.0, "q_tolerance", "in (0, 1]", self.q_tolerance)
         values = self.retina.frames * self.retina.size
         check_golden(self.golden, values, len(self.actions), self.state.size)
@@ -84,6 +89,11 @@ class PolicyContract:
     def hold_slots(self) -> int:
         """`hold_s` in periods of the loop, rounded up."""
         return slots_of(self.hold_s, self.rate_hz)
+
+    @property
+    def keeps_actions(self) -> bool:
+        """Whether another action than the winner may be done: one that is held, or hardly worse."""
+        return self.hold_slots > 0 or self.margin > 0.0 or self.least_lead > 0.0
 
     def to_json(self) -> str:
         """The contract as text: canonical JSON with its schema version, sealed with a digest."""

@@ -1,10 +1,11 @@
 """The text of a contract in a policy file: JSON with a schema version, sealed with a digest.
 
-    {"digest":"<SHA-256 of the rest>", … ,"schema":3, … }
+    {"digest":"<SHA-256 of the rest>", … ,"schema":4, … }
 
 The digest covers every other character of the text, so that no flipped bit, wherever it came from,
 changes what a robot does. It is no signature: whoever edits a contract on purpose can seal it anew.
-Schema 1 is the first; 2 has `retina.samples`; 3 has the digest, and what `_SINCE_3` names.
+Schema 1 is the first; 2 has `retina.samples`; 3 has the digest, and what `_SINCE_3` names;
+4 has `least_lead`.
 """
 
 import hashlib
@@ -14,7 +15,7 @@ from typing import Any
 
 from reflexarc_runtime.errors import ContractError
 
-SCHEMA_VERSION = 3
+SCHEMA_VERSION = 4
 SEALED_SINCE = 3
 
 _HEAD = '{"digest":"'
@@ -33,6 +34,7 @@ _SINCE_3: Mapping[str, Any] = {
     "recovery_inputs": 3,
     "state": {"size": 0, "start": []},
 }
+_SINCE_4: Mapping[str, Any] = {"least_lead": 0.0}
 """What older contracts mean where they say nothing. Written out: defaults may change, these not."""
 
 
@@ -122,6 +124,8 @@ def _migrated(document: dict[str, Any], schema: int) -> dict[str, Any]:
         document = _with(document, "retina", {"beams": "nearest_beam"})
         document = _with(document, "golden", {"sequences": []})
         document = _added(document, "", _SINCE_3)
+    if schema < 4:
+        document = _added(document, "", _SINCE_4)
     return document
 
 

@@ -42,6 +42,14 @@ def described(contract: PolicyContract) -> list[str]:
     return lines(describe_policy(Path("policy.onnx"), policy))
 
 
+@pytest.mark.parametrize(
+    ("margin", "least_lead", "words"),
+    [(0.0, 0.08, "0.08 in Q"), (0.1, 0.08, "0.1 of the Q-values' spread and 0.08 in Q")],
+)
+def test_a_least_lead_is_said(margin, least_lead, words):
+    assert f"margin {words}" in described(replace(RICH, margin=margin, least_lead=least_lead))
+
+
 def test_a_person_reads_every_speed_and_every_wait():
     said = described(RICH)
     for line in (

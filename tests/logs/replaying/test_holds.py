@@ -52,9 +52,10 @@ def of_controller(policy: LoadedPolicy, retinas: np.ndarray) -> list[int]:
     seed=st.integers(0, 10_000),
     hold_s=st.sampled_from([0.0, 0.02, 0.05, 0.1, 0.33]),
     margin=st.sampled_from([0.0, 0.1, 0.5, 1.0]),
+    least_lead=st.sampled_from([0.0, 0.05, 0.5]),
 )
-def test_simulator_loop_and_replay_do_the_same(seed, hold_s, margin, tmp_path_factory):
-    contract = replace(CONTRACT, hold_s=hold_s, margin=margin)
+def test_simulator_loop_and_replay_do_the_same(seed, hold_s, margin, least_lead, tmp_path_factory):
+    contract = replace(CONTRACT, hold_s=hold_s, margin=margin, least_lead=least_lead)
     data = exported(contract, seed % 7, "Relu")
     path: Path = tmp_path_factory.mktemp("held") / "log.mcap"
     drive(path, data, nominal(TICKS, seed), TICKS)

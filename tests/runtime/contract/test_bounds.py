@@ -84,7 +84,14 @@ def test_an_impossible_memory_is_refused(size, start):
 
 @pytest.mark.parametrize(
     "changes",
-    [{"recovery_inputs": 0}, {"hold_s": -1.0}, {"margin": 1.1}, {"q_tolerance": 0.0}],
+    [
+        {"recovery_inputs": 0},
+        {"hold_s": -1.0},
+        {"margin": 1.1},
+        {"least_lead": -0.1},
+        {"least_lead": float("inf")},
+        {"q_tolerance": 0.0},
+    ],
 )
 def test_a_field_out_of_range_is_refused_by_its_name(changes):
     with pytest.raises(ContractError, match=next(iter(changes))):

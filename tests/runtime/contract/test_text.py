@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from typing import Any
 
 import onnx
 import pytest
@@ -10,7 +11,7 @@ from reflexarc_runtime.contract.body_spec import BodySpec, Footprint
 from reflexarc_runtime.contract.contract import METADATA_KEY, PolicyContract, why_unsealed
 from reflexarc_runtime.contract.eye import BeamRule, RetinaSpec
 from reflexarc_runtime.contract.state_spec import StateSpec
-from reflexarc_runtime.contract.text import seal
+from reflexarc_runtime.contract.text import digest_of, seal
 from reflexarc_runtime.errors import ContractError, ReflexarcError
 from reflexarc_runtime.policy.policy import load_policy
 from support.policies import SMALL, exported
@@ -20,10 +21,17 @@ FULL = PolicyContract(
     body=BodySpec(Footprint(radius_m=0.2), 0.05, 1.5),
     hold_s=0.1,
     margin=0.25,
+    least_lead=0.08,
     q_tolerance=2e-6,
     recovery_inputs=5,
     state=StateSpec(2, (0.5, -1.0)),
 )
+
+
+def sealed(document: dict[str, Any]) -> str:
+    """A text of any schema with the digest that fits it, as `seal` makes it of today's."""
+    body = json.dumps(document, sort_keys=True, separators=(",", ":"))
+    return f'{{"digest":"{digest_of(body)}",{body[1:]}'
 
 
 def test_every_field_survives():
@@ -76,11 +84,14 @@ def test_a_text_of_today_cannot_pass_for_an_older_one():
     for schema in (1, 2):
         with pytest.raises(ContractError, match="unknown in a text of that schema"):
             PolicyContract.from_json(json.dumps({**document, "schema": schema}))
+    with pytest.raises(ContractError, match="least_lead: unknown in a text of that schema"):
+        PolicyContract.from_json(sealed({**document, "schema": 3}))
 
 
 def test_an_old_text_loads_with_a_note_and_means_what_it_meant():
     document = json.loads(replace(FULL, state=StateSpec()).to_json())
-    for name in ("digest", "body", "goal", "hold_s", "margin", "q_tolerance", "recovery_inputs"):
+    later = ("body", "goal", "hold_s", "least_lead", "margin", "q_tolerance", "recovery_inputs")
+    for name in ("digest", *later):
         del document[name]
     del document["state"], document["retina"]["beams"], document["golden"]["sequences"]
     old = json.dumps({**document, "schema": 2})
@@ -90,10 +101,18 @@ def test_an_old_text_loads_with_a_note_and_means_what_it_meant():
     assert why_unsealed(FULL.to_json()) == ""
 
 
+def test_a_sealed_text_of_schema_3_has_no_least_lead_and_means_none():
+    document = json.loads(FULL.to_json())
+    del document["digest"], document["least_lead"]
+    old = sealed({**document, "schema": 3})
+    assert PolicyContract.from_json(old) == replace(FULL, least_lead=0.0)
+    assert why_unsealed(old) == ""
+
+
 def test_a_contract_in_a_file_is_still_an_onnx_property_that_any_tool_reads():
     model = onnx.ModelProto.FromString(exported(SMALL))
     (text,) = (p.value for p in model.metadata_props if p.key == METADATA_KEY)
-    assert json.loads(text)["schema"] == 3
+    assert json.loads(text)["schema"] == 4
     assert len(json.loads(text)["digest"]) == 64
 
 

@@ -39,7 +39,23 @@ def test_online_form_refuses_a_deep_network_and_says_which_form_takes_it() -> No
         TrainConfig(network=NetworkConfig(hidden=(8, 8)))
 
 
-@pytest.mark.parametrize(("field", "value"), [("seed", -1), ("steps", 0), ("lateral_mps", 0.0)])
+def test_holds_stand_in_the_contract() -> None:
+    contract = TrainConfig(hold_s=0.1, margin=0.2, least_lead=0.03).contract()
+    assert (contract.hold_s, contract.margin, contract.least_lead) == (0.1, 0.2, 0.03)
+    assert not TrainConfig().contract().keeps_actions
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("seed", -1),
+        ("steps", 0),
+        ("lateral_mps", 0.0),
+        ("hold_s", -1.0),
+        ("margin", 1.1),
+        ("least_lead", float("inf")),
+    ],
+)
 def test_impossible_run_is_refused_by_the_name_of_its_field(field: str, value: Any) -> None:
     with pytest.raises(UsageError, match=rf"{field}: expected"):
         TrainConfig(**{field: value})
@@ -54,6 +70,9 @@ def test_configuration_of_another_version_is_refused(change: dict[str, Any]) -> 
 def test_configuration_of_an_older_version_reads_with_the_defaults_of_later_fields() -> None:
     document = TrainConfig().resolved()
     del document["retina"]["samples"], document["learner"]["averaged_weights"], document["motion"]
+    del document["hold_s"], document["margin"], document["least_lead"]
+    del document["learner"]["reward_switch"], document["learner"]["exploration"]["margin"]
+    del document["learner"]["exploration"]["least_lead"]
     document["network"]["hidden"] = 10
     assert TrainConfig.from_resolved(document) == TrainConfig()
 

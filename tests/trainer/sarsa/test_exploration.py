@@ -2,8 +2,20 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from reflexarc_trainer.sarsa.exploration import choose, expected_value, new_streams, uniform, winner
+from reflexarc_runtime.choice import Hold
+from reflexarc_runtime.choice import choose as choose_on_a_robot
+from reflexarc_trainer.sarsa.exploration import (
+    FREE,
+    choose,
+    expected_value,
+    greedy,
+    new_streams,
+    uniform,
+    winner,
+)
 
 MASK = (1 << 64) - 1
 
@@ -38,18 +50,43 @@ def test_of_equal_values_the_first_wins() -> None:
 
 def test_epsilon_is_the_share_of_random_actions() -> None:
     streams, q_values = new_streams(0), np.array([[0.0], [1.0], [0.0]])
-    chosen = np.array([choose(q_values, 0, 0.3, streams, 0) for _ in range(20_000)])
+    chosen = np.array([choose(q_values, 0, 0.3, streams, 0, FREE, 0.0, 0.0) for _ in range(20_000)])
     shares = np.bincount(chosen, minlength=3) / len(chosen)
     np.testing.assert_allclose(shares, [0.1, 0.8, 0.1], atol=0.01)
 
 
 def test_without_epsilon_the_winner_is_chosen() -> None:
     streams, q_values = new_streams(0), np.array([[0.0], [0.0], [1.0]])
-    assert {choose(q_values, 0, 0.0, streams, 0) for _ in range(100)} == {2}
+    assert {choose(q_values, 0, 0.0, streams, 0, FREE, 0.0, 0.0) for _ in range(100)} == {2}
+
+
+@given(
+    st.lists(st.integers(-8, 8), min_size=2, max_size=5),
+    st.integers(-1, 1),
+    st.sampled_from([0.0, 0.25, 0.5, 1.0]),
+    st.sampled_from([0.0, 1.0, 2.5, 6.0]),
+)
+def test_the_greedy_choice_is_what_a_robot_would_do(
+    values: list[int], in_force: int, margin: float, least_lead: float
+) -> None:
+    """Against the rule in Python, which the controller has."""
+    q_values = [float(q) for q in values]
+    held = None if in_force == FREE else Hold(in_force, 0)
+    best = int(np.argmax(q_values))
+    wanted = choose_on_a_robot(held, q_values, best, 9, 1, margin, least_lead).action
+    column = np.array([q_values]).T
+    assert greedy(column, 0, in_force, margin, least_lead) == wanted
+
+
+def test_a_random_action_asks_for_no_lead() -> None:
+    streams, q_values = new_streams(0), np.array([[0.0], [1.0], [0.0]])
+    chosen = [choose(q_values, 0, 0.3, streams, 0, 0, 1.0, 9.0) for _ in range(20_000)]
+    shares = np.bincount(np.array(chosen), minlength=3) / len(chosen)
+    np.testing.assert_allclose(shares, [0.8, 0.1, 0.1], atol=0.01)
 
 
 def test_expected_value_is_the_mean_over_what_is_chosen() -> None:
     q_values, streams = np.array([[1.0], [4.0], [-2.0]]), new_streams(1)
-    chosen = [choose(q_values, 0, 0.4, streams, 0) for _ in range(50_000)]
-    assert expected_value(q_values, 0, 0.4) == pytest.approx(0.6 * 4.0 + 0.4 * 1.0)
+    chosen = [choose(q_values, 0, 0.4, streams, 0, FREE, 0.0, 0.0) for _ in range(50_000)]
+    assert expected_value(q_values, 0, 0.4, 1) == pytest.approx(0.6 * 4.0 + 0.4 * 1.0)
     assert np.mean(q_values[chosen, 0]) == pytest.approx(2.8, abs=0.05)

@@ -82,10 +82,19 @@ class ExplorationConfig:
     """World steps per action while learning. They are one transition: their rewards are added, γ
     counts them as one, and nothing is sensed in between. The learned policy, where it is used,
     decides at every step."""
+    margin: float = 0.0
+    """While learning, the greedy part of the choice keeps the action of the transition before
+    unless another one leads it by this share of the spread of the Q-values; a contact ends that.
+    Then Q is the value of a policy that drives with such a margin."""
+    least_lead: float = 0.0
+    """Nor is another one taken unless it leads by this, in the unit of the Q-values."""
 
     def __post_init__(self) -> None:
         for name in ("epsilon_start", "epsilon_end", "epsilon_span"):
             require_share(f"exploration.{name}", getattr(self, name))
+        require_share("exploration.margin", self.margin)
+        lead = self.least_lead
+        require(0.0 <= lead < math.inf, "exploration.least_lead", "0 or more, and finite", lead)
         require_count("exploration.held_actions", self.held_actions, 1000)
         require_count("exploration.action_repeat", self.action_repeat, 1000)
         require(
@@ -196,6 +205,10 @@ class LearnerConfig:
     """Reward of a step without a contact."""
     reward_contact: float = -1.0
     """Reward of a step with a contact, in place of `reward_step`."""
+    reward_switch: float = 0.0
+    """Reward of a transition with another action than the one before, besides what it earns; after
+    a contact there is none before. A negative one makes switches cost something. It is not centred.
+    """
     reward_centring: float = 0.0
     """Reward centring (arXiv 2405.09999): a running average is subtracted from every reward; this
     is the share by which it moves towards the last one at each update. 0 turns it off."""
@@ -216,7 +229,7 @@ class LearnerConfig:
         require_share("learner.trace_decay", self.trace_decay)
         gamma = self.gamma
         require(0.0 <= gamma < 1.0, "learner.gamma", "in [0, 1): the task never ends", gamma)
-        for name in ("reward_step", "reward_contact"):
+        for name in ("reward_step", "reward_contact", "reward_switch"):
             require_finite(f"learner.{name}", getattr(self, name))
         require_share("learner.reward_centring", self.reward_centring)
         keep = self.averaged_weights

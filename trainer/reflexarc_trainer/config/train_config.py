@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, Self
 
-from reflexarc_runtime.config.checks import require, require_one_of
+from reflexarc_runtime.config.checks import require, require_one_of, require_share
 from reflexarc_runtime.config.fill import fill
 from reflexarc_runtime.config.source import MappingSource
 from reflexarc_runtime.contract.body_spec import BodySpec, Footprint
@@ -110,6 +110,12 @@ class TrainConfig:
     sends so late and so seldom: see `embodied.py`."""
     recovery_inputs: int = 3
     """Good inputs in a row before the exported policy may drive."""
+    hold_s: float = 0.0
+    """For how long the exported policy does an action at least, in seconds. It is validated so."""
+    margin: float = 0.0
+    """By which share of the spread of the Q-values another action must then win."""
+    least_lead: float = 0.0
+    """And by how much at least, in the unit of the Q-values."""
     body: BodySpec | None = None
     """The body that it learns with, in every world; None: that of each world. The contract names
     it, or that of the last world."""
@@ -136,6 +142,10 @@ class TrainConfig:
         round_one = outline == Footprint(radius_m=outline.radius_m)
         require(round_one, "body.footprint", "a radius: bodies are round here", outline)
         require(1 <= len(self.worlds) <= MOST_WORLDS, "worlds", "1 to 64", len(self.worlds))
+        require(0.0 <= self.hold_s <= 3600.0, "hold_s", "in [0, 3600]", self.hold_s)
+        require_share("margin", self.margin)
+        lead = self.least_lead
+        require(0.0 <= lead < math.inf, "least_lead", "0 or more, and finite", lead)
         for name in ("forward_mps", "lateral_mps", "angular_radps"):
             speed = getattr(self, name)
             require(0.0 < speed < math.inf, name, "positive", speed)
@@ -193,6 +203,9 @@ class TrainConfig:
             rate_hz=self.rate_hz,
             max_input_age_s=self.max_input_age_s,
             recovery_inputs=self.recovery_inputs,
+            hold_s=self.hold_s,
+            margin=self.margin,
+            least_lead=self.least_lead,
             body=self._body(),
             provenance=provenance or Provenance(),
         )

@@ -29,7 +29,10 @@ The step by RMS (RMSProp, Tieleman & Hinton, 2012) divides each weight's δe by 
 which is recomputed at some of the updates only (`online/traces.py`).
 
 Expected SARSA replaces Q(s′, a′) by its expectation over the ε-greedy choice of a′. Reward centring
-(arXiv 2405.09999) subtracts a running average from r.
+(arXiv 2405.09999) subtracts a running average from r. With a margin or a least lead the choice
+keeps the action a, which is in force in s′, unless another one leads it by enough; a may be kept,
+so Q(s, a) is the value of doing a and holding it thus. A switch pays `reward_switch` as s′ is left,
+hence γ times that in the target of (s, a).
 
 Where the paper says nothing: a contact pays −1 alone, it cuts the trace, and its target bootstraps
 from the state in which the agent continues.
@@ -47,7 +50,7 @@ from torch import Tensor, nn
 
 from reflexarc_runtime.arrays import Actions
 from reflexarc_trainer.config.learner_config import LearnerConfig
-from reflexarc_trainer.sarsa.exploration import Streams, choose
+from reflexarc_trainer.sarsa.exploration import FREE, Streams, choose, greedy
 from reflexarc_trainer.sarsa.schedules import linear
 from reflexarc_trainer.sarsa.step_rules import (
     LARGEST_RATIO,
@@ -116,7 +119,8 @@ class SarsaLambda:
         centred = reward - repeat * self.average_reward
         self.average_reward += config.reward_centring * centred / repeat
         terminal = contact and config.after_contact == "terminal"
-        q_next = 0.0 if terminal else self._next_value(s_next, a_next, epsilon)
+        in_force = FREE if contact else a
+        q_next = 0.0 if terminal else self._next_value(s_next, a_next, in_force, epsilon)
         td_error = centred + config.gamma * q_next - q
         for e, g in zip(self.trace, gradient, strict=True):
             e.mul_(config.gamma * config.trace_decay).add_(g)
@@ -176,27 +180,33 @@ class SarsaLambda:
         q = self.network(s)[0, a]
         return float(q.detach()), torch.autograd.grad(q, self.weights, materialize_grads=True)
 
-    def _next_value(self, s: Tensor, a: int, epsilon: float) -> float:
-        with torch.no_grad():
-            q_values = self.network(s)[0]
+    def _next_value(self, s: Tensor, a: int, in_force: int, epsilon: float) -> float:
+        paid = self.config.reward_switch if in_force not in (FREE, a) else 0.0
+        q_values = _q_values(self.network, s)
         if self.config.target == "sampled":
-            return float(q_values[a])
-        return float((1.0 - epsilon) * q_values.max() + epsilon * q_values.mean())
+            return float(q_values[a]) + paid
+        explore, column = self.config.exploration, q_values.double().numpy()[:, np.newaxis]
+        best = greedy(column, 0, in_force, explore.margin, explore.least_lead)
+        return float((1.0 - epsilon) * q_values[best] + epsilon * q_values.mean()) + paid
 
 
 class Explorer:
-    """ε-greedy choice with decaying ε; an action is held for some steps, or until a contact."""
+    """ε-greedy choice with decaying ε; an action is held for some steps, and then until another
+    one leads it by enough, or until a contact.
+    """
 
     def __init__(self, config: LearnerConfig, streams: Streams, steps: int) -> None:
         self._config, self._streams = config.exploration, streams
         self._decay_steps = self._config.epsilon_span * steps
-        self._step, self._left, self._action = 0, 0, 0
+        self._step, self._left, self._action = 0, 0, FREE
 
     def choose(self, q_values: Tensor, contact: bool = False) -> int:
         """The next action, given the Q-values (actions,) of the state."""
         if contact or self._left == 0:
             column = q_values.double().numpy()[:, np.newaxis]
-            self._action = choose(column, 0, self.epsilon, self._streams, 0)
+            in_force, explore = FREE if contact else self._action, self._config
+            least = explore.margin, explore.least_lead
+            self._action = choose(column, 0, self.epsilon, self._streams, 0, in_force, *least)
             self._left = self._config.held_actions
         self._left -= 1
         self._step += 1

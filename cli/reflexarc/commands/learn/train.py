@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from reflexarc_trainer.run.train import TrainResult
 
 _BODY = ("max_input_age", "radius", "deceleration", "delay")
-_GIVEN_ONCE = ("steps", "worlds", "init_from", "stop_at", *_BODY)
+_HOLDS = ("hold", "margin", "lead")
+_GIVEN_ONCE = ("steps", "worlds", "init_from", "stop_at", *_BODY, *_HOLDS)
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,7 @@ class TrainCommand:
       reflexarc train --out runs/paper-3 --resume
       reflexarc train --stop-at 5
       reflexarc train --preset lidar --radius 0.3 --deceleration 1 --delay 0.2
+      reflexarc train --hold 0 --margin 0 --lead 0
       reflexarc train --worlds tier-05:1 tier-15:1 tier-25:2
       reflexarc train --worlds forest --init-from runs/reflex-0/policy-best.onnx --steps 100000
     """
@@ -60,6 +62,12 @@ class TrainCommand:
     """How hard the body brakes and speeds up, m/s²; by default as in the world."""
     delay: float | None = None
     """Seconds after which the body obeys; by default as in the world."""
+    hold: float | None = None
+    """Seconds for which the policy does an action at least; the preset's by default."""
+    margin: float | None = None
+    """Share of the spread of the Q-values by which another action must win; the preset's."""
+    lead: float | None = None
+    """By how much the Q-value of another action must be larger, at least; the preset's."""
     allow_fast: bool = False
     """Learn to drive faster than the eye, all delays and the body's brakes allow."""
     init_from: Path | None = None
@@ -117,7 +125,9 @@ class TrainCommand:
         if self.worlds:
             config = replace(config, worlds=tuple(map(parse_training_world, self.worlds)))
         validation = replace(config.validation, stop_at=self.stop_at)
-        config = self._with_body(replace(config, validation=validation))
+        given = {"hold_s": self.hold, "margin": self.margin, "least_lead": self.lead}
+        holds = {name: value for name, value in given.items() if value is not None}
+        config = self._with_body(replace(config, validation=validation, **holds))  # type: ignore[arg-type]  # numbers
         warning = check_speed(config.contract(), allow=self.allow_fast)
         if warning:
             aside.print(f"reflexarc train: {warning}", soft_wrap=True)

@@ -88,7 +88,8 @@ class Pilot:
     @property
     def _chooses(self) -> bool:
         """Whether another action than the winner may be done."""
-        return self._hold_slots > 1 or self._contract.margin > 0.0
+        contract = self._contract
+        return self._hold_slots > 1 or contract.margin > 0.0 or contract.least_lead > 0.0
 
     def _decide(self, stacks: RetinaBatch) -> tuple[QValues, Actions]:
         if self._memories is None:
@@ -111,6 +112,7 @@ class Pilot:
     def _stays(self, q_values: npt.NDArray[np.float64], winners: Actions, held: Actions) -> Mask:
         rows = np.arange(len(winners))
         lead = q_values[rows, winners] - q_values[rows, held]
-        wins: Mask = outweighs(lead, np.ptp(q_values, axis=1), self._contract.margin)
+        spread, contract = np.ptp(q_values, axis=1), self._contract
+        wins: Mask = outweighs(lead, spread, contract.margin, contract.least_lead)
         is_held: Mask = (winners == held) | (self._slot - self._since < self._hold_slots)
         return is_held | ~wins

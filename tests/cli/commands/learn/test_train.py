@@ -10,7 +10,7 @@ from reflexarc.main import main
 from reflexarc.terminal.progress import said_of, show_progress
 from reflexarc_runtime.contract.body_spec import BodySpec, Footprint
 from reflexarc_runtime.errors import ReflexarcError, UsageError
-from reflexarc_trainer.config.presets import HELP, preset_named
+from reflexarc_trainer.config.presets import HELP, LEAST_LEAD, preset_named
 from reflexarc_trainer.config.train_config import TrainConfig
 from reflexarc_trainer.run.train import TrainingProgress
 
@@ -101,3 +101,12 @@ def test_progress_says_rate_exploration_error_and_contacts(
     assert said == "250 k steps/s  ε 0.50  error 0.125"
     with show_progress() as tell:
         tell(TrainingProgress(10, 100, 0.5, 1.0, 250_000.0, 0.125, None))
+
+
+def test_holds_are_the_presets_unless_given() -> None:
+    kept = configured(TrainCommand(hold=0.1)).contract()
+    assert (kept.hold_s, kept.margin, kept.least_lead) == (0.1, 0.0, LEAST_LEAD)
+    given = configured(TrainCommand(hold=0.0, margin=0.2, lead=0.0)).contract()
+    assert (given.hold_s, given.margin, given.least_lead) == (0.0, 0.2, 0.0)
+    with pytest.raises(UsageError, match="hold_s: expected"):
+        configured(TrainCommand(hold=-0.1))

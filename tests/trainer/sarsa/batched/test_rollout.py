@@ -1,14 +1,18 @@
 """Roll-outs: which actions are chosen, and what the world pays for them."""
 
 import dataclasses
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+import pytest
 
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_trainer.config.train_config import ExplorationConfig, TrainConfig
 from reflexarc_trainer.policy.weights import NetworkPolicy, network_of
 from reflexarc_trainer.sarsa.batched.learner import BatchedLearner, _seeds
+from reflexarc_trainer.sarsa.batched.network_pass import forward_from_python
+from reflexarc_trainer.sarsa.network_shape import Layers
 from support.learning import with_batched
 
 
@@ -89,3 +93,55 @@ def test_a_repeated_action_brings_what_its_steps_bring(small_batched_config: Tra
     np.testing.assert_array_equal(world.x_m, learner._simulation.x_m)
     world.sense()
     np.testing.assert_array_equal(world.stacks, learner._simulation.stacks)
+
+
+KEEPING = {
+    "a least lead": ExplorationConfig(epsilon_start=0.0, epsilon_end=0.0, least_lead=0.02),
+    "a margin": ExplorationConfig(epsilon_start=0.0, epsilon_end=0.0, margin=0.6),
+}
+
+
+@pytest.mark.parametrize("kind", KEEPING)
+@pytest.mark.parametrize("target", ["sampled", "expected", "greedy"])
+def test_an_action_is_kept_until_another_leads_by_enough_or_a_contact_ends_it(
+    small_batched_config: TrainConfig, kind: str, target: Any
+) -> None:
+    """Against the rule in plain Python, agent by agent; and what each switch costs."""
+    explore, cost = KEEPING[kind], -0.25
+    learner_config = dataclasses.replace(
+        small_batched_config.learner, exploration=explore, target=target, reward_switch=cost
+    )
+    config = dataclasses.replace(small_batched_config, learner=learner_config)
+    learner = BatchedLearner(with_batched(config, precision="float64"))
+    learner.run(160)
+    kept = switched = freed = 0
+    for _ in range(12):
+        layers = learner._learning.layers
+        weights = learner._learning.state.weights.copy()
+        learner.run(160)
+        rollout = learner._learning.rollout
+        for shard, column in np.ndindex(rollout.actions.shape[0], rollout.actions.shape[2]):
+            for t in range(1, rollout.actions.shape[1]):
+                q = q_values_of(layers, weights, rollout.inputs[shard, t, :, column])
+                before = int(rollout.actions[shard, t - 1, column])
+                is_free = bool(rollout.contacts[shard, t - 1, column])
+                least = max(explore.margin * (max(q) - min(q)), explore.least_lead)
+                best = int(np.argmax(q))
+                action = best if is_free or q[best] - q[before] >= least else before
+                paid = cost if action != before and not is_free else 0.0
+                place = shard, t, column
+                assert rollout.actions[place] == action
+                np.testing.assert_allclose(rollout.taken[place], q[action], rtol=1e-12)
+                np.testing.assert_allclose(rollout.bootstraps[place], q[action] + paid, rtol=1e-12)
+                kept += action != best
+                switched += paid != 0.0
+                freed += is_free and action != before
+    assert min(kept, switched, freed) > 0
+
+
+def q_values_of(layers: Layers, weights: npt.NDArray[Any], inputs: npt.NDArray[Any]) -> list[float]:
+    """Of one state: (actions,)."""
+    values = np.empty((layers.computed, 1))
+    forward_from_python(layers, weights, inputs[:, np.newaxis].copy(), values)
+    q_values: list[float] = values[-int(layers.sizes[-1]) :, 0].tolist()
+    return q_values

@@ -48,6 +48,7 @@ def transitions(
         yield action, contact, learn_step(rules, state, scratch, retina, contact, reward)
 
 
+KEEPING = ExplorationConfig(epsilon_span=0.1, least_lead=0.02)
 CASES: dict[str, TrainConfig] = {
     "as the paper": TrainConfig(),
     "literal": TrainConfig(learner=LearnerConfig(online=OnlineConfig(step="literal"))),
@@ -65,6 +66,16 @@ CASES: dict[str, TrainConfig] = {
     ),
     "expected, centred": TrainConfig(
         learner=LearnerConfig(target="expected", reward_centring=0.01)
+    ),
+    "a least lead, switches cost": TrainConfig(
+        learner=LearnerConfig(exploration=KEEPING, reward_switch=-0.05)
+    ),
+    "a margin, expected, switches cost": TrainConfig(
+        learner=LearnerConfig(
+            target="expected",
+            exploration=ExplorationConfig(epsilon_span=0.1, margin=0.5),
+            reward_switch=-0.1,
+        )
     ),
     "rmsprop": TrainConfig(
         network=NetworkConfig(hidden=(20,), units="relu", output="linear"),

@@ -22,7 +22,7 @@ from reflexarc_trainer.sarsa.batched.state import (
     RolloutRules,
     WorldAccess,
 )
-from reflexarc_trainer.sarsa.exploration import choose, expected_value, winner
+from reflexarc_trainer.sarsa.exploration import FREE, choose, expected_value, greedy
 from reflexarc_trainer.sarsa.network_shape import Layers
 
 
@@ -84,21 +84,27 @@ def choose_all(
 ) -> None:
     """Choose the action a_t of every agent of a shard, and fill in its values Q_t and V_t.
 
-    The choice is ε-greedy, but for actions that are still held; a contact ends the hold.
+    The choice is ε-greedy, but for actions that are still held; a contact ends the hold, and then
+    no action is in force.
     """
     values, actions = rollout.values[shard], rollout.actions[shard, t]
     forward(layers, weights, rollout.inputs[shard, t], values)
     q_values = values[len(values) - layers.sizes[-1] :]
+    taken, bootstraps = rollout.taken[shard, t], rollout.bootstraps[shard, t]
+    margin, least_lead, streams = rules.margin, rules.least_lead, agents.streams
     for c in range(len(actions)):
         i = shard * len(actions) + c
+        is_free = agents.met[i] or agents.held_actions[i] == NOT_CHOSEN
+        in_force = FREE if is_free else agents.action[i]
         if agents.held_actions[i] > 0 and not agents.met[i]:
             agents.held_actions[i] -= 1
         else:
             agents.held_actions[i] = rules.held_actions - 1
-            agents.action[i] = choose(q_values, c, epsilon, agents.streams, i)
+            agents.action[i] = choose(
+                q_values, c, epsilon, streams, i, in_force, margin, least_lead
+            )
         actions[c] = agents.action[i]
-    taken, bootstraps = rollout.taken[shard, t], rollout.bootstraps[shard, t]
-    _fill_values(rules, q_values, actions, epsilon, taken, bootstraps)
+        _fill_values(rules, q_values, c, actions[c], in_force, epsilon, taken, bootstraps)
 
 
 @fused
@@ -180,15 +186,23 @@ def _add_rewards(
 def _fill_values(
     rules: RolloutRules,
     q_values: Block,
-    actions: npt.NDArray[np.int64],
+    c: int,
+    action: int,
+    in_force: int,
     epsilon: float,
     taken: npt.NDArray[Any],
     bootstraps: npt.NDArray[Any],
 ) -> None:
-    """Fill Q_t and V_t (columns,) of the chosen actions; with Q(λ), both are the largest value."""
-    for c in range(len(actions)):
-        q = q_values[actions[c], c]
-        taken[c] = q
-        bootstraps[c] = expected_value(q_values, c, epsilon) if rules.expected else q
+    """Fill an agent's Q_t and V_t (columns,); with Q(λ), both are the greedy action's value.
+
+    What a switch costs is paid before s_t, so it belongs to V_t and not to Q_t.
+    """
+    taken[c] = bootstraps[c] = q_values[action, c]
+    if rules.expected or rules.greedy:
+        best = greedy(q_values, c, in_force, rules.margin, rules.least_lead)
         if rules.greedy:
-            taken[c] = bootstraps[c] = q_values[winner(q_values, c), c]
+            taken[c] = bootstraps[c] = q_values[best, c]
+        else:
+            bootstraps[c] = expected_value(q_values, c, epsilon, best)
+    if rules.reward_switch != 0.0 and in_force not in (FREE, action):
+        bootstraps[c] += rules.reward_switch

@@ -46,6 +46,9 @@ class RolloutRules(NamedTuple):
     held_actions: int
     action_repeat: int
     """World steps per transition."""
+    margin: float
+    least_lead: float
+    reward_switch: float
 
 
 class UpdateRules(NamedTuple):
@@ -216,6 +219,9 @@ def _rollout_rules_for(config: TrainConfig) -> RolloutRules:
         reward_contact=learner.reward_contact,
         held_actions=learner.exploration.held_actions,
         action_repeat=learner.exploration.action_repeat,
+        margin=learner.exploration.margin,
+        least_lead=learner.exploration.least_lead,
+        reward_switch=learner.reward_switch,
     )
 
 

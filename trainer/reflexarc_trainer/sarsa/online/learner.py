@@ -241,4 +241,7 @@ def rules_for(config: TrainConfig) -> Rules:
         epsilon_steps=explore.epsilon_span * config.steps,
         held_actions=explore.held_actions,
         action_repeat=explore.action_repeat,
+        margin=explore.margin,
+        least_lead=explore.least_lead,
+        reward_switch=learner.reward_switch,
     )

@@ -76,6 +76,9 @@ class Rules(NamedTuple):
     held_actions: int
     action_repeat: int
     """World steps per transition."""
+    margin: float
+    least_lead: float
+    reward_switch: float
 
 
 class LearnerState(NamedTuple):

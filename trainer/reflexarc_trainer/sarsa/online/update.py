@@ -21,7 +21,7 @@ from reflexarc_sim_bridge.native.struct_pointers import Struct
 from reflexarc_sim_bridge.simulation.step import LOOK, MOVE
 from reflexarc_sim_bridge.simulation.step_pointer import step_world
 from reflexarc_trainer.sarsa import schedules
-from reflexarc_trainer.sarsa.exploration import choose, expected_value
+from reflexarc_trainer.sarsa.exploration import FREE, choose, expected_value, greedy
 from reflexarc_trainer.sarsa.online.network_pass import fill_gradient, forward
 from reflexarc_trainer.sarsa.online.state import (
     NEXT,
@@ -68,7 +68,7 @@ def begin(rules: Rules, state: LearnerState, scratch: Scratch, retina: Bytes) ->
     _encode(state, scratch, retina)
     forward(rules, scratch)
     step = state.progress[0].step
-    state.action[0] = _next_action(rules, state, scratch.choices, step, True)
+    state.action[0] = _next_action(rules, state, scratch.choices, step, FREE)
     _copy(scratch.inputs[NEXT], state.inputs)
 
 
@@ -98,8 +98,9 @@ def learn_step(
     action, step = state.action[0], progress.step + 1
     _encode(state, scratch, retina)
     forward(rules, scratch)
-    next_action = _next_action(rules, state, scratch.choices, step, contact)
-    target = _target(rules, state, scratch.choices, next_action, step, contact, reward)
+    in_force = FREE if contact else action
+    next_action = _next_action(rules, state, scratch.choices, step, in_force)
+    target = _target(rules, state, scratch.choices, next_action, step, in_force, reward)
     td_error: float = target - scratch.q_values[NOW, action]
     fill_gradient(rules, scratch, action)
     move_weights(rules, state, scratch.gradient, td_error, step)
@@ -186,32 +187,36 @@ def _target(
     q_values: Floats,
     action: int,
     step: int,
-    contact: bool,
+    in_force: int,
     reward: float,
 ) -> float:
-    """The target r − r̄ + γ V(s′); moves the average reward r̄."""
+    """The target r − r̄ + γ V(s′); moves the average reward r̄. After a contact none is in force."""
     progress = state.progress[0]
     target: float = reward - rules.action_repeat * progress.average_reward
     deviation = reward / rules.action_repeat - progress.average_reward
     progress.average_reward += rules.centring * deviation
-    if contact and rules.terminal:
+    if in_force == FREE and rules.terminal:
         return target
     if rules.expected:
-        target += rules.gamma * expected_value(q_values, 0, _epsilon(rules, step))
+        best = greedy(q_values, 0, in_force, rules.margin, rules.least_lead)
+        target += rules.gamma * expected_value(q_values, 0, _epsilon(rules, step), best)
     else:
         target += rules.gamma * q_values[action, 0]
+    if rules.reward_switch != 0.0 and in_force not in (FREE, action):
+        target += rules.gamma * rules.reward_switch
     return target
 
 
 @fused_inline
-def _next_action(rules: Rules, state: LearnerState, q: Floats, step: int, contact: bool) -> int:
-    """The pending action while it is held, else an ε-greedy choice; a contact ends the hold."""
+def _next_action(rules: Rules, state: LearnerState, q: Floats, step: int, in_force: int) -> int:
+    """The action in force while it is held, else an ε-greedy choice; a contact ends the hold."""
     progress = state.progress[0]
-    if progress.held_actions > 0 and not contact:
+    if progress.held_actions > 0 and in_force != FREE:
         progress.held_actions -= 1
-        return int(state.action[0])
+        return in_force
     progress.held_actions = rules.held_actions - 1
-    return choose(q, 0, _epsilon(rules, step), state.streams, 0)
+    epsilon, margin, least_lead = _epsilon(rules, step), rules.margin, rules.least_lead
+    return choose(q, 0, epsilon, state.streams, 0, in_force, margin, least_lead)
 
 
 @fused_inline
