@@ -142,7 +142,8 @@ def side_by_side(*parts: Running) -> Running:
 
 def _rounded(value: Array, error: Array, is_whole: bool = False) -> Running:
     """One operation more; an exact result that float32 has, from exact inputs, is what it gets."""
-    is_exact = (error == 0.0) & (value.astype(np.float32) == value)
+    with np.errstate(over="ignore"):
+        is_exact = (error == 0.0) & (value.astype(np.float32) == value)
     own = np.where(is_whole | is_exact, 0.0, rounding(np.abs(value) + error))
     return Running(value, error + own, is_whole)
 
