@@ -139,20 +139,23 @@ def _take_along_axis(recorder: Recorder, x: Any, places: Any, axis: int) -> Any:
 def _element(recorder: Recorder, x: Any, index: Any) -> Any:
     """What an index picks: axis by axis, from the last to the first, then new axes."""
     parts = index if isinstance(index, tuple) else (index,)
-    example = x.example[index]
-    kept = [part for part in parts if part is not None]
-    if Ellipsis in [part if part is Ellipsis else 0 for part in kept]:
-        at = [part is Ellipsis for part in kept].index(True)
-        kept[at : at + 1] = [slice(None)] * (x.ndim - len(kept) + 1)
-    if kept and kept[0] != slice(None) if isinstance(kept[0], slice) else bool(kept):
+    picks = _without_ellipsis([part for part in parts if part is not None], x.ndim)
+    if not picks or not isinstance(picks[0], slice) or picks[0] != slice(None):
         refuse("a choice of agents")
     name = x.name
-    for axis in reversed(range(len(kept))):
-        name = _picked(recorder, name, axis, kept[axis], x.shape[axis])
+    for axis in reversed(range(len(picks))):
+        name = _picked(recorder, name, axis, picks[axis], x.shape[axis])
     new = [i for i, part in enumerate(_without_integers(parts)) if part is None]
     if new:
         name = recorder.graph.node("Unsqueeze", [name, recorder.integers(*new)])
-    return recorder.tensor(name, example)
+    return recorder.tensor(name, x.example[index])
+
+
+def _without_ellipsis(picks: list[Any], axes: int) -> list[Any]:
+    """One part of an index for each axis that it names."""
+    for at in [i for i, part in enumerate(picks) if part is Ellipsis]:
+        picks = [*picks[:at], *[slice(None)] * (axes - len(picks) + 1), *picks[at + 1 :]]
+    return picks
 
 
 def _without_integers(parts: tuple[Any, ...]) -> list[Any]:

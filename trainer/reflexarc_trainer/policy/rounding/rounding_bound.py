@@ -32,6 +32,7 @@ from reflexarc_trainer.policy.rounding import choice_errors as choice
 from reflexarc_trainer.policy.rounding import function_errors as functions
 from reflexarc_trainer.policy.rounding.recurrent_errors import gru, lstm
 from reflexarc_trainer.policy.rounding.running_error import (
+    TINY,
     UNIT,
     Running,
     add,
@@ -150,6 +151,8 @@ def _product(x: Running, weights: Running, *biases: Running) -> Running:
     known = not any(part.error.any() for part in (weights, *biases))
     if known and x.is_whole and weights.is_whole:
         return Running(x.value @ weights.value, x.error @ np.abs(weights.value), is_whole=True)
+    if known and weights.value.ndim == 1:
+        return _product(x, weights.map(lambda row: row[:, np.newaxis])).map(lambda y: y[..., 0])
     if not known or weights.value.ndim != 2:
         return _unknown(x, weights)
     return affine(x, weights.value, *(bias.value for bias in biases))
@@ -203,6 +206,7 @@ _ERRORS: dict[str, Error] = {
     "Less": _plain(choice.comparison(np.less)),
     "LessOrEqual": _plain(choice.comparison(np.less_equal)),
     "MatMul": _mat_mul,
+    "Log": _plain(functions.monotone(np.log, TINY)),
     "Max": _of_any_number(functions.larger),
     "Min": _of_any_number(functions.smaller),
     "Mod": choice.remainder,
