@@ -29,7 +29,7 @@ Rate: TypeAlias = Callable[["Baseline | Remembering"], float]
 
 
 @dataclass(frozen=True)
-class Budget:
+class SearchBudget:
     """What a search may spend; the default is what every baseline gets."""
 
     trials: int = 64
@@ -43,7 +43,7 @@ class Budget:
 
 
 @dataclass(frozen=True)
-class Trial:
+class TriedSetting:
     """A setting and its figure."""
 
     setting: Setting
@@ -57,17 +57,17 @@ class SearchReport:
     name: str
     world: str
     seed: int
-    budget: Budget
-    shipped: Trial
+    budget: SearchBudget
+    shipped: TriedSetting
     """The setting that the baseline ships with."""
-    trials: tuple[Trial, ...]
+    trials: tuple[TriedSetting, ...]
     """Those that were drawn, the best first."""
 
 
 def search(
     name: str,
     *,
-    budget: Budget | None = None,
+    budget: SearchBudget | None = None,
     seed: int = 0,
     progress: Callable[[int, int], None] | None = None,
 ) -> SearchReport:
@@ -82,7 +82,7 @@ def search(
     Raises:
         UsageError: no baseline has this name, or it has nothing to search.
     """
-    baseline, budget = baseline_named(name), budget or Budget()
+    baseline, budget = baseline_named(name), budget or SearchBudget()
     if not baseline.SEARCHED:
         raise UsageError(f"search: expected a baseline with free parameters, got {name}")
     home, rate = baseline.ORIGIN.home_world, rate_of(baseline, budget)
@@ -90,14 +90,14 @@ def search(
     shipped = {parameter: getattr(baseline, parameter) for parameter in baseline.SEARCHED}
     measured = []
     for setting in (shipped, *settings):
-        measured.append(Trial(setting, rate(with_setting(baseline, setting))))
+        measured.append(TriedSetting(setting, rate(with_setting(baseline, setting))))
         if progress is not None:
             progress(len(measured), 1 + budget.trials)
     best_first = sorted(measured[1:], key=lambda trial: trial.contacts_per_100m)
     return SearchReport(name, home, seed, budget, measured[0], tuple(best_first))
 
 
-def rate_of(baseline: Baseline | Remembering, budget: Budget) -> Rate:
+def rate_of(baseline: Baseline | Remembering, budget: SearchBudget) -> Rate:
     """Measures in a baseline's home world as its senses show it, on validation seeds."""
     home, sees_ranges = baseline.ORIGIN.home_world, baseline.ORIGIN.sees is Sees.RANGES
     world = WorldsFor(world_named(home), FIELD_RATE_HZ, None, sees_ranges)

@@ -7,16 +7,16 @@ from reflexarc_baselines import search as searching
 from reflexarc_baselines.anchors.three_motions import ThreeMotions
 from reflexarc_baselines.baseline import Span
 from reflexarc_baselines.registry import HOMES, baseline_named
-from reflexarc_baselines.search import Budget, drawn_settings, search, with_setting
+from reflexarc_baselines.search import SearchBudget, drawn_settings, search, with_setting
 from reflexarc_runtime.errors import UsageError
 from reflexarc_sim_bridge.evaluation.reference_field import measure
 from reflexarc_sim_bridge.worlds.seeds import validation_seeds
 
-SMALL = Budget(trials=3, agents=16, steps=20)
+SMALL = SearchBudget(trials=3, agents=16, steps=20)
 
 
 def test_every_baseline_gets_the_same_budget() -> None:
-    assert Budget() == Budget(trials=64, agents=256, steps=200)
+    assert SearchBudget() == SearchBudget(trials=64, agents=256, steps=200)
 
 
 @pytest.mark.parametrize("name", [n for n in HOMES if baseline_named(n).SEARCHED])
@@ -95,4 +95,4 @@ def test_what_has_nothing_free_cannot_be_searched() -> None:
     with pytest.raises(UsageError, match="none is named 'nobody'"):
         search("nobody")
     with pytest.raises(UsageError, match="expected trials ≥ 1, got 0"):
-        Budget(trials=0)
+        SearchBudget(trials=0)

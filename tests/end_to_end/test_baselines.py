@@ -19,9 +19,10 @@ def test_a_baseline_drives_and_replays(name: str, port: int, tmp_path: Path) -> 
     done = reflexarc("baselines", "export", name, "--rate", 20, "-o", policy)
     assert done.returncode == 0, done.stderr
     words = ("run", policy, "--port", port, "--record", log, "--ticks", TICKS, "--json")
-    with started("sim", "--port", port, "--policy", policy), started(*words) as runtime:
-        said_line(runtime, "reflexarc run:")
-        finished(runtime)
+    with started("sim", "--port", port, "--policy", policy) as body:
+        said_line(body, "reflexarc sim:")
+        with started(*words) as runtime:
+            finished(runtime)
     ticks = [tick.decision for tick in read_log(log).ticks()]
     asked = [decision for decision in ticks if decision.q_values]
     assert len(asked) > 10

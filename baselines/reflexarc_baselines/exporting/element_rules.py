@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from reflexarc_baselines.exporting.graph_tensor import GraphTensor, Recorder, Rule, refuse
+from reflexarc_baselines.exporting.graph_tensor import GraphScribe, GraphTensor, Rule, refuse
 
 
 def example_of(value: Any) -> Any:
@@ -12,7 +12,7 @@ def example_of(value: Any) -> Any:
     return value.example if isinstance(value, GraphTensor) else value
 
 
-def written(recorder: Recorder, kind: str, function: Any, *inputs: Any) -> Any:
+def written(scribe: GraphScribe, kind: str, function: Any, *inputs: Any) -> Any:
     """One node whose inputs are numbers of one kind: that with which NumPy computes."""
     example = function(*map(example_of, inputs))
     common = np.result_type(*map(example_of, inputs))
@@ -21,34 +21,34 @@ def written(recorder: Recorder, kind: str, function: Any, *inputs: Any) -> Any:
         refuse("arithmetic of bytes")
     alike = [i.astype(dtype) if isinstance(i, GraphTensor) else i for i in inputs]
     plain = {"f": np.float32, "b": np.bool_}.get(dtype.kind, np.int64)
-    return recorder.node(kind, [recorder.name_of(i, plain) for i in alike], example)
+    return scribe.node(kind, [scribe.name_of(i, plain) for i in alike], example)
 
 
 def _plain(kind: str, ufunc: Any) -> Rule:
-    return lambda recorder, *inputs: written(recorder, kind, ufunc, *inputs)
+    return lambda scribe, *inputs: written(scribe, kind, ufunc, *inputs)
 
 
-def _square(_: Recorder, x: Any) -> Any:
+def _square(_: GraphScribe, x: Any) -> Any:
     return np.multiply(x, x)
 
 
-def _power(recorder: Recorder, x: Any, exponent: Any) -> Any:
+def _power(scribe: GraphScribe, x: Any, exponent: Any) -> Any:
     if np.ndim(exponent) == 0 and exponent == 2:
         return np.multiply(x, x)
-    return written(recorder, "Pow", np.power, x, exponent)
+    return written(scribe, "Pow", np.power, x, exponent)
 
 
-def _hypot(_: Recorder, x: Any, y: Any) -> Any:
+def _hypot(_: GraphScribe, x: Any, y: Any) -> Any:
     return np.sqrt(np.multiply(x, x) + np.multiply(y, y))
 
 
-def _remainder(recorder: Recorder, a: Any, b: Any) -> Any:
+def _remainder(scribe: GraphScribe, a: Any, b: Any) -> Any:
     if np.result_type(example_of(a), example_of(b)).kind != "f":
-        return written(recorder, "Mod", np.mod, a, b)
+        return written(scribe, "Mod", np.mod, a, b)
     return np.subtract(a, np.multiply(b, np.floor(np.divide(a, b))))
 
 
-def _arctan2(_: Recorder, y: Any, x: Any) -> Any:
+def _arctan2(_: GraphScribe, y: Any, x: Any) -> Any:
     """The arc tangent of y/x, turned by half a circle behind; 0 where both are 0."""
     zero, half = np.float32(0.0), np.float32(np.pi)
     is_none = np.logical_and(np.equal(x, zero), np.equal(y, zero))
@@ -56,14 +56,14 @@ def _arctan2(_: Recorder, y: Any, x: Any) -> Any:
     return ahead + np.where(np.less(x, zero), np.where(np.less(y, zero), -half, half), zero)
 
 
-def _different(_: Recorder, a: Any, b: Any) -> Any:
+def _different(_: GraphScribe, a: Any, b: Any) -> Any:
     return np.logical_not(np.equal(a, b))
 
 
 def _accumulated(ufunc: Any) -> Rule:
     """Along axis 1, by doubling: after k rounds each element knows of the 2ᵏ − 1 before it."""
 
-    def rule(_: Recorder, x: Any, axis: int) -> Any:
+    def rule(_: GraphScribe, x: Any, axis: int) -> Any:
         if axis != 1:
             refuse(f"numpy.{ufunc.__name__}.accumulate along another axis than 1")
         reach = 1

@@ -15,7 +15,7 @@ import numpy as np
 from reflexarc_baselines.baseline import Baseline, Remembering
 from reflexarc_baselines.exporting.array_rules import FUNCTIONS, for_every_agent
 from reflexarc_baselines.exporting.element_rules import UFUNCS
-from reflexarc_baselines.exporting.graph_tensor import Recorder
+from reflexarc_baselines.exporting.graph_tensor import GraphScribe
 from reflexarc_runtime.arrays import Memories, RetinaBatch
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.provenance import Provenance
@@ -74,19 +74,19 @@ def _at_rate(
 
 def _written(baseline: Any, contract: PolicyContract) -> tuple[Translation, str, str | None]:
     """The graph, and the names of the Q-values and the next memories in it."""
-    recorder = Recorder(Translation(), UFUNCS, FUNCTIONS)
-    retina = recorder.tensor("retina", np.zeros((1, *contract.retina.stack_shape), np.uint8))
+    scribe = GraphScribe(Translation(), UFUNCS, FUNCTIONS)
+    retina = scribe.tensor("retina", np.zeros((1, *contract.retina.stack_shape), np.uint8))
     if not contract.state.size:
         q_values, _ = baseline.decide(retina)
-        return recorder.graph, _floats(recorder, q_values), None
+        return scribe.graph, _floats(scribe, q_values), None
     start = np.array([contract.state.start_value], np.float32)
-    q_values, _, following = baseline.decide(retina, recorder.tensor("state", start))
-    return recorder.graph, _floats(recorder, q_values), _floats(recorder, following)
+    q_values, _, following = baseline.decide(retina, scribe.tensor("state", start))
+    return scribe.graph, _floats(scribe, q_values), _floats(scribe, following)
 
 
-def _floats(recorder: Recorder, value: Any) -> str:
+def _floats(scribe: GraphScribe, value: Any) -> str:
     """The name of a result as float32, one row an agent."""
-    return for_every_agent(recorder, value, np.float32).name
+    return for_every_agent(scribe, value, np.float32).name
 
 
 def _decided(baseline: Any, retinas: RetinaBatch, memories: Memories | None) -> Decided:

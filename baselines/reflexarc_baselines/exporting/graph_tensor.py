@@ -25,11 +25,11 @@ from reflexarc_trainer.policy.translation.graph_builder import Translation
 
 Array: TypeAlias = npt.NDArray[Any]
 Rule: TypeAlias = Callable[..., Any]
-"""(recorder, *arguments of the NumPy function) → stand-ins."""
+"""(scribe, *arguments of the NumPy function) → stand-ins."""
 
 
 @dataclass(frozen=True)
-class Recorder:
+class GraphScribe:
     """The graph that is being written, and the rules by which NumPy's functions become nodes."""
 
     graph: Translation
@@ -77,8 +77,8 @@ class Recorder:
 class GraphTensor(NDArrayOperatorsMixin):
     """Stands for a value of the graph."""
 
-    def __init__(self, recorder: Recorder, name: str, example: Array) -> None:
-        self.recorder, self.name, self.example = recorder, name, example
+    def __init__(self, scribe: GraphScribe, name: str, example: Array) -> None:
+        self.scribe, self.name, self.example = scribe, name, example
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -99,19 +99,19 @@ class GraphTensor(NDArrayOperatorsMixin):
         return len(self.example)
 
     def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **options: Any) -> Any:
-        rule = self.recorder.ufuncs.get(ufunc if method == "__call__" else (ufunc, method))
+        rule = self.scribe.ufuncs.get(ufunc if method == "__call__" else (ufunc, method))
         if rule is None:
             refuse(f"numpy.{ufunc.__name__}" + ("" if method == "__call__" else f".{method}"))
         if options.get("out") is not None or "where" in options:
             refuse(f"numpy.{ufunc.__name__} into an array that is there already")
         others = {k: v for k, v in options.items() if k != "dtype"}
-        return rule(self.recorder, *inputs, **others)
+        return rule(self.scribe, *inputs, **others)
 
     def __array_function__(self, function: Any, _: Any, args: Any, options: Any) -> Any:
-        rule = self.recorder.functions.get(function)
+        rule = self.scribe.functions.get(function)
         if rule is None:
             refuse(f"numpy.{function.__name__}")
-        return rule(self.recorder, *args, **options)
+        return rule(self.scribe, *args, **options)
 
     def _method(self, function: Any, *args: Any, **options: Any) -> Any:
         return self.__array_function__(function, (), (self, *args), options)
@@ -160,8 +160,8 @@ class GraphTensor(NDArrayOperatorsMixin):
         """See `numpy.ndarray.astype`; float64 is float32 in a graph."""
         example = self.example.astype(dtype)
         if kind_of(example.dtype) == kind_of(self.dtype):
-            return GraphTensor(self.recorder, self.name, example)
-        made: GraphTensor = self.recorder.node(
+            return GraphTensor(self.scribe, self.name, example)
+        made: GraphTensor = self.scribe.node(
             "Cast", [self.name], example, to=kind_of(example.dtype)
         )
         return made

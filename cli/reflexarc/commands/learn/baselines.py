@@ -13,7 +13,7 @@ from reflexarc_runtime.errors import UsageError
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from reflexarc_baselines.search import SearchReport, Trial
+    from reflexarc_baselines.search import SearchReport, TriedSetting
 
 _WRITES = ("evolve", "export")
 _SHOWN = 10
@@ -75,9 +75,9 @@ class BaselinesCommand:
         return 0
 
     def _search(self) -> int:
-        from reflexarc_baselines.search import Budget, search
+        from reflexarc_baselines.search import SearchBudget, search
 
-        budget = Budget(trials=self.trials)
+        budget = SearchBudget(trials=self.trials)
         with progress_bar(self.name, 1 + self.trials) as progress:
             report = search(self.name, budget=budget, seed=self.seed, progress=progress)
         if self.json:
@@ -200,7 +200,7 @@ def _trials(report: "SearchReport") -> "Table":
     return table
 
 
-def _add(table: "Table", what: str, trial: "Trial") -> None:
+def _add(table: "Table", what: str, trial: "TriedSetting") -> None:
     table.add_row(what, f"{trial.contacts_per_100m:.2f}", _words(trial.setting))
 
 
