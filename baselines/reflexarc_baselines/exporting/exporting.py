@@ -49,10 +49,12 @@ def export_baseline(
         The contract as written.
 
     Raises:
+        ContractError: that is no rate.
         PolicyError: it computes what no graph can, or the file would decide otherwise. Nothing is
             written.
     """
-    baseline, contract = _at_rate(baseline, rate_hz or baseline.contract.rate_hz)
+    rate_hz = baseline.contract.rate_hz if rate_hz is None else rate_hz
+    baseline, contract = _at_rate(baseline, rate_hz)
     contract = dataclasses.replace(contract, provenance=_provenance(baseline, name))
     try:
         graph, q_values, following = _written(baseline, contract)
@@ -67,6 +69,7 @@ def export_baseline(
 def _at_rate(
     baseline: Baseline | Remembering, rate_hz: float
 ) -> tuple[Baseline | Remembering, PolicyContract]:
+    dataclasses.replace(baseline.contract, rate_hz=rate_hz)  # refuses what is no rate
     if "period_s" in {field.name for field in dataclasses.fields(baseline)}:  # type: ignore[arg-type]  # a protocol of dataclasses
         baseline = dataclasses.replace(baseline, period_s=1.0 / rate_hz)  # type: ignore[type-var]  # the same
     return baseline, dataclasses.replace(baseline.contract, rate_hz=rate_hz)

@@ -82,6 +82,8 @@ def test_evolving_writes_the_genome_of_the_name_and_seed(
         (["export", "rob-nav"], "export: expected -o FILE, got none"),
         (["export", "stereo", "-o", "x.onnx"], "stereo cannot be a policy file: it matches edges"),
         (["search", "rob-nav", "--rate", "9"], "--rate: only export has one, not search"),
+        (["export", "rob-nav", "--rate", "0", "-o", "x.onnx"], "rate_hz: expected 0.1 to 10000"),
+        (["export", "rob-nav", "--rate", "nan", "-o", "x.onnx"], "rate_hz: expected 0.1 to 10000"),
         (["search", "rob-nav", "--trials", "0"], "expected trials ≥ 1, got 0"),
     ],
 )
