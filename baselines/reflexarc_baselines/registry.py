@@ -27,6 +27,9 @@ HOMES: Mapping[str, str] = MappingProxyType(
         "three-motions": "anchors.three_motions:ThreeMotions",
         "blind": "anchors.blind:Blind",
         "stereo": "history.stereo:Stereo",
+        "closed-loop": "history.closed_loop:ClosedLoop",
+        "evolved-viewing": "history.viewing_directions:ViewingDirections",
+        "spiking-network": "history.spiking_network:SpikingNetwork",
     }
 )
 """Name of a baseline → its module in this package, and its class."""
@@ -35,6 +38,9 @@ PYTHON_ONLY: Mapping[str, str] = MappingProxyType(
     {
         "follow-the-gap": "it sorts what it sees",
         "stereo": "it matches edges one after another",
+        "closed-loop": "it decides for many genomes at once",
+        "evolved-viewing": "it decides for many genomes at once",
+        "spiking-network": "its neurons run in a compiled loop",
     }
 )
 """Baselines that no graph can hold, and why; all others export."""
@@ -46,8 +52,17 @@ def baseline_named(name: str) -> Baseline | Remembering:
     Raises:
         UsageError: no baseline has this name.
     """
+    module, _, kind = source_of(name).partition(":")
+    made: Baseline | Remembering = getattr(import_module(module), kind)()
+    return made
+
+
+def source_of(name: str) -> str:
+    """`module:Class` of a baseline, from which any process can make it.
+
+    Raises:
+        UsageError: no baseline has this name.
+    """
     if name not in HOMES:
         raise UsageError(f"baseline: none is named {name!r}; known: {', '.join(HOMES)}")
-    module, _, kind = HOMES[name].partition(":")
-    made: Baseline | Remembering = getattr(import_module(f"reflexarc_baselines.{module}"), kind)()
-    return made
+    return f"reflexarc_baselines.{HOMES[name]}"

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from reflexarc_sim_bridge.environments.single import ReferenceEnv
     from reflexarc_sim_bridge.environments.vector import ReferenceVectorEnv
     from reflexarc_sim_bridge.evaluation.reference_field import measure
+    from reflexarc_sim_bridge.evaluation.running.evaluate import evaluate
     from reflexarc_sim_bridge.worlds.files import world_named
     from reflexarc_trainer.config.presets import preset_named
     from reflexarc_trainer.policy.export import export
@@ -30,6 +31,7 @@ _HOMES = {
     "ReferenceVectorEnv": "reflexarc_sim_bridge.environments.vector",
     "ReflexarcError": "reflexarc_runtime.errors",
     "RetinaSpec": "reflexarc_runtime.contract.eye",
+    "evaluate": "reflexarc_sim_bridge.evaluation.running.evaluate",
     "export": "reflexarc_trainer.policy.export",
     "load_policy": "reflexarc_runtime.policy.policy",
     "measure": "reflexarc_sim_bridge.evaluation.reference_field",
@@ -47,6 +49,7 @@ __all__ = [
     "ReferenceVectorEnv",
     "ReflexarcError",
     "RetinaSpec",
+    "evaluate",
     "export",
     "load_policy",
     "measure",

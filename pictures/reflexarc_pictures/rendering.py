@@ -1,4 +1,4 @@
-"""Renders a world or a log as a file: a picture (PNG) or a film (GIF, MP4)."""
+"""Renders worlds, logs and results as files: pictures (PNG), films (GIF, MP4), pages (HTML)."""
 
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
@@ -12,13 +12,14 @@ from reflexarc_runtime.files import whole_file
 if TYPE_CHECKING:
     from reflexarc_pictures.courses.course import Course
     from reflexarc_pictures.log_pictures.log_picture import Kind
+    from reflexarc_sim_bridge.evaluation.protocol.contender import Contender
     from reflexarc_sim_bridge.worlds.world import WorldSource
 
-PICTURE, GIF, MP4 = ".png", ".gif", ".mp4"
+PICTURE, GIF, MP4, PAGE = ".png", ".gif", ".mp4", ".html"
 FILM_S, STRETCH_S = 10.0, 20.0
 """Default duration of a film, and of a drive that becomes a picture."""
 
-What: TypeAlias = Literal["stretch", "drive", "floor", "film"]
+What: TypeAlias = Literal["stretch", "drive", "floor", "film", "page", "scores"]
 
 ProgressBar: TypeAlias = Callable[[str, int], AbstractContextManager[Callable[[int, int], None]]]
 """Opens a progress bar with a title and a total; it yields what is called with (done, total)."""
@@ -41,6 +42,20 @@ class Rendered:
     """Number of frames of a film; 1 for a picture."""
 
 
+@dataclass(frozen=True)
+class DrawnPart:
+    """Which drive through a world is drawn, and what of it."""
+
+    seed: int = 0
+    """Which of the world's variants, 0 to 2⁶⁴ − 1."""
+    lane: int = 0
+    """Which of the agents that share the world; they start apart."""
+    from_s: float = 0.0
+    """What is driven before, in the world's time."""
+    duration_s: float | None = None
+    """How long it is, likewise; None: `FILM_S` or `STRETCH_S`."""
+
+
 def check_format(out: Path) -> None:
     """Check that a file of this format can be written.
 
@@ -53,6 +68,16 @@ def check_format(out: Path) -> None:
         from reflexarc_pictures.courses.film import check_ffmpeg
 
         check_ffmpeg()
+
+
+def check_results_format(out: Path) -> None:
+    """Check that results of a suite can be written in this format.
+
+    Raises:
+        UsageError: another suffix.
+    """
+    if out.suffix.lower() not in (PAGE, PICTURE):
+        raise UsageError(f"--out: expected a name that ends in .html or .png, got {out}")
 
 
 def check_place(out: Path) -> None:
@@ -70,9 +95,8 @@ def check_place(out: Path) -> None:
 def render_world(
     source: "WorldSource",
     out: Path,
-    policy: Path | None = None,
-    seed: int = 0,
-    duration_s: float | None = None,
+    contender: "Contender | None" = None,
+    part: DrawnPart = DrawnPart(),
     progress_bar: ProgressBar = no_progress_bar,
 ) -> Rendered:
     """Let an agent drive in a world, and draw the drive.
@@ -80,30 +104,28 @@ def render_world(
     Args:
         source: the world.
         out: PNG: the whole stretch; GIF or MP4: a film.
-        policy: drives the agent; None: it never steers, and has the reference eye.
-        seed: which of the world's variants, 0 to 2⁶⁴ − 1.
-        duration_s: duration of the drive, in the world's time; None: `FILM_S` or `STRETCH_S`.
+        contender: who drives; None: an agent that never steers, with the reference eye.
+        part: which drive, and what of it.
         progress_bar: shows how far the drive and the film are.
 
     Raises:
-        PolicyError: the policy cannot be loaded.
-        WorldError: the world does not support the policy's contract.
+        WorldError: the world does not support the contender's contract.
         UsageError: ffmpeg is needed and failed.
     """
     from reflexarc_pictures.courses.world_course import drive_in_world
-    from reflexarc_runtime.policy.policy import Policy, load_policy
-    from reflexarc_sim_bridge.evaluation.simple_policies import BlindPolicy
-    from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
+    from reflexarc_sim_bridge.evaluation.protocol.contender import BLIND, contender_of
 
-    contract = reference_contract()
-    driver: Policy = BlindPolicy(len(contract.actions))
-    if policy is not None:
-        loaded = load_policy(policy, bounds=None)
-        contract, driver = loaded.contract, loaded
     is_picture = out.suffix.lower() == PICTURE
-    duration_s = duration_s or (STRETCH_S if is_picture else FILM_S)
     with progress_bar(f"driving in {source.name}", 1) as progress:
-        course = drive_in_world(source, contract, driver, seed, duration_s, progress)
+        course = drive_in_world(
+            source,
+            contender or contender_of(BLIND),
+            part.seed,
+            part.duration_s or (STRETCH_S if is_picture else FILM_S),
+            progress,
+            lane=part.lane,
+            from_s=part.from_s,
+        )
     if not is_picture:
         return _film(course, out, progress_bar)
     from reflexarc_pictures.courses.stretch import draw_stretch
@@ -111,6 +133,29 @@ def render_world(
     with whole_file(out) as unfinished:
         draw_stretch(course, unfinished)
     return Rendered(out, "stretch", out.stat().st_size, 1)
+
+
+def render_results(
+    path: Path, out: Path, suite: str = "", progress_bar: ProgressBar = no_progress_bar
+) -> Rendered:
+    """Draw the results of a suite: as a page (HTML), or as a picture (PNG).
+
+    Args:
+        path: `results.json` of `reflexarc evaluate --suite`.
+        out: the page, or the picture.
+        suite: its name or file; empty: the shipped one that the results name.
+        progress_bar: shows how far the drives of the worst moments are.
+
+    Raises:
+        UsageError: these are no results of a suite.
+    """
+    from reflexarc_pictures.suite_page.from_results import draw_results, read_results
+
+    results = read_results(path)
+    with progress_bar("driving to the worst moments", 1) as progress:
+        draw_results(results, out, suite, progress)
+    is_page = out.suffix.lower() == PAGE
+    return Rendered(out, "page" if is_page else "scores", out.stat().st_size, 1)
 
 
 def render_log(

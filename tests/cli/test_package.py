@@ -13,6 +13,7 @@ PUBLIC = [
     "ReferenceVectorEnv",
     "ReflexarcError",
     "RetinaSpec",
+    "evaluate",
     "export",
     "load_policy",
     "measure",

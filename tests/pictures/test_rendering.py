@@ -4,9 +4,17 @@ from pathlib import Path
 
 import pytest
 
-from reflexarc_pictures.rendering import check_format, check_place, render_log, render_world
+from reflexarc_pictures.rendering import (
+    DrawnPart,
+    check_format,
+    check_place,
+    render_log,
+    render_world,
+)
 from reflexarc_runtime.errors import UsageError
 from reflexarc_sim_bridge.worlds.files import WORLDS
+
+HALF_A_SECOND = DrawnPart(duration_s=0.5)
 
 
 class Bars:
@@ -24,7 +32,7 @@ class Bars:
 def test_progress_bars_show_the_drive_and_then_the_film_to_their_ends(tmp_path: Path):
     bars = Bars()
     film = tmp_path / "plane.gif"
-    made = render_world(WORLDS["plane"], film, duration_s=0.5, progress_bar=bars.bar)
+    made = render_world(WORLDS["plane"], film, part=HALF_A_SECOND, progress_bar=bars.bar)
     assert list(bars.shown) == ["driving in plane", "drawing plane.gif"]
     for shown in bars.shown.values():
         assert [done for done, _ in shown] == list(range(1, len(shown) + 1))
@@ -35,7 +43,7 @@ def test_progress_bars_show_the_drive_and_then_the_film_to_their_ends(tmp_path: 
 def test_without_progress_bars_nothing_is_printed(
     tmp_path: Path, turning: Path, capfd: pytest.CaptureFixture[str]
 ):
-    render_world(WORLDS["plane"], tmp_path / "plane.gif", duration_s=0.5)
+    render_world(WORLDS["plane"], tmp_path / "plane.gif", part=HALF_A_SECOND)
     render_log(turning, tmp_path / "turning.png")
     assert capfd.readouterr() == ("", "")
 

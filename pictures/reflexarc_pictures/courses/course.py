@@ -96,6 +96,8 @@ class Course:
     """Lowest and highest y of the world; None: it has no sides."""
     lateral_period_m: float | None = None
     """Distance to the left after which the world repeats; None: it does not."""
+    begins_s: float = 0.0
+    """The world's time at the first snapshot."""
 
     @property
     def contacts(self) -> Sequence[int]:

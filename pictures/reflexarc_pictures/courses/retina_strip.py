@@ -30,9 +30,10 @@ class RetinaStrip:
             [_column(snapshot, course) for snapshot in course.snapshots], axis=1
         )
         rows, columns, _ = self._pixels.shape
-        end_s = columns * course.period_s
-        self._strip = _image(over_time, self._pixels, end_s)
-        self._now = _image(now, self._pixels[:, :1], 1.0)
+        begins_s = course.begins_s
+        end_s = begins_s + columns * course.period_s
+        self._strip = _image(over_time, self._pixels, (begins_s, end_s))
+        self._now = _image(now, self._pixels[:, :1], (0.0, 1.0))
         self._met = over_time.vlines([], 0, rows, colors=CONTACT_COLOUR, linewidth=1.4)
         for axes, title in ((over_time, f"what it saw (bright: {course.bright})"), (now, "now")):
             axes.set_facecolor(SAFE_COLOUR if axes is now else "white")
@@ -54,13 +55,14 @@ class RetinaStrip:
         shown[:, k + 1 :] = 0
         self._strip.set_data(shown)
         self._now.set_data(self._pixels[:, k : k + 1])
-        met_s = [c * self._course.period_s for c in self._course.contacts if c <= k]
+        course = self._course
+        met_s = [course.begins_s + c * course.period_s for c in course.contacts if c <= k]
         rows = len(self._pixels)
         self._met.set_segments([np.array([(s, 0.0), (s, rows)]) for s in met_s])
 
 
-def _image(axes: Axes, pixels: npt.NDArray[np.uint8], end: float) -> AxesImage:
-    extent = (0.0, end, len(pixels), 0.0)
+def _image(axes: Axes, pixels: npt.NDArray[np.uint8], across: tuple[float, float]) -> AxesImage:
+    extent = (*across, len(pixels), 0.0)
     return axes.imshow(pixels, aspect="auto", interpolation="nearest", extent=extent)
 
 

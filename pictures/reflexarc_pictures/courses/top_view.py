@@ -63,7 +63,7 @@ class TopView:
         course, snapshot = self._course, self._course.snapshots[k]
         shift_m = np.zeros(len(course.snapshots)) if y_shift_m is None else y_shift_m
         self._axes.set(xlim=area[:2], ylim=area[2:])
-        self._show_obstacles(area, k * course.period_s)
+        self._show_obstacles(area, course.begins_s + k * course.period_s)
         x_m = np.array([snapshot.x_m for snapshot in course.snapshots[: k + 1]])
         y_m = np.array([snapshot.y_m for snapshot in course.snapshots[: k + 1]]) + shift_m[: k + 1]
         self._show_path(x_m, y_m, shift_m[: k + 1])

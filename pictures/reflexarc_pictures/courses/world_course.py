@@ -1,7 +1,6 @@
 """Makes a course of a world: an agent drives through it."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -9,14 +8,12 @@ from reflexarc_pictures.courses.course import Course, Snapshot, eye_of
 from reflexarc_pictures.courses.world_scenery import WorldScenery
 from reflexarc_pictures.log_pictures.decision_strips import BRIGHT
 from reflexarc_pictures.log_pictures.logged_poses import Floats
-from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_sim_bridge.evaluation.cover_profile import right_side_m
-from reflexarc_sim_bridge.evaluation.driving.pilot import Pilot
+from reflexarc_sim_bridge.evaluation.driving.drive import start
+from reflexarc_sim_bridge.evaluation.driving.driver import Driver
+from reflexarc_sim_bridge.evaluation.protocol.contender import Contender
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.world import AfterContact, Edges, World, WorldSource
-
-if TYPE_CHECKING:
-    from reflexarc_runtime.policy.policy import Policy
 
 MOST_ACROSS_M = 40.0
 """Of a world that is wider, only a part around the agent is shown."""
@@ -29,51 +26,66 @@ _WALL_PLACES = 100
 
 def drive_in_world(
     source: WorldSource,
-    contract: PolicyContract,
-    policy: "Policy",
+    contender: Contender,
     seed: int,
     duration_s: float,
     progress: Callable[[int, int], None] = lambda done, of: None,
+    *,
+    lane: int = 0,
+    from_s: float = 0.0,
 ) -> Course:
     """Let an agent drive, with one decision in each step of the world.
 
     Args:
         source: the world; a family of worlds gives that of the seed.
-        contract: what the agent sees and does.
-        policy: decides how the agent drives.
+        contender: who drives.
         seed: which of the world's variants, 0 to 2⁶⁴ − 1.
-        duration_s: how long, in the world's time.
+        duration_s: how long the course is, in the world's time.
         progress: called with the steps done and all steps.
+        lane: which of the agents that share the world; they start apart.
+        from_s: what is driven before the course begins.
 
     Raises:
         WorldError: the world does not support the contract.
     """
     world = source.drawn(seed)
-    simulation = Simulation(world, contract, np.array([seed], np.uint64))
-    pilot = Pilot(policy, contract, 1, world.dt_s)
-    steps = max(round(duration_s / world.dt_s), 1)
-    snapshots = [_snapshot(simulation, None, met=False)]
+    lanes = np.array([lane], np.uint64)
+    simulation, driver = start(source, contender, np.array([seed], np.uint64), lanes)
+    before, steps = round(from_s / world.dt_s), max(round(duration_s / world.dt_s), 1)
+    simulation.sense()
+    for step in range(before):
+        _go_on(simulation, driver)
+        simulation.sense()
+        progress(step + 1, before + steps)
+    snapshots = [_snapshot(simulation, world, None, met=False)]
     for step in range(steps):
-        met = bool(simulation.step(pilot.act(simulation.stacks))[0])
-        snapshots.append(_snapshot(simulation, snapshots[-1], met))
-        progress(step + 1, steps)
+        met = _go_on(simulation, driver)
+        simulation.sense()
+        snapshots.append(_snapshot(simulation, world, snapshots[-1], met))
+        progress(before + step + 1, before + steps)
     return Course(
         title=f"{world.name}, seed {seed}",
         period_s=world.dt_s,
         snapshots=snapshots,
-        eye=eye_of(contract, simulation.bearings_rad),
-        bright=BRIGHT[contract.retina.shading],
+        eye=eye_of(contender.contract, simulation.bearings_rad),
+        bright=BRIGHT[contender.contract.retina.shading],
         scenery=WorldScenery(simulation),
         radius_m=world.chassis.radius_m,
         strip_m=_strip_m(world, seed, snapshots),
         lateral_period_m=_period_m(world),
+        begins_s=before * world.dt_s,
     )
 
 
-def _snapshot(simulation: Simulation, last: Snapshot | None, met: bool) -> Snapshot:
-    """The state of the agent now, with a new retina."""
-    world = simulation.world.drawn(0)
-    retina = simulation.sense()[0]
+def _go_on(simulation: Simulation, driver: Driver) -> bool:
+    """One step; whether it ended in a contact."""
+    met = simulation.step(driver.drive(simulation))
+    driver.begin_anew(met)
+    return bool(met[0])
+
+
+def _snapshot(simulation: Simulation, world: World, last: Snapshot | None, met: bool) -> Snapshot:
+    """The state of the agent now, with its newest retina."""
     y_m, period_m = float(simulation.y_m[0]), _period_m(world)
     if last is not None and period_m is not None:
         y_m += period_m * round((last.y_m - y_m) / period_m)  # the nearest of its repetitions
@@ -81,7 +93,7 @@ def _snapshot(simulation: Simulation, last: Snapshot | None, met: bool) -> Snaps
         x_m=float(simulation.x_m[0]),
         y_m=y_m,
         heading_rad=float(simulation.heading_rad[0]),
-        retina=retina,
+        retina=simulation.stacks[0, -1].copy(),
         rays_m=_distances(simulation),
         contact=met,
         put=met and world.chassis.after_contact is not AfterContact.GHOST,

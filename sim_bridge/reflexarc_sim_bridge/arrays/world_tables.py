@@ -42,7 +42,11 @@ from reflexarc_sim_bridge.worlds.world import AfterContact, Edges, World
 
 
 def world_tables(
-    worlds: Sequence[World], contract: PolicyContract, fullest: Sequence[World] = ()
+    worlds: Sequence[World],
+    contract: PolicyContract,
+    fullest: Sequence[World] = (),
+    *,
+    all_round: bool = False,
 ) -> WorldTables:
     """Worlds of one structure for the agents that a contract describes.
 
@@ -51,6 +55,7 @@ def world_tables(
         contract: what the agents see and do.
         fullest: the worlds that need most memory of all that may take a row later; none by
             default: no other world ever takes a row.
+        all_round: whether what lies behind an agent counts as near even if no eye looks there.
 
     Raises:
         WorldError: the worlds differ in their layers or shapes.
@@ -66,18 +71,22 @@ def world_tables(
         np.zeros((len(worlds), layers), layer_dtype(layer_kinds())),
         np.zeros((len(worlds), layers, shapes), SHAPE_DTYPE),
         np.ones((len(worlds), layers, MAX_SECTIONS, _most_counts(all_worlds))),
-        np.array([_most_belt_columns(n, fullest or worlds, contract) for n in range(layers)]),
+        np.array(
+            [_most_belt_columns(n, fullest or worlds, contract, all_round) for n in range(layers)]
+        ),
         max(world.chunks_across for world in all_worlds),
     )
     for w, world in enumerate(worlds):
-        write_world(tables, w, world, contract)
+        write_world(tables, w, world, contract, all_round=all_round)
     return tables
 
 
-def write_world(tables: WorldTables, w: int, world: World, contract: PolicyContract) -> None:
-    """Fill row `w` of the tables."""
+def write_world(
+    tables: WorldTables, w: int, world: World, contract: PolicyContract, *, all_round: bool = False
+) -> None:
+    """Fill row `w` of the tables; arguments as of `world_tables`."""
     plane = tables.planes[w : w + 1]
-    _write_plane(plane, world, contract)
+    _write_plane(plane, world, contract, all_round)
     for number, layer in enumerate(world.layers):
         row = tables.layers[w, number : number + 1]
         _write_layer(row, plane, layer, world)
@@ -86,10 +95,11 @@ def write_world(tables: WorldTables, w: int, world: World, contract: PolicyContr
             chunk_m2, most = CHUNK_M * world.chunk_width_m, tables.counts.shape[3]
             means = [density * chunk_m2 for density in layer.section_densities_per_m2]
             tables.counts[w, number] = cumulative_counts(means, most)
-            row["has_belt"] = 0 < _belt_columns(layer, world, contract) <= tables.belts[number]
+            columns = _belt_columns(layer, world, contract, all_round)
+            row["has_belt"] = 0 < columns <= tables.belts[number]
 
 
-def _write_plane(row: Table, world: World, contract: PolicyContract) -> None:
+def _write_plane(row: Table, world: World, contract: PolicyContract, all_round: bool) -> None:
     chassis, senses = world.chassis, world.senses
     aside_m = _aside_m(contract, world)
     row["dt_s"], row["width_m"], row["chunk_width_m"] = (
@@ -99,7 +109,7 @@ def _write_plane(row: Table, world: World, contract: PolicyContract) -> None:
     )
     row["reach_m"] = world.reach_m
     row["ahead_m"], row["aside_m"] = aside_m, aside_m
-    row["behind_m"] = _behind_m(contract, world)
+    row["behind_m"] = _behind_m(contract, world, all_round)
     row["radius_m"], row["slip"] = chassis.radius_m, world.slip_per_step
     row["follow"] = -math.expm1(-world.dt_s / chassis.lag_s) if chassis.lag_s > 0.0 else 1.0
     row["most_linear_mps"] = chassis.acceleration_mps2 * world.dt_s
@@ -124,8 +134,9 @@ def _aside_m(contract: PolicyContract, world: World) -> float:
     return max(_range_m(contract), _step_m(contract, world))
 
 
-def _behind_m(contract: PolicyContract, world: World) -> float:
-    seen_m = _range_m(contract) if turns(contract) else seen_behind_m(contract.retina, world)
+def _behind_m(contract: PolicyContract, world: World, all_round: bool) -> float:
+    is_around = all_round or turns(contract)
+    seen_m = _range_m(contract) if is_around else seen_behind_m(contract.retina, world)
     return max(seen_m, _step_m(contract, world))
 
 
@@ -204,18 +215,22 @@ def _has_belt(layer: Layer, world: World, contract: PolicyContract) -> bool:
     return boxes and even and _is_white(layer) and farthest_m <= 0.5 * world.width_m
 
 
-def _belt_columns(layer: Layer, world: World, contract: PolicyContract) -> int:
+def _belt_columns(layer: Layer, world: World, contract: PolicyContract, all_round: bool) -> int:
     """Columns of chunks that a belt may have; 0 where there is none."""
     if not _has_belt(layer, world, contract):
         return 0
-    beyond_m = _aside_m(contract, world) + _behind_m(contract, world) + 2 * layer.reach_m
+    behind_m = _behind_m(contract, world, all_round)
+    beyond_m = _aside_m(contract, world) + behind_m + 2 * layer.reach_m
     return math.ceil((CHUNK_M + beyond_m) / CHUNK_M) + 1
 
 
-def _most_belt_columns(number: int, worlds: Sequence[World], contract: PolicyContract) -> int:
+def _most_belt_columns(
+    number: int, worlds: Sequence[World], contract: PolicyContract, all_round: bool
+) -> int:
     """Most columns of chunks of a layer's belts; 0 if it has no belt in any of the worlds."""
     layered = [world for world in worlds if number < len(world.layers)]
-    return max((_belt_columns(w.layers[number], w, contract) for w in layered), default=0)
+    columns = (_belt_columns(w.layers[number], w, contract, all_round) for w in layered)
+    return max(columns, default=0)
 
 
 def _is_white(layer: Layer) -> bool:

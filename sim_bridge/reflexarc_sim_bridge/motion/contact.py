@@ -28,6 +28,7 @@ from reflexarc_sim_bridge.arrays.layout import (
     SIDES,
     TURNED,
     Floats32,
+    Near,
     Params,
 )
 from reflexarc_sim_bridge.arrays.workspace import Judged, Workspace
@@ -77,15 +78,22 @@ def free_share(params: Params, work: Workspace, i: int, ahead_m: float, left_m: 
             way_y_m -= to_y - from_y
         x_m, y_m = place_in_layer_m(plane, layer, state, agents.layer_cells[i, number])
         way = Way(x_m, y_m, way_x_m, way_y_m, plane.radius_m)
-        near, judged = near_of(agents, i, number), work.sieve.judged
-        if near.counts[BOXES]:
-            share = min(share, _box_share(near.boxes, near.counts[BOXES], way, judged))
-        if near.counts[TURNED]:
-            share = min(share, _turned_share(near.turned, near.counts[TURNED], way, judged))
-        if near.counts[DISCS]:
-            share = min(share, _disc_share(near.discs, near.counts[DISCS], way, judged))
-        if near.counts[SIDES]:
-            share = min(share, _side_share(near.sides, near.counts[SIDES], way, judged))
+        share = min(share, share_of_way(near_of(agents, i, number), way, work.sieve.judged))
+    return share
+
+
+@compiled_inline
+def share_of_way(near: Near, way: Way, judged: Judged) -> float:
+    """Share of a way up to the first obstacle of a layer that is met; infinity if none is."""
+    share = math.inf
+    if near.counts[BOXES]:
+        share = min(share, _box_share(near.boxes, near.counts[BOXES], way, judged))
+    if near.counts[TURNED]:
+        share = min(share, _turned_share(near.turned, near.counts[TURNED], way, judged))
+    if near.counts[DISCS]:
+        share = min(share, _disc_share(near.discs, near.counts[DISCS], way, judged))
+    if near.counts[SIDES]:
+        share = min(share, _side_share(near.sides, near.counts[SIDES], way, judged))
     return share
 
 

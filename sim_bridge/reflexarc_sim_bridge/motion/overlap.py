@@ -99,16 +99,22 @@ def _in_polygon(near: Floats32, count: int, x_m: float, y_m: float, radius_m: fl
     for k in range(count):
         x, y = near[SIDE_X, k] - x_m, near[SIDE_Y, k] - y_m
         end_x, end_y = x + near[SIDE_AHEAD, k], y + near[SIDE_LEFT, k]
-        if (y <= 0.0) != (end_y <= 0.0):
-            beside = x * end_y - end_x * y
-            winding += (beside > 0.0) & (end_y > 0.0)
-            winding -= (beside < 0.0) & (end_y <= 0.0)
-        close += _squared_distance_m2(x, y, end_x - x, end_y - y) <= radius_m * radius_m
+        winding += passes_beside(x, y, end_x, end_y)
+        close += squared_distance_m2(x, y, end_x - x, end_y - y) <= radius_m * radius_m
     return winding > 0 or close > 0
 
 
 @compiled_inline
-def _squared_distance_m2(x: float, y: float, side_x: float, side_y: float) -> float:
+def passes_beside(x: float, y: float, end_x: float, end_y: float) -> int:
+    """1 for a side that passes the origin upwards, on its right along x; −1 for one downwards."""
+    if (y <= 0.0) == (end_y <= 0.0):
+        return 0
+    beside = x * end_y - end_x * y
+    return int((beside > 0.0) & (end_y > 0.0)) - int((beside < 0.0) & (end_y <= 0.0))
+
+
+@compiled_inline
+def squared_distance_m2(x: float, y: float, side_x: float, side_y: float) -> float:
     """From the origin to a side that begins at (x, y)."""
     along = -(x * side_x + y * side_y) / max(side_x * side_x + side_y * side_y, _SHORTEST_M2)
     along = min(max(along, 0.0), 1.0)

@@ -35,6 +35,8 @@ COMPILED_FROM = (
         for folder in (
             "arrays",
             "evaluation/cover_profile.py",
+            "evaluation/limits/horizon.py",
+            "evaluation/limits/least_contacts.py",
             "motion",
             "native",
             "obstacles",
@@ -43,6 +45,7 @@ COMPILED_FROM = (
             "worlds",
         )
     ),
+    "reflexarc_baselines/history/spiking_kernel.py",
     "reflexarc_trainer/sarsa",
 )
 """Folders and files that compiled code comes from, its constants included."""

@@ -52,6 +52,8 @@ class Simulation:
         contract: PolicyContract,
         seeds: npt.NDArray[np.uint64],
         lanes: npt.NDArray[np.uint64] | None = None,
+        *,
+        all_round: bool = False,
     ) -> None:
         """Put the agents into their worlds.
 
@@ -60,6 +62,8 @@ class Simulation:
             contract: what the agents see and how each action moves them.
             seeds: one an agent: (n,).
             lanes: tell agents of one seed apart: (n,); by default 0, 1, … for each seed.
+            all_round: keep near lists of what lies behind the agents too, where their eyes need
+                not look, for `AgentSurroundings`. Nothing that they see or meet differs.
 
         Raises:
             WorldError: a contract or seeds that this simulation does not support.
@@ -68,9 +72,11 @@ class Simulation:
         prepare()
         self.world = world
         self.contract = contract
+        self.all_round = all_round
         worlds = [world] if isinstance(world, World) else [world.drawn(s) for s in seeds.tolist()]
-        tables = world_tables(worlds, contract, world.fullest)
-        room = tables if isinstance(world, World) else world_tables(world.fullest, contract)
+        tables = room = world_tables(worlds, contract, world.fullest, all_round=all_round)
+        if not isinstance(world, World):
+            room = world_tables(world.fullest, contract, all_round=all_round)
         agents = agents_at_zero(seeds, tables, room, contract)
         if lanes is not None:
             agents.state["lane"] = lanes
@@ -266,13 +272,13 @@ class Simulation:
         if len(agents) == 0:
             return
         check_seeds(seeds)
-        tables, state = self.params.world, self.params.agents.state
+        state = self.params.agents.state
         for i, seed in zip(agents.tolist(), seeds.tolist(), strict=True):
             row = int(state["world"][i])
             state[i] = np.zeros((), state.dtype)
             state["world"][i], state["seed"][i] = row, seed
             if not isinstance(self.world, World):
-                write_world(tables, row, self.world.drawn(seed), self.contract)
+                self._write_world(row, seed)
         for run in np.split(agents, np.flatnonzero(np.diff(agents) != 1) + 1):
             self._put(int(run[0]), int(run[-1]) + 1)
 
@@ -311,4 +317,9 @@ class Simulation:
             array[...] = state[name]
         if not isinstance(self.world, World):
             for row, seed in enumerate(self.params.agents.state["seed"].tolist()):
-                write_world(self.params.world, row, self.world.drawn(seed), self.contract)
+                self._write_world(row, seed)
+
+    def _write_world(self, row: int, seed: int) -> None:
+        """Let the world of a seed take a row of the tables."""
+        tables, world = self.params.world, self.world.drawn(seed)
+        write_world(tables, row, world, self.contract, all_round=self.all_round)

@@ -11,8 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_sim_bridge.motion.chassis import step_agent
-from reflexarc_sim_bridge.motion.overlap import touches
+from reflexarc_sim_bridge.motion.overlap import TOUCHING_M, touches
 from reflexarc_sim_bridge.motion.placing import set_place
+from reflexarc_sim_bridge.motion.room import free_s, room_m
 from reflexarc_sim_bridge.native.decorators import compiled_called, compiled_free
 from reflexarc_sim_bridge.native.function_pointers import FunctionPointer, call
 from reflexarc_sim_bridge.native.struct_pointers import Struct
@@ -22,7 +23,16 @@ from reflexarc_sim_bridge.simulation.prefetch import foresee
 from reflexarc_sim_bridge.simulation.step_pointer import STEP, step_world
 from reflexarc_sim_bridge.vision.ray_casting import look
 
-__all__ = ["LOOK", "MOVE", "PLACE", "advance", "call_cast", "call_cover", "call_step"]
+__all__ = [
+    "LOOK",
+    "MOVE",
+    "PLACE",
+    "advance",
+    "call_cast",
+    "call_cover",
+    "call_step",
+    "call_survey",
+]
 
 PLACE, MOVE, LOOK = 1, 2, 4
 """Tasks of `advance`, which are done in this order; a sum stands for several."""
@@ -81,6 +91,34 @@ def cast(held: Any) -> None:
     look(held.params, held.work, 0, 0)
 
 
+@compiled_called
+def survey(
+    held: Any,
+    forward_mps: float,
+    range_m: float,
+    clearance_m: npt.NDArray[np.float32],
+    ahead_s: npt.NDArray[np.float32],
+    first: int,
+    end: int,
+) -> None:
+    """How much room the agents from `first` to `end` have: see `AgentSurroundings.measure`.
+
+    Args:
+        held: a `Held`.
+        forward_mps: how fast they would go straight on.
+        range_m: nothing farther from their middle counts.
+        clearance_m: filled: (n,).
+        ahead_s: filled: (n,).
+        first: first agent.
+        end: agent behind the last.
+    """
+    for i in range(first, end):
+        clearance_m[i] = room_m(held.params, i, range_m)
+        ahead_s[i] = 0.0
+        if clearance_m[i] > TOUCHING_M:
+            ahead_s[i] = free_s(held.params, held.work, i, forward_mps, range_m)
+
+
 @compiled_free
 def call_step(
     step: FunctionPointer,
@@ -120,3 +158,18 @@ def call_cover(
 def call_cast(cast_at: FunctionPointer, held: Struct) -> None:
     """Call `cast` from Python; `held` is a `Held`."""
     call(cast_at, (held,))
+
+
+@compiled_free
+def call_survey(
+    survey_at: FunctionPointer,
+    held: Struct,
+    forward_mps: float,
+    range_m: float,
+    clearance_m: npt.NDArray[np.float32],
+    ahead_s: npt.NDArray[np.float32],
+    first: int,
+    end: int,
+) -> None:
+    """Call `survey` from Python; `held` is a `Held`."""
+    call(survey_at, (held, forward_mps, range_m, clearance_m, ahead_s, first, end))

@@ -20,8 +20,9 @@ from reflexarc_sim_bridge.native.function_pointers import (
 from reflexarc_sim_bridge.native.helper_process import compiled_meanwhile, has_room
 from reflexarc_sim_bridge.native.numba_compiler import without_garbage_collection
 from reflexarc_sim_bridge.obstacles.gathering import gatherers_for
-from reflexarc_sim_bridge.simulation.step import advance, cast, cover
-from reflexarc_sim_bridge.simulation.step_pointer import CAST, COVER, STEP, type_of_held
+from reflexarc_sim_bridge.simulation.lattice import LATTICE, look_along
+from reflexarc_sim_bridge.simulation.step import advance, cast, cover, survey
+from reflexarc_sim_bridge.simulation.step_pointer import CAST, COVER, STEP, SURVEY, type_of_held
 from reflexarc_sim_bridge.vision.sensing import sense_agent
 from reflexarc_sim_bridge.worlds.layers import layer_kinds
 from reflexarc_sim_bridge.worlds.world import World, WorldSource
@@ -66,6 +67,16 @@ def cover_for(params: Params, motions: Motions) -> FunctionPointer:
 def cast_for(params: Params, motions: Motions) -> FunctionPointer:
     """`step.cast`, compiled unless that is done."""
     return _pointer_to(cast, CAST, params, motions)
+
+
+def survey_for(params: Params, motions: Motions) -> FunctionPointer:
+    """`step.survey`, compiled unless that is done."""
+    return _pointer_to(survey, SURVEY, params, motions)
+
+
+def lattice_for(params: Params, motions: Motions) -> FunctionPointer:
+    """`lattice.look_along`, compiled unless that is done."""
+    return _pointer_to(look_along, LATTICE, params, motions)
 
 
 def _pointer_to(

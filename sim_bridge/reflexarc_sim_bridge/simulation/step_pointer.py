@@ -35,6 +35,17 @@ COVER = Signature("cover", Held, types.float64[:, ::1], types.boolean[::1])
 """What `step.cover` takes."""
 CAST = Signature("cast", Held)
 """What `step.cast` takes."""
+SURVEY = Signature(
+    "survey",
+    Held,
+    types.float64,
+    types.float64,
+    types.float32[::1],
+    types.float32[::1],
+    types.int64,
+    types.int64,
+)
+"""What `step.survey` takes."""
 
 
 NO_STEP, NOTHING_HELD = FunctionPointer(STEP), Struct.nowhere(Held)

@@ -6,6 +6,7 @@ import pytest
 from reflexarc_pictures.courses.world_course import drive_in_world
 from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
 from reflexarc_runtime.contract.eye import BeamRule, RetinaSpec
+from reflexarc_sim_bridge.evaluation.protocol.contender import Contender
 from reflexarc_sim_bridge.worlds.files import WORLDS
 from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
 
@@ -24,7 +25,7 @@ class ConstantPolicy:
 def test_where_the_world_begins_anew_the_way_goes_on():
     source = WORLDS["reference-1"]
     to_the_left = ConstantPolicy(1)
-    course = drive_in_world(source, reference_contract(), to_the_left, 0, 30.0)
+    course = drive_in_world(source, Contender("left", to_the_left, reference_contract()), 0, 30.0)
     assert len(course.snapshots) == 301
     way_m = np.array([(snapshot.x_m, snapshot.y_m) for snapshot in course.snapshots])
     steps_m = np.hypot(*np.diff(way_m, axis=0).T)
@@ -37,7 +38,8 @@ def test_where_the_world_begins_anew_the_way_goes_on():
 @pytest.mark.parametrize("rays", [5, 16])
 def test_behind_a_scanner_every_beam_is_drawn_where_it_looks(rays: int):
     eye = RetinaSpec(rays=rays, beams=BeamRule.SECTOR_MINIMUM)
-    course = drive_in_world(WORLDS["scanned"], reference_contract(eye), ConstantPolicy(0), 0, 0.5)
+    straight_on = Contender("straight on", ConstantPolicy(0), reference_contract(eye))
+    course = drive_in_world(WORLDS["scanned"], straight_on, 0, 0.5)
     for snapshot in course.snapshots:
         assert snapshot.rays_m is not None
         assert snapshot.rays_m.shape == course.eye.bearings_rad.shape

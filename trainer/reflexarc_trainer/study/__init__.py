@@ -1,8 +1,7 @@
 """A study: a grid of configurations × seeds, each learned and measured in a worker process.
 
 definition axes settings targets shipped    the TOML file: its cells, and what is expected of them
-unit measuring                              one run of a study, as a pure function
-worker worker_process crew                  processes that do units; one that dies is replaced
+unit measuring worker                       one run of a study, as a pure function; a process of it
 results                                     the file that keeps the units' results
 study                                       a study from its file to its page
 summary page figure                         what it shows: interquartile means with intervals

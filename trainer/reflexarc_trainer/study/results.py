@@ -1,24 +1,15 @@
-"""The results file of a study: one line of JSON per result, each flushed to the disk at once.
-
-A process that is killed leaves whole lines and at most one incomplete line at the end; reading
-skips that line, and the next process that opens the file removes it. A lock keeps other processes
-from writing.
-"""
+"""The results file of a study: one line of JSON per result (see `crew/lines_file.py`)."""
 
 import dataclasses
-import fcntl
-import json
-import os
 from collections.abc import Sequence
 from pathlib import Path
-from types import TracebackType
-from typing import BinaryIO, Self
 
 from reflexarc_runtime.errors import UsageError
+from reflexarc_sim_bridge.crew.lines_file import LinesFile, read_lines
 from reflexarc_trainer.study.unit import Result, Unit
 
 
-class ResultsFile:
+class ResultsFile(LinesFile):
     """A results file, open for appending; a context manager that closes it.
 
     Raises:
@@ -26,37 +17,11 @@ class ResultsFile:
     """
 
     def __init__(self, path: Path) -> None:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        self._file: BinaryIO = path.open("a+b")
-        try:
-            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            self._file.close()
-            raise UsageError(f"{path.parent}: another study is running here; wait for it") from None
-        self._cut_torn_line()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._file.close()
+        super().__init__(path, "study")
 
     def append(self, result: Result) -> None:
         """Append a result; it is on the disk when this returns."""
-        line = json.dumps(dataclasses.asdict(result)) + "\n"
-        self._file.write(line.encode())
-        self._file.flush()
-        os.fsync(self._file.fileno())
-
-    def _cut_torn_line(self) -> None:
-        self._file.seek(0)
-        content = self._file.read()
-        self._file.truncate(content.rfind(b"\n") + 1)
+        self.append_line(dataclasses.asdict(result))
 
 
 def read_results(path: Path) -> list[Result]:
@@ -68,12 +33,10 @@ def read_results(path: Path) -> list[Result]:
     Raises:
         OSError: the file exists and cannot be read.
     """
-    if not path.exists():
-        return []
     results = []
-    for line in path.read_bytes().split(b"\n")[:-1]:
+    for line in read_lines(path):
         try:
-            results.append(Result.from_plain(json.loads(line)))
+            results.append(Result.from_plain(line))
         except (ValueError, UsageError):
             continue
     return results

@@ -17,17 +17,18 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from reflexarc_runtime.files import write_atomically
-from reflexarc_trainer.study.crew import Crew
+from reflexarc_sim_bridge.crew.crew import Crew
+from reflexarc_sim_bridge.crew.worker_process import Failure, Task
 from reflexarc_trainer.study.definition import Study
 from reflexarc_trainer.study.figure import draw_study
 from reflexarc_trainer.study.page import write_page
 from reflexarc_trainer.study.results import ResultsFile, matching, read_results
 from reflexarc_trainer.study.summary import CellSummary, missed_targets, summarise
 from reflexarc_trainer.study.unit import Measure, Result, Unit, code_key
-from reflexarc_trainer.study.worker_process import Failure
 
 STUDY, RESULTS, PAGE, PICTURE = "study.toml", "results.jsonl", "study.md", "study.png"
 
+_WORKER = "reflexarc_trainer.study.worker"
 _LEARNED_PER_S, _DRIVEN_PER_S = 5e5, 7e5
 """Steps per second of one processor, learning and measuring, for the estimate of a study's duration
 (presets of 2^19 steps, on a shared virtual core)."""
@@ -133,14 +134,16 @@ def run_study(
         todo = plan(study, out, any_code)
         there, failures = dict(todo.there), list[str]()
         progress(StudyProgress(len(there), len(todo.units), None))
-        with Crew(todo.pending, jobs) as crew:
+        tasks = [Task(unit.hash, unit.to_plain()) for unit in todo.pending]
+        with Crew(_WORKER, tasks, jobs) as crew:
             for outcome in crew.outcomes(should_stop):
                 if isinstance(outcome, Failure):
                     failures.append(_failure_words(study, outcome))
                     continue
-                file.append(outcome)
-                there[outcome.unit] = outcome
-                progress(StudyProgress(len(there), len(todo.units), outcome))
+                result = Result.from_plain(outcome.answer)
+                file.append(result)
+                there[result.unit] = result
+                progress(StudyProgress(len(there), len(todo.units), result))
         summaries = summarise(study, there)
         _write(study, out, summaries)
     return _result(study, out, todo, there, failures, summaries)
@@ -176,7 +179,7 @@ def _write(study: Study, out: Path, summaries: Sequence[CellSummary]) -> None:
 
 def _failure_words(study: Study, failure: Failure) -> str:
     for cell, seed in itertools.product(study.cells, study.seeds):
-        if study.unit(cell, seed).hash == failure.unit.hash:
+        if study.unit(cell, seed).hash == failure.task.key:
             return f"{cell.name}, seed {seed}: {failure.reason}"
     return failure.reason
 

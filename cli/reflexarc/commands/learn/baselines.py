@@ -88,18 +88,18 @@ class BaselinesCommand:
 
     def _evolve(self) -> int:
         assert self.out is not None
+        from reflexarc_baselines.evolving.evolution import Generation, evolve
+        from reflexarc_baselines.genome_files import genome_text
         from reflexarc_runtime.files import write_atomically
 
-        evolution, files = _evolving("evolution"), _evolving("genome_files")
-
-        def show(now: Any) -> None:
+        def show(now: Generation) -> None:
             aside.print(
                 f"generation {now.number}: best {now.best:.2f}; on validation worlds "
                 f"{now.validation:.2f}, record {now.record:.2f}, {now.since} generations ago"
             )
 
-        evolved = evolution.evolve(self.name, self.seed, show)
-        write_atomically(self.out, files.genome_text(evolved.genome, evolved.provenance).encode())
+        evolved = evolve(self.name, self.seed, show)
+        write_atomically(self.out, genome_text(evolved.genome, evolved.provenance).encode())
         said = {"genome": self.out, "validation": evolved.provenance.validation}
         if self.json:
             print_json(said)
@@ -130,19 +130,6 @@ class BaselinesCommand:
         else:
             console.print(facts(said))
         return 0
-
-
-def _evolving(module: str) -> Any:
-    """A module of the evolving, which is not in every version."""
-    from importlib import import_module
-
-    names = {"evolution": "evolving.evolution", "genome_files": "genome_files"}
-    try:
-        return import_module(f"reflexarc_baselines.{names[module]}")
-    except ModuleNotFoundError as error:
-        if not (error.name or "").startswith("reflexarc_baselines"):
-            raise
-        raise UsageError("evolve: this version of reflexarc evolves none") from None
 
 
 def _row(name: str) -> dict[str, Any]:

@@ -2,14 +2,17 @@
 
 import math
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 import numpy.typing as npt
 
 from reflexarc_runtime.arrays import Actions
 from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.errors import UsageError
 from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_sim_bridge.evaluation.driving.crowd_guard import CrowdGuard
+from reflexarc_sim_bridge.evaluation.driving.driver import Driver, Knower
 from reflexarc_sim_bridge.evaluation.driving.pilot import Pilot
 from reflexarc_sim_bridge.evaluation.metrics.edge_index import obstacle_radius_m
 from reflexarc_sim_bridge.evaluation.metrics.track import Circumstances, Track
@@ -18,9 +21,10 @@ from reflexarc_sim_bridge.evaluation.protocol.contender import Contender
 from reflexarc_sim_bridge.evaluation.protocol.setting import Setting, worlds_for
 from reflexarc_sim_bridge.evaluation.protocol.suite import Suite, SuiteCell
 from reflexarc_sim_bridge.simulation.simulation import Simulation
+from reflexarc_sim_bridge.simulation.surroundings import AgentSurroundings
 from reflexarc_sim_bridge.worlds.layers import Scatter
 from reflexarc_sim_bridge.worlds.seeds import test_seeds
-from reflexarc_sim_bridge.worlds.world import World, WorldSource
+from reflexarc_sim_bridge.worlds.world import AfterContact, Edges, World, WorldSource
 
 DISCARDED_M = 10.0
 """Driven before the counting begins: an agent begins at a place drawn evenly, not where it would
@@ -59,18 +63,18 @@ def drive(
     worlds = worlds_for(cell.source, contender, setting)
     seeds = test_seeds(suite.worlds) if seeds is None else seeds
     circumstances = circumstances_of(worlds, contender.contract, cell)
-    extent = _extent(circumstances, suite)
-    simulation, pilot = start(worlds, contender, np.repeat(seeds, suite.lanes))
-    recorder = _Recorder(circumstances, suite.lanes, extent.counted, len(simulation))
+    extent = extent_of(circumstances, suite)
+    simulation, driver = start(worlds, contender, np.repeat(seeds, suite.lanes), all_round=True)
+    recorder = _Recorder(circumstances, suite.lanes, extent.counted, simulation)
     for step in range(-extent.discarded, extent.counted):
         simulation.sense()
-        actions = pilot.act(simulation.stacks)
+        actions = driver.drive(simulation)
         if step >= 0:
-            recorder.before(step, simulation, pilot.wanted)
+            recorder.before(step, driver.wanted)
         met = simulation.step(actions)
         if step >= 0:
-            recorder.after(step, simulation, met)
-        pilot.begin_anew(met)
+            recorder.after(step, met)
+        driver.begin_anew(met)
     return recorder.track()
 
 
@@ -79,7 +83,9 @@ def start(
     contender: Contender,
     seeds: npt.NDArray[np.uint64],
     lanes: npt.NDArray[np.uint64] | None = None,
-) -> tuple[Simulation, Pilot]:
+    *,
+    all_round: bool = False,
+) -> tuple[Simulation, Driver]:
     """Agents at their places, and who drives them.
 
     Args:
@@ -87,16 +93,25 @@ def start(
         contender: who drives.
         seeds: one an agent: (n,).
         lanes: tell agents of one seed apart: see `Simulation`.
+        all_round: whether what lies behind is kept, too, for who measures clearances.
     """
     contract, dt_s = contender.contract, worlds.drawn(0).dt_s
+    if hasattr(contender.policy, "driver"):
+        if contender.is_guarded:
+            raise UsageError(
+                f"{contender.name}: expected no guard, as it does not drive by its eye"
+            )
+        simulation = Simulation(worlds, contract, seeds, lanes, all_round=all_round)
+        return simulation, cast("Knower", contender.policy).driver(simulation, contract)
     crowd = None
     if contender.is_guarded:
         crowd = CrowdGuard(GuardSettings.of(contract), contract, dt_s)
-    simulation = Simulation(worlds, contract if crowd is None else crowd.contract, seeds, lanes)
+    moves_by = contract if crowd is None else crowd.contract
+    simulation = Simulation(worlds, moves_by, seeds, lanes, all_round=all_round)
     return simulation, Pilot(contender.policy, contract, len(seeds), dt_s, crowd)
 
 
-def _extent(circumstances: Circumstances, suite: Suite) -> Extent:
+def extent_of(circumstances: Circumstances, suite: Suite) -> Extent:
     """Turners are watched from their start on; who moves sideways is counted over a distance."""
     dt_s = circumstances.dt_s
     if circumstances.turns:
@@ -109,7 +124,7 @@ def _extent(circumstances: Circumstances, suite: Suite) -> Extent:
 def circumstances_of(
     worlds: WorldSource, contract: PolicyContract, cell: SuiteCell
 ) -> Circumstances:
-    """What holds for a whole drive of a contract through a cell."""
+    """What holds while a contract's body drives through the worlds of a cell."""
     world, actions = worlds.drawn(0), contract.actions
     scatters = any(isinstance(layer, Scatter) for layer in world.layers)
     return Circumstances(
@@ -125,6 +140,8 @@ def circumstances_of(
         width_m=world.width_m,
         free_path_m=cell.free_path_m or free_path_m(world) or _USUAL_PATH_M,
         lateral=_lateral(contract),
+        respawns=world.chassis.after_contact is not AfterContact.GHOST,
+        has_sides=world.edges is not Edges.UNBOUNDED,
     )
 
 
@@ -140,23 +157,27 @@ def _lateral(contract: PolicyContract) -> npt.NDArray[np.int8]:
 class _Recorder:
     """Arrays that are filled step by step."""
 
-    def __init__(self, circumstances: Circumstances, lanes: int, steps: int, agents: int) -> None:
-        shape = steps, agents
-        self._circumstances, self._lanes = circumstances, lanes
+    def __init__(
+        self, circumstances: Circumstances, lanes: int, steps: int, simulation: Simulation
+    ) -> None:
+        shape = steps, len(simulation)
+        self._circumstances, self._lanes, self._simulation = circumstances, lanes, simulation
+        self._surroundings = AgentSurroundings(simulation, circumstances.forward_mps)
         self._x_m, self._y_m, self._heading_rad = (np.empty(shape) for _ in range(3))
         self._progress_m = np.empty(shape)
         self._actions, self._met = np.empty(shape, np.int8), np.empty(shape, np.bool_)
-        self._clearance_m = np.full(shape, np.inf, np.float32)
-        self._ahead_s = np.full(shape, np.inf, np.float32)
+        self._clearance_m, self._ahead_s = (np.empty(shape, np.float32) for _ in range(2))
 
-    def before(self, step: int, simulation: Simulation, wanted: Actions) -> None:
+    def before(self, step: int, wanted: Actions) -> None:
+        simulation = self._simulation
         self._x_m[step], self._y_m[step] = simulation.x_m, simulation.y_m
         self._heading_rad[step] = simulation.heading_rad
         self._actions[step] = wanted
         self._progress_m[step] = simulation.distance_m
+        self._surroundings.measure(self._clearance_m[step], self._ahead_s[step])
 
-    def after(self, step: int, simulation: Simulation, met: npt.NDArray[np.bool_]) -> None:
-        self._progress_m[step] = simulation.distance_m - self._progress_m[step]
+    def after(self, step: int, met: npt.NDArray[np.bool_]) -> None:
+        self._progress_m[step] = self._simulation.distance_m - self._progress_m[step]
         self._met[step] = met
 
     def track(self) -> Track:

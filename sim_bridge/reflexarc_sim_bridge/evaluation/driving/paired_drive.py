@@ -23,6 +23,7 @@ PAIRED_WORLDS = 1000
 FIRST_LOOK_M = 40.0
 """Way of each agent before the first look; each later look has twice as much behind it."""
 LOOKS = 4
+MOST_TRIALS = 2 ** (LOOKS - 1)
 TRIAL_S = 60.0
 """For how long a body that turns is watched."""
 
@@ -46,6 +47,7 @@ def drive_pair(
     setting: Setting,
     is_enough: Callable[[Pair], bool],
     worlds: int = PAIRED_WORLDS,
+    lane: int = 0,
 ) -> None:
     """Drive both through the cells of a family, and show what they did after each look's way.
 
@@ -56,9 +58,10 @@ def drive_pair(
         setting: at which rate, with which body.
         is_enough: asked at each look; ends the drive.
         worlds: how many validation worlds.
+        lane: where in them they begin.
     """
     kind = _Trials if new.turns else _Way
-    sides = [[kind(who, cell, setting, worlds) for cell in cells] for who in (new, old)]
+    sides = [[kind(who, cell, setting, worlds, lane) for cell in cells] for who in (new, old)]
     for look in range(LOOKS):
         for side in (*sides[0], *sides[1]):
             side.go_on(2**look - (2 ** (look - 1) if look else 0))
@@ -78,10 +81,14 @@ class _Side(Protocol):
 class _Way(_Side):
     """Contacts of a body that moves sideways; a unit is `FIRST_LOOK_M`."""
 
-    def __init__(self, who: Contender, cell: SuiteCell, setting: Setting, worlds: int) -> None:
+    def __init__(
+        self, who: Contender, cell: SuiteCell, setting: Setting, worlds: int, lane: int
+    ) -> None:
         driven = worlds_for(cell.source, who, setting)
         circumstances = circumstances_of(driven, who.contract, cell)
-        self._simulation, self._pilot = start(driven, who, validation_seeds(worlds))
+        self._simulation, self._driver = start(
+            driven, who, validation_seeds(worlds), np.full(worlds, lane, np.uint64)
+        )
         self._step_m = circumstances.forward_mps * circumstances.dt_s
         self.sums: Floats = np.zeros(worlds)
         self._drive(DISCARDED_M)
@@ -93,27 +100,29 @@ class _Way(_Side):
     def _drive(self, way_m: float) -> None:
         for _ in range(round(way_m / self._step_m)):
             self._simulation.sense()
-            met = self._simulation.step(self._pilot.act(self._simulation.stacks))
+            met = self._simulation.step(self._driver.drive(self._simulation))
             self.sums += met
-            self._pilot.begin_anew(met)
+            self._driver.begin_anew(met)
 
 
 class _Trials(_Side):
     """How far a body that turns comes before its first contact; a unit is one trial an agent."""
 
-    def __init__(self, who: Contender, cell: SuiteCell, setting: Setting, worlds: int) -> None:
+    def __init__(
+        self, who: Contender, cell: SuiteCell, setting: Setting, worlds: int, lane: int
+    ) -> None:
         self._who, self._seeds = who, validation_seeds(worlds)
         self._driven = worlds_for(cell.source, who, setting)
-        self._trials = 0
+        self._trials, self._lane = 0, lane * MOST_TRIALS
         self.sums: Floats = np.zeros(worlds)
 
     def go_on(self, units: int) -> None:
         for _ in range(units):
-            lanes = np.full(len(self._seeds), self._trials, np.uint64)
-            simulation, pilot = start(self._driven, self._who, self._seeds, lanes)
+            lanes = np.full(len(self._seeds), self._lane + self._trials, np.uint64)
+            simulation, driver = start(self._driven, self._who, self._seeds, lanes)
             reach = Reach(simulation)
             for _step in range(round(TRIAL_S / simulation.dt_s)):
                 simulation.sense()
-                reach.note(simulation.step(pilot.act(simulation.stacks)))
+                reach.note(simulation.step(driver.drive(simulation)))
             self.sums += reach.greatest_m
             self._trials += 1

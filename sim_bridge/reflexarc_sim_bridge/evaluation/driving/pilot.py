@@ -14,6 +14,7 @@ from reflexarc_runtime.choice import outweighs, slots_of
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.policy.golden_check import start_of
 from reflexarc_sim_bridge.evaluation.driving.crowd_guard import CrowdGuard
+from reflexarc_sim_bridge.simulation.simulation import Simulation
 
 if TYPE_CHECKING:
     from reflexarc_runtime.policy.policy import Policy, RememberingPolicy
@@ -64,6 +65,10 @@ class Pilot:
             self._let_go(actions != wanted)
         self._slot += 1
         return actions
+
+    def drive(self, simulation: Simulation) -> Actions:
+        """See `Driver`."""
+        return self.act(simulation.stacks)
 
     def begin_anew(self, agents: Mask) -> None:
         """Forget what these agents remember and hold, (agents,): they were put somewhere else.

@@ -3,17 +3,22 @@
 A contender is named by a short text, so that any process can make it anew:
 
     runs/reflex-0/policy.onnx                   an exported file
-    module:Class                                an object with `contract` and `decide`
+    module:Class                                an object with `contract` and `decide`, or `driver`
+                                                (`driving/driver.py`: it knows the simulation)
+    mine.py:Class                               the same, from a file that is on no path
     blind, random                               an agent that never steers, and one that draws
 """
 
 import importlib
+import sys
 from dataclasses import dataclass
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_runtime.errors import UsageError
+from reflexarc_runtime.errors import ReflexarcError, UsageError, first_line
 from reflexarc_runtime.policy.policy import load_policy
 from reflexarc_sim_bridge.evaluation.simple_policies import BlindPolicy, RandomPolicy
 from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
@@ -23,6 +28,7 @@ if TYPE_CHECKING:
 
 BLIND, RANDOM = "blind", "random"
 _RANDOM_SEED = 1
+_PYTHON = ".py"
 
 
 @dataclass(frozen=True)
@@ -66,16 +72,32 @@ def contender_of(source: str, *, is_guarded: bool = False) -> Contender:
 def _by_name(source: str, is_guarded: bool) -> Contender:
     made = _made(source)
     contract = getattr(made, "contract", None)
-    if not isinstance(contract, PolicyContract) or not callable(getattr(made, "decide", None)):
-        raise UsageError(f"{source}: expected an object with `contract` and `decide`")
+    can = any(callable(getattr(made, name, None)) for name in ("decide", "driver"))
+    if not (isinstance(contract, PolicyContract) and can):
+        raise UsageError(f"{source}: expected an object with `contract` and `decide`, or `driver`")
     sees = getattr(getattr(made, "ORIGIN", None), "sees", "")
     return Contender(source, made, contract, str(sees) == "ranges", is_guarded)
 
 
 def _made(source: str) -> Any:
-    name, _, kind = source.partition(":")
+    name, _, kind = source.rpartition(":")
     try:
-        return getattr(importlib.import_module(name), kind)()
-    except (ImportError, AttributeError, TypeError) as error:
-        wanted = "expected module:Class, a class that takes no arguments"
-        raise UsageError(f"{source}: {wanted}: {error}") from None
+        return getattr(_module(name), kind)()
+    except ReflexarcError:
+        raise
+    except Exception as error:  # somebody else's code runs here
+        wanted = "expected module:Class or file.py:Class, a class that takes no arguments"
+        said = f"{type(error).__name__}: {first_line(error)}"
+        raise UsageError(f"{source}: {wanted}; got {said}") from None
+
+
+def _module(name: str) -> ModuleType:
+    if not name.endswith(_PYTHON):
+        return importlib.import_module(name)
+    spec = spec_from_file_location(Path(name).stem, name)
+    if spec is None or spec.loader is None:
+        raise UsageError(f"{name}: expected a file of Python code")
+    module = module_from_spec(spec)
+    sys.modules.setdefault(spec.name, module)  # dataclasses look themselves up there
+    spec.loader.exec_module(module)
+    return module

@@ -24,8 +24,10 @@ class ResultRow:
     setting: Setting
     family: str
     tier: str
-    sums: dict[str, list[float]]
-    """By the name of the sum: one value a world."""
+    sums: dict[str, list[Any]]
+    """By the name of the sum: one value a world, or one row of values."""
+    limits: dict[str, str] = field(default_factory=dict)
+    """By the name of a limit, such as `blind`: who holds it for a body that moves like this one."""
 
     @property
     def key(self) -> tuple[str, Setting, str, str]:
@@ -33,7 +35,7 @@ class ResultRow:
         return self.contender, self.setting, self.family, self.tier
 
     def array(self, name: str) -> Floats:
-        """A sum: (worlds,)."""
+        """A sum: (worlds, …)."""
         return np.array(self.sums[name], np.float64)
 
 
@@ -58,6 +60,20 @@ class Agent:
     turns: bool
     tuned: str = ""
     """What was tuned or trained, and where."""
+    group: str = ""
+    """The same for all files of one preset and configuration, whatever their seeds; empty for
+    others."""
+
+
+@dataclass(frozen=True)
+class CellFacts:
+    """What a cell of the suite was, for whoever reads the results without it."""
+
+    family: str
+    tier: str
+    world: str
+    clutter: float | None
+    counts: bool
 
 
 @dataclass
@@ -70,6 +86,17 @@ class Results:
     """Of reflexarc."""
     agents: list[Agent] = field(default_factory=list)
     rows: list[ResultRow] = field(default_factory=list)
+    limits: list[ResultRow] = field(default_factory=list)
+    """What is possible: their contenders are those that `ResultRow.limits` names."""
+    cells: list[CellFacts] = field(default_factory=list)
+
+    def limit(self, row: ResultRow, name: str) -> ResultRow | None:
+        """The limit of that name for a row, in the same cell; None where nobody found it."""
+        holder = row.limits.get(name)
+        for each in self.limits:
+            if (each.contender, each.family, each.tier) == (holder, row.family, row.tier):
+                return each
+        return None
 
     def to_json(self) -> dict[str, Any]:
         """As plain values."""
@@ -82,14 +109,21 @@ class Results:
             suite=document["suite"],
             version=document["version"],
             agents=[Agent(**each) for each in document["agents"]],
-            rows=[
-                ResultRow(**{**each, "setting": Setting(each["setting"])})
-                for each in document["rows"]
-            ],
+            rows=[_row_from(each) for each in document["rows"]],
+            limits=[_row_from(each) for each in document["limits"]],
+            cells=[CellFacts(**each) for each in document["cells"]],
         )
+
+
+def plain_sums(sums: Sums) -> dict[str, list[Any]]:
+    """Sums as plain values."""
+    return {name: values.tolist() for name, values in sums.items()}
 
 
 def row_of(contender: str, setting: Setting, family: str, tier: str, sums: Sums) -> ResultRow:
     """A row from the sums of a track."""
-    plain = {name: values.tolist() for name, values in sums.items()}
-    return ResultRow(contender, setting, family, tier, plain)
+    return ResultRow(contender, setting, family, tier, plain_sums(sums))
+
+
+def _row_from(document: dict[str, Any]) -> ResultRow:
+    return ResultRow(**{**document, "setting": Setting(document["setting"])})

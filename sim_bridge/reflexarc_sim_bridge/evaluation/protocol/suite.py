@@ -30,6 +30,7 @@ from reflexarc_runtime.config.fill import fill
 from reflexarc_runtime.config.toml_source import TomlSource, read_text
 from reflexarc_runtime.errors import UsageError
 from reflexarc_sim_bridge.evaluation.protocol.clutter import at_clutter
+from reflexarc_sim_bridge.evaluation.protocol.perturbation import Perturbation, perturbed
 from reflexarc_sim_bridge.worlds.files import world_named
 from reflexarc_sim_bridge.worlds.world import WorldSource
 
@@ -52,16 +53,21 @@ class SuiteCell:
     """Mean free path of an agent that never steers; None: 1 / 2ρR of what is scattered."""
     counts: bool = True
     """Whether it is part of the headline."""
+    perturbation: Perturbation | None = None
+    """What is made worse about it."""
 
     @cached_property
     def source(self) -> WorldSource:
         """The world, or family of worlds.
 
         Raises:
-            WorldError: there is none of that name; or it cannot have that clutter.
+            WorldError: there is none of that name; or it cannot have that clutter, or be made so
+                much worse.
         """
         source = world_named(self.world)
-        return source if self.clutter is None else at_clutter(source, self.clutter)
+        if self.clutter is not None:
+            source = at_clutter(source, self.clutter)
+        return source if self.perturbation is None else perturbed(source, self.perturbation)
 
 
 @dataclass(frozen=True)
@@ -107,9 +113,25 @@ class Suite:
         require(len(set(names)) == len(names), "families", "distinct names", names)
 
     @property
+    def cells(self) -> list[tuple[SuiteFamily, SuiteCell]]:
+        """All cells, each with its family."""
+        return [(family, cell) for family in self.families for cell in family.cells]
+
+    @property
     def title(self) -> str:
         """Name and version."""
         return f"{self.name}-{self.version}"
+
+    def cell(self, name: str) -> SuiteCell:
+        """The cell of that name, FAMILY/TIER.
+
+        Raises:
+            UsageError: it has none of that name.
+        """
+        known = {f"{family.name}/{cell.tier}": cell for family, cell in self.cells}
+        if name not in known:
+            raise UsageError(f"{self.name}: expected one of {', '.join(known)}, got {name!r}")
+        return known[name]
 
     def only(self, families: tuple[str, ...]) -> Self:
         """The suite with some of its families.

@@ -1,11 +1,12 @@
 import json
-import sys
 from pathlib import Path
-from types import ModuleType, SimpleNamespace
+from types import SimpleNamespace
 
 import pytest
 
 from reflexarc.main import main
+from reflexarc_baselines import genome_files
+from reflexarc_baselines.evolving import evolution
 from reflexarc_baselines.registry import HOMES, PYTHON_ONLY
 from reflexarc_runtime.policy.policy import load_policy
 
@@ -51,21 +52,12 @@ def test_evolving_writes_the_genome_of_the_name_and_seed(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ):
     """The evolving itself has its own tests; here it is another that says what it was asked."""
-    evolution, files = ModuleType("evolution"), ModuleType("genome_files")
 
-    def evolve(name: str, seed: int, progress: object) -> object:
+    def asked(name: str, seed: int, progress: object) -> object:
         return SimpleNamespace(genome=f"{name}-{seed}", provenance=SimpleNamespace(validation=1.5))
 
-    evolution.evolve = evolve  # type: ignore[attr-defined]  # a module that is made here
-    files.genome_text = lambda genome, _: genome  # type: ignore[attr-defined]  # the same
-    package = ModuleType("evolving")
-    package.__path__ = []
-    for name, module in (
-        ("evolving", package),
-        ("evolving.evolution", evolution),
-        ("genome_files", files),
-    ):
-        monkeypatch.setitem(sys.modules, f"reflexarc_baselines.{name}", module)
+    monkeypatch.setattr(evolution, "evolve", asked)
+    monkeypatch.setattr(genome_files, "genome_text", lambda genome, _: genome)
     path = tmp_path / "g.toml"
     words = ["evolve", "closed-loop", "--seed", "4", "-o", str(path), "--json"]
     assert json.loads(said(words, capsys)) == {"genome": str(path), "validation": 1.5}
@@ -84,6 +76,7 @@ def test_evolving_writes_the_genome_of_the_name_and_seed(
         (["search", "rob-nav", "--rate", "9"], "--rate: only export has one, not search"),
         (["export", "rob-nav", "--rate", "0", "-o", "x.onnx"], "rate_hz: expected 0.1 to 10000"),
         (["export", "rob-nav", "--rate", "nan", "-o", "x.onnx"], "rate_hz: expected 0.1 to 10000"),
+        (["evolve", "rob-nav", "-o", "x.toml"], "evolving: none is named 'rob-nav'"),
         (["search", "rob-nav", "--trials", "0"], "expected trials ≥ 1, got 0"),
     ],
 )

@@ -1,7 +1,7 @@
-"""The crew of a study: worker processes that do its units, replaced when they die.
+"""A crew: worker processes that do tasks, replaced when they die.
 
-A unit whose worker died is given to a second worker; if that one dies too, the unit has failed. If
-the compilation cache is empty, the first unit is done alone, as all workers would compile the same
+A task whose worker died is given to a second worker; if that one dies too, the task has failed. If
+the compilation cache is empty, the first task is done alone, as all workers would compile the same
 code at once.
 """
 
@@ -10,12 +10,11 @@ from collections import Counter, deque
 from collections.abc import Callable, Iterator, Sequence
 
 from reflexarc_runtime.errors import UsageError
+from reflexarc_sim_bridge.crew.worker_process import Done, Failure, Task, WorkerDied, WorkerProcess
 from reflexarc_sim_bridge.native.cache import cache_folder
-from reflexarc_trainer.study.unit import Result, Unit
-from reflexarc_trainer.study.worker_process import Failure, WorkerDied, WorkerProcess
 
 TRIES = 2
-"""Workers that may die doing a unit, before it has failed."""
+"""Workers that may die doing a task, before it has failed."""
 MOST_JOBS = 256
 MOST_STILLBORN = 3
 """Processes in a row that die before they are ready, after which no more are started."""
@@ -25,15 +24,17 @@ _LOOK_S = 0.1
 
 
 class Crew:
-    """Worker processes, and a queue of units for them; a context manager that ends the processes.
+    """Worker processes, and a queue of tasks for them; a context manager that ends the processes.
 
     Args:
-        units: to be done, in this order.
+        module: what the processes run: a module that calls `worker.serve`.
+        tasks: to be done, in this order.
         jobs: number of processes, 1 or more.
     """
 
-    def __init__(self, units: Sequence[Unit], jobs: int) -> None:
-        self._pending, self._tries = deque(units), Counter[str]()
+    def __init__(self, module: str, tasks: Sequence[Task], jobs: int) -> None:
+        self._module = module
+        self._pending, self._tries = deque(tasks), Counter[str]()
         self._jobs = jobs if _has_compiled() else 1
         self._wanted_jobs = jobs
         self._workers: list[WorkerProcess] = []
@@ -47,16 +48,11 @@ class Crew:
             worker.end()
         self._workers.clear()
 
-    @property
-    def pids(self) -> list[int]:
-        """Process ids of the workers."""
-        return [worker.pid for worker in self._workers]
-
-    def outcomes(self, should_stop: Callable[[], bool]) -> Iterator[Result | Failure]:
-        """Do the units; yields the outcome of each as soon as it is known.
+    def outcomes(self, should_stop: Callable[[], bool]) -> Iterator[Done | Failure]:
+        """Do the tasks; yields the outcome of each as soon as it is known.
 
         Args:
-            should_stop: called often; True ends the work, and units in progress have no outcome.
+            should_stop: called often; True ends the work, and tasks in progress have no outcome.
 
         Raises:
             UsageError: several processes died before they were ready.
@@ -72,17 +68,17 @@ class Crew:
 
     @property
     def _undone(self) -> int:
-        return len(self._pending) + sum(worker.unit is not None for worker in self._workers)
+        return len(self._pending) + sum(worker.task is not None for worker in self._workers)
 
     def _hire(self) -> None:
-        """Start workers, up to one per unit that is not done, and give units to the idle ones."""
+        """Start workers, up to one per task that is not done, and give tasks to the idle ones."""
         while len(self._workers) < min(self._jobs, self._undone):
-            self._workers.append(WorkerProcess())
+            self._workers.append(WorkerProcess(self._module))
         for worker in self._workers:
             if worker.is_idle and self._pending:
                 worker.give(self._pending.popleft())
 
-    def _hear(self, worker: WorkerProcess) -> Result | Failure | None:
+    def _hear(self, worker: WorkerProcess) -> Done | Failure | None:
         """The outcome that a worker has reported, or None if it has reported that it is ready."""
         try:
             outcome = worker.hear()
@@ -94,18 +90,18 @@ class Crew:
         return outcome
 
     def _bury(self, worker: WorkerProcess, reason: str) -> Failure | None:
-        """Queue the unit of a dead worker once more, or return its failure after the last try."""
-        unit = worker.unit
-        if unit is None:
+        """Queue the task of a dead worker once more, or return its failure after the last try."""
+        task = worker.task
+        if task is None:
             self._stillborn += 1
             if self._stillborn == MOST_STILLBORN:
-                raise UsageError(f"study: its processes cannot begin; the last ended with {reason}")
+                raise UsageError(f"its processes cannot begin; the last ended with {reason}")
             return None
-        self._tries[unit.hash] += 1
-        if self._tries[unit.hash] < TRIES:
-            self._pending.appendleft(unit)
+        self._tries[task.key] += 1
+        if self._tries[task.key] < TRIES:
+            self._pending.appendleft(task)
             return None
-        return Failure(unit, f"{TRIES} processes died doing it; the last ended with {reason}")
+        return Failure(task, f"{TRIES} processes died doing it; the last ended with {reason}")
 
 
 def _has_compiled() -> bool:

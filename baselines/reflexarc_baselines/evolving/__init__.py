@@ -1,0 +1,1 @@
+"""Evolving the baselines whose sources evolved theirs: whole populations in one simulation."""

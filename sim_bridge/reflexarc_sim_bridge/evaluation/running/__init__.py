@@ -1,0 +1,1 @@
+"""A suite shared among processes, kept unit by unit."""
