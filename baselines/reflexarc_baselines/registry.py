@@ -41,6 +41,17 @@ HOMES: Mapping[str, str] = MappingProxyType(
 )
 """Name of a baseline → its module in this package, and its class."""
 
+PYTHON_ONLY: Mapping[str, str] = MappingProxyType(
+    {
+        "follow-the-gap": "it sorts what it sees",
+        "stereo": "it matches edges one after another",
+        "closed-loop": "it decides for many genomes at once",
+        "evolved-viewing": "it decides for many genomes at once",
+        "spiking-network": "its neurons run in a compiled loop",
+    }
+)
+"""Baselines that no graph can hold, and why; all others export."""
+
 
 def baseline_named(name: str) -> Baseline | Remembering:
     """The baseline of a name, with the parameters that it ships with.

@@ -24,3 +24,16 @@ def steer(wish: Floats, dead_band: float = 0.0) -> tuple[QValues, Actions]:
     stay = np.full_like(wish, dead_band)
     q_values = np.stack([stay, wish, -wish], axis=1).astype(np.float32)
     return q_values, q_values.argmax(axis=1)
+
+
+def preferring_to_stay(values: Floats, preference: float) -> tuple[QValues, Actions]:
+    """Values (n, 3) and winners (n,) where staying is worth a little more than it seems.
+
+    Args:
+        values: of the three actions: (n, 3).
+        preference: of staying, in their unit.
+    """
+    added = np.zeros(values.shape[1], np.float32)
+    added[STAY] = preference
+    q_values: QValues = (values + added).astype(np.float32)
+    return q_values, q_values.argmax(axis=1)

@@ -18,6 +18,7 @@ from reflexarc.commands.drive.operate import (
 from reflexarc.commands.drive.ros2 import Ros2Command
 from reflexarc.commands.drive.run import RunCommand
 from reflexarc.commands.drive.sim import SimCommand
+from reflexarc.commands.learn.baselines import BaselinesCommand
 from reflexarc.commands.learn.evaluate import EvaluateCommand
 from reflexarc.commands.learn.export import ExportCommand
 from reflexarc.commands.learn.study import StudyCommand
@@ -43,7 +44,13 @@ class CliCommand(Protocol):
 
 GROUPS: dict[str, tuple[type[CliCommand], ...]] = {
     "Everything in one go": (DemoCommand,),
-    "Learn and measure": (TrainCommand, ExportCommand, EvaluateCommand, StudyCommand),
+    "Learn and measure": (
+        TrainCommand,
+        ExportCommand,
+        EvaluateCommand,
+        BaselinesCommand,
+        StudyCommand,
+    ),
     "Worlds": (WorldsCommand,),
     "Drive": (
         SimCommand,

@@ -1,6 +1,7 @@
 """The house from outside: a newcomer finds the room from the listing."""
 
 import ast
+import tomllib
 from collections import Counter, defaultdict
 from collections.abc import Iterator
 from pathlib import Path
@@ -47,6 +48,15 @@ def test_all_rooms_are_looked_at() -> None:
         "sim_bridge",
         "trainer",
     }
+
+
+def test_the_wheel_brings_every_room_and_every_check_looks_at_it() -> None:
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]
+    packed = settings["hatch"]["build"]["targets"]["wheel"]["packages"]
+    assert {ROOT / path for path in packed} == set(ROOMS.values())
+    names = {path.name for path in ROOMS.values()}
+    assert set(settings["mypy"]["packages"]) == names
+    assert set(settings["importlinter"]["root_packages"]) == names
 
 
 @pytest.mark.parametrize("room", sorted(ROOMS))

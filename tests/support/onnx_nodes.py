@@ -21,7 +21,7 @@ def by_onnxruntime(node: onnx.NodeProto, inputs: list[Array | None]) -> list[Arr
         [node],
         "node",
         [helper.make_tensor_value_info(n, kinds[n], list(a.shape)) for n, a in given],
-        [helper.make_tensor_value_info(n, onnx.TensorProto.FLOAT, None) for n in node.output],
+        [helper.make_empty_tensor_value_info(n) for n in node.output],
     )
     opset = [helper.make_opsetid("", 17)]
     model = helper.make_model(graph, opset_imports=opset, ir_version=8)

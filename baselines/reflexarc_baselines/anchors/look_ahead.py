@@ -15,6 +15,7 @@ is a preference to stay.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import reduce
 from typing import ClassVar
 
 import numpy as np
@@ -22,7 +23,7 @@ import numpy as np
 from reflexarc_baselines.baseline import Fidelity, Floats, Origin, Sees, Span
 from reflexarc_baselines.headings import headings_rad
 from reflexarc_baselines.rays import bearings_rad, distances_m
-from reflexarc_baselines.steering import STAY
+from reflexarc_baselines.steering import STAY, preferring_to_stay
 from reflexarc_baselines.swept_strip import Path, free_on_legs_m
 from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
 from reflexarc_runtime.contract.contract import PolicyContract
@@ -69,9 +70,8 @@ class LookAhead:
         # What lies at the end of its range a ray does not tell from nothing.
         reach_m = np.where(reach_m < np.float32(eye.range_m), reach_m, np.float32(1e9))
         x_m, y_m = reach_m * np.cos(bearings), reach_m * np.sin(bearings)
-        q_values = np.stack([self.free_s(x_m, y_m, row) for row in range(actions)], axis=1)
-        q_values[:, STAY] += self.preference_s
-        return q_values, q_values.argmax(axis=1)
+        free_s = np.stack([self.free_s(x_m, y_m, row) for row in range(actions)], axis=1)
+        return preferring_to_stay(free_s, self.preference_s)
 
     def free_s(self, x_m: Floats, y_m: Floats, row: int) -> Floats:
         """How long the body is free that does an action for the best of the hold times: (n,).
@@ -83,7 +83,7 @@ class LookAhead:
         """
         shares = np.arange(1, self.holds + 1) / self.holds
         tried = [self._free_after_s(x_m, y_m, row, self.longest_hold_s * s) for s in shares]
-        longest: Floats = np.minimum(np.max(tried, axis=0), np.float32(self.horizon_s))
+        longest: Floats = np.minimum(reduce(np.maximum, tried), np.float32(self.horizon_s))
         return longest
 
     def _free_after_s(self, x_m: Floats, y_m: Floats, row: int, hold_s: float) -> Floats:

@@ -13,7 +13,7 @@ from typing import ClassVar
 from reflexarc_baselines.baseline import Fidelity, Origin, Sees, Span
 from reflexarc_baselines.headings import free_along_m, headings_rad
 from reflexarc_baselines.rays import bearings_rad, distances_m
-from reflexarc_baselines.steering import STAY
+from reflexarc_baselines.steering import preferring_to_stay
 from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
@@ -42,6 +42,5 @@ class ThreeMotions:
     def decide(self, retinas: RetinaBatch) -> tuple[QValues, Actions]:
         """See `Policy`."""
         eye, headings = self.contract.retina, headings_rad(self.contract)
-        q_values = free_along_m(distances_m(retinas, eye), bearings_rad(eye), headings, self.rays)
-        q_values[:, STAY] += self.preference_m
-        return q_values, q_values.argmax(axis=1)
+        free_m = free_along_m(distances_m(retinas, eye), bearings_rad(eye), headings, self.rays)
+        return preferring_to_stay(free_m, self.preference_m)

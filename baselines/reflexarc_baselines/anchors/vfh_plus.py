@@ -26,6 +26,7 @@ import numpy as np
 
 from reflexarc_baselines.baseline import Fidelity, Floats, Origin, Sees, Span
 from reflexarc_baselines.headings import headings_rad
+from reflexarc_baselines.picking import picked
 from reflexarc_baselines.rays import bearings_rad, distances_m
 from reflexarc_baselines.steering import steer
 from reflexarc_runtime.arrays import Actions, Mask, Memories, QValues, RetinaBatch
@@ -114,7 +115,7 @@ class VfhPlus:
         is_blocked = self.blocked(density, was_blocked)
         choice_rad = self.choice_rad(is_blocked, density, motion_rad, memories[:, -1])
         q_values, actions = steer(choice_rad, self.dead_band_rad)
-        done_rad = np.array(headings_rad(self.contract), np.float32)[actions]
+        done_rad = picked(np.array(headings_rad(self.contract), np.float32), actions)
         columns = [is_blocked, done_rad[:, np.newaxis], choice_rad[:, np.newaxis]]
         return q_values, actions, np.hstack(columns).astype(np.float32)
 
@@ -144,7 +145,7 @@ class VfhPlus:
         costs = self.cost(bearings, motion_rad, before_rad)
         best = np.where(counts.reshape(costs.shape), costs, np.inf).argmin(axis=1)
         cheapest = np.take_along_axis(bearings, best[:, np.newaxis], 1)[:, 0]
-        least_dense = self.sectors_rad[density.argmin(axis=1)]
+        least_dense = picked(self.sectors_rad, density.argmin(axis=1))
         return np.where(is_blocked.all(axis=1), least_dense, cheapest)
 
     def _bearing_rad(self, places: Floats) -> Floats:

@@ -29,6 +29,7 @@ import numpy as np
 
 from reflexarc_baselines.baseline import Fidelity, Floats, Origin, Sees, Span
 from reflexarc_baselines.history.vectors import Vectors, pointing, pulled
+from reflexarc_baselines.picking import picked
 from reflexarc_baselines.rays import bearings_rad, distances_m
 from reflexarc_baselines.steering import steer
 from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
@@ -115,6 +116,10 @@ class _LayeredReflexes:
         near_m = np.maximum(ranges_m, np.float32(range_m / FULL_SCALE))
         return np.where(ranges_m < range_m, np.float32(1.0) / near_m, np.float32(0.0))
 
+    def _nearest_rad(self, ranges_m: Floats) -> Floats:
+        """The bearing of the nearest ray; of equal ones the leftmost."""
+        return picked(self._bearings_rad, ranges_m.argmin(axis=1))
+
     def _passive_avoid(self, ranges_m: Floats) -> Vectors:
         eye = self.drives_by.retina
         return pulled(
@@ -123,18 +128,20 @@ class _LayeredReflexes:
 
     def _active_avoid(self, ranges_m: Floats) -> Vectors:
         is_ahead = np.abs(self._bearings_rad) <= _AHEAD_RAD
-        nearness = self._nearness(ranges_m) * is_ahead
-        side = np.where(self._bearings_rad[nearness.argmax(axis=1)] > 0.0, -1.0, 1.0)
+        ahead_m = np.where(is_ahead, ranges_m, np.float32(self.drives_by.retina.range_m))
+        nearness = self._nearness(ahead_m)
+        side = np.where(self._nearest_rad(ahead_m) > 0.0, -1.0, 1.0)
         left = (side * nearness.max(axis=1)).astype(np.float32)
         return Vectors(np.zeros_like(left), left)
 
     def _open_space(self, ranges_m: Floats) -> Vectors:
         outwards = np.argsort(np.abs(self._bearings_rad), kind="stable")
-        return pointing(self._bearings_rad[outwards[ranges_m[:, outwards].argmax(axis=1)]])
+        farthest = ranges_m[:, outwards].argmax(axis=1)
+        return pointing(picked(self._bearings_rad[outwards], farthest))
 
     def _perimeter(self, ranges_m: Floats) -> Vectors:
         nearness = self._nearness(ranges_m)
-        nearest_rad = self._bearings_rad[nearness.argmax(axis=1)]
+        nearest_rad = self._nearest_rad(ranges_m)
         along_rad = np.sign(nearest_rad) * np.maximum(np.abs(nearest_rad) - _AHEAD_RAD, 0.0)
         return pointing(along_rad.astype(np.float32)).times(nearness.max(axis=1) > 0.0)
 

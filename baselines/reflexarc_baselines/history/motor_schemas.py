@@ -41,6 +41,9 @@ from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
 HUGE = 1000.0
 """Magnitude within the safe distance: a thousand times that of any other schema."""
 
+_CANCELLED = np.float32(1e-5)
+"""Pushes whose sum is a smaller share of them than this cancel out: what is left is rounding."""
+
 _SEARCHED: Mapping[str, Span] = {
     "influence_m": Span(0.5, 5.0),
     "avoid_gain": Span(0.1, 10.0, is_log=True),
@@ -150,6 +153,6 @@ class MotorSchemasLargest(_MotorSchemas):
 
     def _added_up(self, magnitudes: Floats, pushed: Vectors) -> Vectors:
         lengths = pushed.lengths
-        shares = np.zeros_like(lengths)
-        np.divide(magnitudes.max(axis=1), lengths, out=shares, where=lengths > 0.0)
-        return pushed.times(shares)
+        has_direction = lengths > _CANCELLED * magnitudes.sum(axis=1)
+        shares = magnitudes.max(axis=1) / np.where(has_direction, lengths, np.float32(1.0))
+        return pushed.times(np.where(has_direction, shares, np.float32(0.0)))

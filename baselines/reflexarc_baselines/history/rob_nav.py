@@ -26,6 +26,7 @@ from typing import ClassVar
 import numpy as np
 
 from reflexarc_baselines.baseline import Fidelity, Floats, Origin, Sees, Span
+from reflexarc_baselines.picking import picked
 from reflexarc_baselines.randomness import drawn
 from reflexarc_baselines.rays import bearings_rad, distances_m
 from reflexarc_baselines.steering import steer
@@ -78,8 +79,10 @@ class RobNav:
     def decide(self, retinas: RetinaBatch, memories: Memories) -> tuple[QValues, Actions, Memories]:
         """See `RememberingPolicy`."""
         ranges_m = distances_m(retinas, self.drives_by.retina)
-        following = self._default(memories, ranges_m, retinas)
-        following[self.is_clear(ranges_m), LEVEL:] = 0.0
+        starts_anew = self.is_clear(ranges_m)[:, np.newaxis] & (np.arange(4) >= LEVEL)
+        following = np.where(
+            starts_anew, np.float32(0.0), self._default(memories, ranges_m, retinas)
+        )
         q_values, winners = steer(following[:, SIDE])
         return q_values, winners, following
 
@@ -103,12 +106,13 @@ class RobNav:
         share, dice = drawn(memories[:, DICE], retinas)
         coin, dice = drawn(dice, retinas)
         level = np.minimum(memories[:, LEVEL] + 1.0, 3.0)
-        sides = (_clearer(ranges_m), -memories[:, SIDE], np.where(coin < 0.5, 1.0, -1.0))
-        side = np.choose(level.astype(np.int64) - 1, sides)
+        other = np.where(level < 3.0, -memories[:, SIDE], np.where(coin < 0.5, 1.0, -1.0))
+        side = np.where(level < 2.0, _clearer(ranges_m), other)
         called = np.stack([dice, level, self._slots(level, share), side], axis=1)
         following = np.where(memories[:, [LEFT]] <= 0.0, called.astype(np.float32), memories)
-        following[:, LEFT] -= 1.0
-        return following
+        one_decision = (np.arange(4) == LEFT).astype(np.float32)
+        later: Memories = following - one_decision
+        return later
 
     def _slots(self, level: Floats, share: Floats) -> Floats:
         """Decisions for which a level may last: (n,)."""
@@ -116,14 +120,17 @@ class RobNav:
             [slots_of(times * limit * self.aside_s, 1.0 / self.period_s) for limit in _LIMITS]
             for times in (1.0, 2.0)
         )
-        row = level.astype(np.int64)
-        spread = np.where(row == 3, np.array(longest)[row] - np.array(shortest)[row] + 1, 1)
-        slots: Floats = (np.array(shortest)[row] + np.floor(share * spread)).astype(np.float32)
-        return slots
+        row = np.maximum(level, 0.0).astype(np.int64)
+        spread = np.where(level < 3.0, 1.0, np.float32(longest[3] - shortest[3] + 1))
+        slots: Floats = picked(np.array(shortest, np.float32), row) + np.floor(share * spread)
+        return slots.astype(np.float32)
 
 
 def _clearer(ranges_m: Floats) -> Floats:
-    """The side whose distances have the greater mean; of equal ones the left: (n,)."""
+    """The side whose distances have the greater mean; of equal ones the left: (n,).
+
+    Equal but for rounding is equal.
+    """
     half = ranges_m.shape[1] // 2
     left, right = ranges_m[:, :half].mean(axis=1), ranges_m[:, -half:].mean(axis=1)
-    return np.where(right > left, np.float32(-1.0), np.float32(1.0))
+    return np.where(right > left + np.float32(1e-5), np.float32(-1.0), np.float32(1.0))

@@ -36,6 +36,7 @@ from reflexarc_baselines.baseline import Fidelity, Floats, Origin, Sees, Span
 from reflexarc_baselines.history import wandering
 from reflexarc_baselines.history.vectors import Vectors, pointing, pulled
 from reflexarc_baselines.history.wires import Inhibitor, Messages, Suppressor
+from reflexarc_baselines.picking import picked
 from reflexarc_baselines.rays import bearings_rad, distances_m
 from reflexarc_baselines.steering import steer
 from reflexarc_runtime.arrays import Actions, Mask, Memories, QValues, RetinaBatch
@@ -144,18 +145,17 @@ class _Wandering(_Level0, ABC):
 
     def decide(self, retinas: RetinaBatch, memories: Memories) -> tuple[QValues, Actions, Memories]:
         """See `RememberingPolicy`."""
-        following = memories.copy()
         slots = slots_of(self.wander_s, 1.0 / self.period_s)
         headings, walk = wandering.wandered(memories[:, _WANDER], retinas, self.widest_rad, slots)
         force = self.feelforce(retinas)
-        heard = self._heard(retinas, self._sent(Module.WANDER, headings), memories, following)
-        line, following[:, _OUTPUT] = Suppressor(self.time_constant_s, self.period_s).passed(
+        heard, wires = self._heard(retinas, self._sent(Module.WANDER, headings), memories)
+        line, output = Suppressor(self.time_constant_s, self.period_s).passed(
             self.runaway(force), self.avoid(heard, force), memories[:, _OUTPUT]
         )
         q_values, winners = self._drive(line)
         actions = self.drives_by.actions
-        following[:, _WANDER] = wandering.turned(walk, winners, actions, self.period_s)
-        return q_values, winners, following
+        walk = wandering.turned(walk, winners, actions, self.period_s)
+        return q_values, winners, np.hstack([walk, output, *wires]).astype(np.float32)
 
     def avoid(self, heading: Messages, force: Vectors) -> Messages:
         """Headings that give way to what is near (rad)."""
@@ -168,9 +168,9 @@ class _Wandering(_Level0, ABC):
 
     @abstractmethod
     def _heard(
-        self, retinas: RetinaBatch, wander: Messages, memories: Memories, following: Memories
-    ) -> Messages:
-        """The headings that avoid hears; what the wires before it remember goes to `following`."""
+        self, retinas: RetinaBatch, wander: Messages, memories: Memories
+    ) -> tuple[Messages, tuple[Memories, ...]]:
+        """The headings that avoid hears, and what the wires before it remember."""
 
 
 @dataclass(frozen=True)
@@ -189,9 +189,9 @@ class Subsumption1(_Wandering):
         return replace(self.drives_by, rate_hz=1.0 / self.period_s, state=StateSpec(_OUTPUT.stop))
 
     def _heard(
-        self, retinas: RetinaBatch, wander: Messages, memories: Memories, following: Memories
-    ) -> Messages:
-        return wander
+        self, retinas: RetinaBatch, wander: Messages, memories: Memories
+    ) -> tuple[Messages, tuple[Memories, ...]]:
+        return wander, ()
 
 
 @dataclass(frozen=True)
@@ -218,18 +218,18 @@ class Subsumption(_Wandering):
         passage_m = _least_of_three(distances_m(retinas, eye))
         bearings = bearings_rad(eye)
         outwards = np.argsort(np.abs(bearings), kind="stable")
-        best = outwards[passage_m[:, outwards].argmax(axis=1)]
-        return self._sent(Module.PLAN, bearings[best], passage_m.max(axis=1) >= self.far_m)
+        best_rad = picked(bearings[outwards], passage_m[:, outwards].argmax(axis=1))
+        return self._sent(Module.PLAN, best_rad, passage_m.max(axis=1) >= self.far_m)
 
     def _heard(
-        self, retinas: RetinaBatch, wander: Messages, memories: Memories, following: Memories
-    ) -> Messages:
+        self, retinas: RetinaBatch, wander: Messages, memories: Memories
+    ) -> tuple[Messages, tuple[Memories, ...]]:
         plan = self.plan(retinas)
         inhibitor = Inhibitor(self.time_constant_s, self.period_s)
         suppressor = Suppressor(self.time_constant_s, self.period_s)
-        line, following[:, _BLANK] = inhibitor.passed(wander, plan.is_sent, memories[:, _BLANK])
-        heard, following[:, _HEADING] = suppressor.passed(line, plan, memories[:, _HEADING])
-        return heard
+        line, blank = inhibitor.passed(wander, plan.is_sent, memories[:, _BLANK])
+        heard, heading = suppressor.passed(line, plan, memories[:, _HEADING])
+        return heard, (heading, blank)
 
 
 def _least_of_three(ranges_m: Floats) -> Floats:

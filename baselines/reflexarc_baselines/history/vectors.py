@@ -15,6 +15,10 @@ import numpy as np
 
 from reflexarc_baselines.baseline import Floats
 
+_STRAIGHT = np.float32(1e-4)
+"""A direction nearer than this (rad) to straight ahead or straight back is that: else rounding
+would say on which side of straight back a wish lies."""
+
 
 @dataclass(frozen=True)
 class Vectors:
@@ -28,8 +32,8 @@ class Vectors:
 
     def times(self, factor: Floats | float) -> "Vectors":
         """Each vector times its factor, or all times one."""
-        by = np.asarray(factor, np.float32)
-        return Vectors(self.ahead * by, self.left * by)
+        ahead, left = (np.multiply(p, factor, dtype=np.float32) for p in (self.ahead, self.left))
+        return Vectors(ahead, left)
 
     @property
     def lengths(self) -> Floats:
@@ -39,7 +43,9 @@ class Vectors:
     @property
     def headings_rad(self) -> Floats:
         """Their directions, in (−π, π], to the left positive; 0 where the vector is zero: (n,)."""
-        headings: Floats = np.arctan2(self.left + np.float32(0.0), self.ahead)
+        is_straight = np.abs(self.left) <= _STRAIGHT * np.abs(self.ahead)
+        left = np.where(is_straight, np.float32(0.0), self.left)
+        headings: Floats = np.arctan2(left, self.ahead)
         return headings
 
 

@@ -7,6 +7,7 @@ body's frame turns the other way. A body that only sidesteps never turns.
 import numpy as np
 
 from reflexarc_baselines.baseline import Floats
+from reflexarc_baselines.picking import picked
 from reflexarc_baselines.randomness import drawn
 from reflexarc_runtime.arrays import Actions, Memories, RetinaBatch
 from reflexarc_runtime.contract.motion import Action
@@ -31,11 +32,10 @@ def wandered(
     uniform, dice = drawn(memory[:, _DICE], retinas)
     is_due = memory[:, _WAIT] <= 0.0
     fresh = (2.0 * uniform - 1.0) * np.float32(widest_rad)
-    following = np.empty_like(memory)
-    following[:, _DICE] = np.where(is_due, dice, memory[:, _DICE])
-    following[:, _HEADING] = np.where(is_due, fresh, memory[:, _HEADING])
-    following[:, _WAIT] = np.where(is_due, np.float32(slots), memory[:, _WAIT]) - 1.0
-    return following[:, _HEADING].copy(), following
+    heading = np.where(is_due, fresh, memory[:, _HEADING])
+    wait = np.where(is_due, np.float32(slots), memory[:, _WAIT]) - np.float32(1.0)
+    dice = np.where(is_due, dice, memory[:, _DICE])
+    return heading, np.stack([dice, heading, wait], axis=1)
 
 
 def turned(
@@ -46,6 +46,6 @@ def turned(
     If a hold or a guard has it do something else, its heading is wrong by that turn until the next.
     """
     turns_rad = np.array([action.angular_radps * period_s for action in actions], np.float32)
-    following = memory.copy()
-    following[:, _HEADING] -= turns_rad[winners]
+    is_heading = np.arange(SIZE) == _HEADING
+    following: Memories = memory - picked(turns_rad, winners)[:, np.newaxis] * is_heading
     return following

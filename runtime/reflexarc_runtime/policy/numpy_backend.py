@@ -18,7 +18,8 @@ from onnx import numpy_helper
 
 from reflexarc_runtime.arrays import Actions, Memories, QValues, RetinaBatch
 from reflexarc_runtime.errors import PolicyError
-from reflexarc_runtime.policy.operators import OPERATORS, Tensor
+from reflexarc_runtime.policy.operator import Tensor
+from reflexarc_runtime.policy.operators import OPERATORS
 from reflexarc_runtime.policy.recurrent_operators import MANY_OPERATORS
 
 _ABSENT = ""

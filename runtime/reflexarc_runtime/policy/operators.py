@@ -4,18 +4,15 @@ The table names a maker for each: it is given the attributes of a node and retur
 that computes it. Meanings are those of the ONNX specification, operator set 17.
 """
 
-from collections.abc import Callable, Mapping
-from typing import Any, TypeAlias
+from collections.abc import Callable
 
 import numpy as np
-import numpy.typing as npt
 import onnx
 
 from reflexarc_runtime.errors import PolicyError
-
-Tensor: TypeAlias = npt.NDArray[Any]
-Attributes: TypeAlias = Mapping[str, Any]
-Operator: TypeAlias = Callable[..., Tensor]
+from reflexarc_runtime.policy.elementwise_operators import ELEMENTWISE
+from reflexarc_runtime.policy.operator import Attributes, Operator, Tensor, plain
+from reflexarc_runtime.policy.reducing_operators import REDUCING
 
 
 def sigmoid(x: Tensor) -> Tensor:
@@ -57,14 +54,6 @@ def _reshape(attributes: Attributes) -> Operator:
     return reshape
 
 
-def _arg_max(attributes: Attributes) -> Operator:
-    """Index of the largest value, after rounding to float32 as at the output of the graph."""
-    axis, keep = attributes.get("axis", 0), bool(attributes.get("keepdims", 1))
-    if attributes.get("select_last_index", 0):
-        raise PolicyError("operator ArgMax: select_last_index=1; a tie must take the first action")
-    return lambda x: np.argmax(x.astype(np.float32), axis=axis, keepdims=keep)
-
-
 def _concat(attributes: Attributes) -> Operator:
     axis = attributes["axis"]
     return lambda *parts: np.concatenate(parts, axis)
@@ -100,31 +89,27 @@ def _softplus(x: Tensor) -> Tensor:
     return np.logaddexp(0.0, x)
 
 
-def _plain(operator: Operator) -> Callable[[Attributes], Operator]:
-    """The maker of an operator that has no attributes."""
-    return lambda _: operator
-
-
 OPERATORS: dict[str, Callable[[Attributes], Operator]] = {
-    "Add": _plain(np.add),
-    "ArgMax": _arg_max,
+    **ELEMENTWISE,
+    **REDUCING,
+    "Add": plain(np.add),
     "Cast": _cast,
     "Concat": _concat,
-    "Div": _plain(np.divide),
+    "Div": plain(np.divide),
     "Flatten": _flatten,
     "Gemm": _gemm,
-    "Identity": _plain(lambda x: x),
-    "MatMul": _plain(np.matmul),
-    "Mul": _plain(np.multiply),
-    "Relu": _plain(lambda x: np.maximum(x, 0.0)),
+    "Identity": plain(lambda x: x),
+    "MatMul": plain(np.matmul),
+    "Mul": plain(np.multiply),
+    "Relu": plain(lambda x: np.maximum(x, 0.0)),
     "Reshape": _reshape,
-    "Sigmoid": _plain(sigmoid),
-    "Slice": _plain(_slice),
-    "Softplus": _plain(_softplus),
-    "Squeeze": _plain(_squeeze),
-    "Sub": _plain(np.subtract),
-    "Tanh": _plain(np.tanh),
+    "Sigmoid": plain(sigmoid),
+    "Slice": plain(_slice),
+    "Softplus": plain(_softplus),
+    "Squeeze": plain(_squeeze),
+    "Sub": plain(np.subtract),
+    "Tanh": plain(np.tanh),
     "Transpose": _transpose,
-    "Unsqueeze": _plain(_unsqueeze),
+    "Unsqueeze": plain(_unsqueeze),
 }
 """Name of an ONNX operator → what makes its function from the attributes of a node."""

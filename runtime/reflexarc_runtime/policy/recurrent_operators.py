@@ -21,7 +21,8 @@ import numpy as np
 import onnx
 
 from reflexarc_runtime.errors import PolicyError
-from reflexarc_runtime.policy.operators import Attributes, Tensor, sigmoid
+from reflexarc_runtime.policy.operator import Attributes, Tensor
+from reflexarc_runtime.policy.operators import sigmoid
 
 ManyOperator: TypeAlias = Callable[..., tuple[Tensor, ...]]
 Step: TypeAlias = Callable[[Tensor, tuple[Tensor, ...]], tuple[Tensor, ...]]

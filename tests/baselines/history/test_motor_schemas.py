@@ -13,6 +13,7 @@ from reflexarc_baselines.history.motor_schemas import (
 )
 from reflexarc_sim_bridge.evaluation.reference_field import measure
 from reflexarc_sim_bridge.evaluation.simple_policies import RandomPolicy
+from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
 from support.ranges_seen import BEARINGS_RAD, far_except, unremembered
 
 BOTH = [MotorSchemasSum, MotorSchemasLargest]
@@ -107,3 +108,13 @@ def test_it_beats_random_motion_on_the_reference_field(kind: Kind) -> None:
     schemas = kind()
     random = measure(RandomPolicy(1), replace(schemas).drives_by, agents=128, steps=200)
     assert measure(schemas, schemas.contract, agents=128, steps=200).high < random.low
+
+
+@pytest.mark.parametrize("ray", range(8))
+def test_pushes_that_cancel_out_have_no_direction_however_they_are_rounded(ray: int) -> None:
+    """Sixteen rays all around: ray i and ray i + 8 look in opposite directions."""
+    around = replace(reference_contract().retina, fov_rad=2.0 * np.pi)
+    schemas = MotorSchemasLargest(drives_by=replace(reference_contract(), retina=around))
+    ranges_m = np.full((1, 16), 5.0, np.float32)
+    ranges_m[0, [ray, ray + 8]] = 0.8
+    assert schemas.avoid(ranges_m).lengths == pytest.approx(0.0, abs=1e-6)

@@ -22,6 +22,7 @@ from reflexarc_trainer.config.train_config import NetworkConfig
 from reflexarc_trainer.policy import parity
 from reflexarc_trainer.policy.export import export
 from reflexarc_trainer.policy.q_network import new_network
+from reflexarc_trainer.policy.torch_parity import torch_decide
 
 CONTRACT = PolicyContract()
 
@@ -212,13 +213,13 @@ def test_disagreement_leaves_the_file_that_was_there(
 ) -> None:
     path = tmp_path / "policy.onnx"
     path.write_bytes(b"the old policy")
-    honest = parity.torch_decide
+    honest = torch_decide
 
     def wrong(module: nn.Module, retinas: npt.NDArray[np.uint8], _: None) -> Any:
         q_values, actions, _ = honest(module, retinas)
         return q_values + np.float32(shift), actions, None
 
-    monkeypatch.setattr(parity, "torch_decide", wrong)
+    monkeypatch.setattr("reflexarc_trainer.policy.export.torch_decide", wrong)
     with pytest.raises(PolicyError, match="NumPy and torch do not agree"):
         export(new_network(CONTRACT, NetworkConfig(), 0), CONTRACT, path)
     assert [p.name for p in tmp_path.iterdir()] == ["policy.onnx"]

@@ -1,22 +1,11 @@
 """Export of a torch module of known operators as a policy file: one self-describing ONNX file.
 
-The graph holds everything between a retina's bytes and the greedy action:
-
-    retina uint8 [N, frames, eyes, rays, channels] → float → ÷ 255 → the module → q_values → argmax
-
-and, for a policy with a memory, leads it through the module:
-
-    state float32 [N, size] → the module → state_next
-
-The file's metadata hold the contract with golden vectors, golden sequences for a policy with a
-memory, and the tolerance between backends that its weights need (`rounding_bound.py`). Nothing is
-written unless the ONNX checker accepts the file, and torch, the NumPy reference and onnxruntime
-agree on it. The file's weights are float32; torch computes in float64 with the same values. The
-same module and contract give the same bytes, for no date goes into them.
+The module's nodes stand between the retina's bytes, as floats ÷ 255, and the Q-values; what else is
+in the file, and what is checked before it is written, says `graph_export.py`. The file's weights
+are float32; torch computes in float64 with the same values.
 """
 
 import copy
-import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -25,25 +14,13 @@ from torch import nn
 
 from reflexarc_runtime.arrays import RetinaBatch
 from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_runtime.files import write_atomically
-from reflexarc_runtime.policy.model_file import with_contract
-from reflexarc_runtime.policy.numpy_backend import NumpyGraph
 from reflexarc_runtime.sensing.ray_values import FULL_SCALE
-from reflexarc_trainer.policy.golden_vectors import golden_of
-from reflexarc_trainer.policy.parity import check_model, check_module, check_parity
-from reflexarc_trainer.policy.probes import (
-    Probes,
-    probe_memories,
-    probe_retinas,
-    reached_memories,
-)
-from reflexarc_trainer.policy.rounding.rounding_bound import tolerance_for
+from reflexarc_trainer.policy.graph_export import export_graph, finished
+from reflexarc_trainer.policy.parity import Original
+from reflexarc_trainer.policy.probes import probe_retinas
+from reflexarc_trainer.policy.torch_parity import check_module, torch_decide
 from reflexarc_trainer.policy.translation.graph_builder import Translation
 from reflexarc_trainer.policy.translation.onnx_graph import translate
-
-OPSET = 17
-IR_VERSION = 8
-"""With opset 17 it is what runtimes since 2022 read."""
 
 
 def export(
@@ -74,14 +51,8 @@ def export(
     module = as_exported(module)
     retinas = probe_retinas(contract, recorded)
     check_module(module, contract, retinas)
-    graph = build_model(module, contract)
-    model = graph.SerializeToString(deterministic=True)
-    check_model(model)
-    contract, probes = _proven(graph, contract, retinas)
-    model = with_contract(model, contract)
-    check_parity(module, model, probes)
-    write_atomically(path, model)
-    return contract
+    original = Original("torch", lambda *inputs: torch_decide(module, *inputs), is_double=True)
+    return export_graph(build_model(module, contract), original, contract, path, retinas)
 
 
 def as_exported(module: nn.Module) -> nn.Module:
@@ -99,45 +70,4 @@ def build_model(module: nn.Module, contract: PolicyContract) -> onnx.ModelProto:
     if contract.state.size:
         memory["state"] = (contract.state.size,)
     q_values, *following = translate(module, {**inputs, **memory}, translation)
-    translation.node("Identity", [q_values], "q_values")
-    translation.node("ArgMax", ["q_values"], "action", axis=1, keepdims=0, select_last_index=0)
-    for name in following:
-        translation.node("Identity", [name], "state_next")
-    return _model(translation, contract)
-
-
-def _proven(
-    model: onnx.ModelProto, contract: PolicyContract, retinas: RetinaBatch
-) -> tuple[PolicyContract, Probes]:
-    """The contract with what proves the policy, and the inputs to check it with."""
-    reference = NumpyGraph(model)
-    reached = reached_memories(reference, contract) if contract.state.size else None
-    memories = None if reached is None else probe_memories(contract, reached, len(retinas))
-    probes = Probes(retinas, memories)
-    contract = dataclasses.replace(
-        contract,
-        q_tolerance=tolerance_for(model, probes, contract.q_tolerance),
-        golden=golden_of(reference, contract, retinas),
-    )
-    return contract, probes
-
-
-def _model(translation: Translation, contract: PolicyContract) -> onnx.ModelProto:
-    info, kinds = onnx.helper.make_tensor_value_info, onnx.TensorProto
-    inputs = [info("retina", kinds.UINT8, ["N", *contract.retina.stack_shape])]
-    outputs = [
-        info("q_values", kinds.FLOAT, ["N", len(contract.actions)]),
-        info("action", kinds.INT64, ["N"]),
-    ]
-    if size := contract.state.size:
-        inputs.append(info("state", kinds.FLOAT, ["N", size]))
-        outputs.append(info("state_next", kinds.FLOAT, ["N", size]))
-    translation.prune([output.name for output in outputs])
-    graph = onnx.helper.make_graph(
-        translation.nodes, "reflexarc_policy", inputs, outputs, translation.constants
-    )
-    model = onnx.helper.make_model(
-        graph, opset_imports=[onnx.helper.make_opsetid("", OPSET)], producer_name="reflexarc"
-    )
-    model.ir_version = IR_VERSION
-    return model
+    return finished(translation, q_values, next(iter(following), None), contract)

@@ -1,19 +1,20 @@
-"""The parity check before a policy file is written: torch, NumPy and onnxruntime must agree.
+"""The parity check before a policy file is written: its original, NumPy and onnxruntime must agree.
 
-- torch in float64, rounded once, and the NumPy reference: to 1e-6 · max(1, |value|), and in the
-  action.
+- What the file was made from, if it computes in float64 and rounds once (torch does), and the NumPy
+  reference: to 1e-6 · max(1, |value|), and in the action. An original in float32 is held to what
+  onnxruntime is held to.
 - onnxruntime in float32 and the NumPy reference: to the contract's tolerance, and in the action
   except where their values differ by rounding only; in batches of many and of one.
 - With a memory, for memories of all kinds, the next ones included; and along the golden sequences,
   where k ticks may differ by k times as much.
 """
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
 import onnx
-import torch
-from torch import nn
 
 from reflexarc_runtime.arrays import Actions, Memories, QValues, RetinaBatch
 from reflexarc_runtime.contract.contract import PolicyContract
@@ -21,7 +22,6 @@ from reflexarc_runtime.errors import PolicyError
 from reflexarc_runtime.policy.agreement import Floats, flips, within_tolerance
 from reflexarc_runtime.policy.golden_check import start_of
 from reflexarc_runtime.policy.policy import load_policy
-from reflexarc_runtime.sensing.ray_values import FULL_SCALE
 from reflexarc_trainer.policy.probes import Probes, golden_sequences
 from reflexarc_trainer.policy.rounding.rounding_bound import LARGEST_TOLERANCE
 
@@ -33,24 +33,23 @@ _AMPLIFIES = "the memory makes rounding grow from tick to tick: learn smaller we
 Decided: TypeAlias = tuple[QValues, Actions, Memories | None]
 
 
-def check_module(module: nn.Module, contract: PolicyContract, retinas: RetinaBatch) -> None:
-    """Check that a module takes the contract's retinas and has one output per action.
+@dataclass(frozen=True)
+class Original:
+    """What a file was made from, and has to agree with."""
 
-    Raises:
-        PolicyError: it fails on the retinas, or its outputs have other shapes.
-    """
-    wanted = (len(retinas), len(contract.actions))
-    q_values, following = _tried(module, contract, retinas)
-    if q_values.shape != wanted:
-        raise PolicyError(
-            f"export: expected Q-values {wanted} of the module, got {tuple(q_values.shape)}"
-        )
-    memory = (len(retinas), contract.state.size)
-    if contract.state.size and following.shape != memory:
-        raise PolicyError(
-            f"export: expected next states {memory} of the module, got {tuple(following.shape)}; "
-            "the contract's state.size and the module do not fit"
-        )
+    name: str
+    decide: Callable[[RetinaBatch, Memories | None], Decided]
+    """Q-values (n, actions), actions (n,), and the next memories (n, size) if some were given."""
+    is_double: bool
+    """Whether it computes in float64, as the NumPy reference does."""
+
+    def tolerance(self, contract: PolicyContract) -> float:
+        """How near to it the NumPy reference has to come, times max(1, |value|)."""
+        return NUMPY_TOLERANCE if self.is_double else contract.q_tolerance
+
+    def rounding(self, contract: PolicyContract) -> float:
+        """Up to which difference of values another winner is rounding."""
+        return 0.0 if self.is_double else contract.q_tolerance
 
 
 def check_model(model: bytes) -> None:
@@ -66,77 +65,34 @@ def check_model(model: bytes) -> None:
         raise PolicyError(f"export: the ONNX checker refuses the graph: {reason}") from None
 
 
-def check_parity(module: nn.Module, model: bytes, probes: Probes) -> None:
-    """Check that an ONNX file computes what the module computes.
+def check_parity(original: Original, model: bytes, probes: Probes) -> None:
+    """Check that an ONNX file computes what it was made from.
 
     Args:
-        module: in float64, with the weights of the file.
+        original: with the weights of the file.
         model: content of the ONNX file, contract and golden vectors included.
         probes: what to check it with.
 
     Raises:
-        PolicyError: two of torch, NumPy and onnxruntime differ.
+        PolicyError: two of the original, NumPy and onnxruntime differ.
     """
     contract = load_policy(model, "numpy", bounds=None).contract
     got = _decided(model, "numpy", probes, len(probes.retinas))
-    expected = torch_decide(module, probes.retinas, probes.memories)
-    _require("NumPy and torch", got, expected, NUMPY_TOLERANCE)
+    expected = original.decide(probes.retinas, probes.memories)
+    allowed, rounding = original.tolerance(contract), original.rounding(contract)
+    _require(f"NumPy and {original.name}", got, expected, allowed, rounding)
     few = Probes(probes.retinas[:SINGLES], _first(probes.memories, SINGLES))
     singles, together = (_decided(model, "numpy", few, batch) for batch in (1, SINGLES))
-    _require("NumPy with one retina at a time and with many", singles, together, NUMPY_TOLERANCE)
+    who = "NumPy with one retina at a time and with many"
+    _require(who, singles, together, NUMPY_TOLERANCE, 0.0)
     for some, batch in ((probes, len(probes.retinas)), (few, 1)):
         got = _decided(model, "onnxruntime", some, batch)
         expected = _decided(model, "numpy", some, len(some.retinas))
         who = f"onnxruntime (batch {batch}) and NumPy"
-        _require(who, got, expected, contract.q_tolerance, _why(contract))
+        _require(who, got, expected, contract.q_tolerance, contract.q_tolerance, _why(contract))
     for sequence in golden_sequences(contract):
-        _check_sequence(module, model, contract, sequence)
+        _check_sequence(original, model, contract, sequence)
     load_policy(model, "onnxruntime", bounds=None)  # as a robot will, golden vectors and all
-
-
-def torch_decide(
-    module: nn.Module, retinas: RetinaBatch, memories: Memories | None = None
-) -> Decided:
-    """What torch computes in float64, rounded once to float32, and greedy actions.
-
-    Returns:
-        Q-values (n, actions), actions (n,), and the next memories (n, size) if some were given.
-    """
-    pixels = torch.from_numpy(retinas).double() / FULL_SCALE
-    with torch.no_grad():
-        if memories is None:
-            q_values, following = module(pixels), None
-        else:
-            q_values, following = module(pixels, torch.from_numpy(memories).double())
-    rounded: QValues = q_values.numpy().astype(np.float32)
-    next_memories = None if following is None else following.numpy().astype(np.float32)
-    return rounded, np.argmax(rounded, axis=-1), next_memories
-
-
-def _tried(
-    module: nn.Module, contract: PolicyContract, retinas: RetinaBatch
-) -> tuple[torch.Tensor, torch.Tensor]:
-    """Q-values of the module, and the next memories; without a memory, empty ones."""
-    memories = start_of(contract, len(retinas))
-    inputs = [torch.from_numpy(retinas).double() / FULL_SCALE]
-    if memories is not None:
-        inputs.append(torch.from_numpy(memories).double())
-    try:
-        with torch.no_grad():
-            result = module(*inputs)
-    except (RuntimeError, ValueError, TypeError, IndexError) as error:
-        reason = " ".join(str(error).split())[:200]
-        raise PolicyError(
-            f"export: the module fails on retinas {retinas.shape}: {reason}"
-        ) from None
-    results = result if isinstance(result, tuple) else (result,)
-    if len(results) != len(inputs):
-        wanted = "Q-values" if memories is None else "Q-values and next states"
-        raise PolicyError(
-            f"export: expected {wanted} of the module (the contract's state.size is "
-            f"{contract.state.size}), got {len(results)} tensors"
-        )
-    return results[0], torch.empty(0) if memories is None else results[1]
 
 
 def _decided(model: bytes, backend: str, probes: Probes, batch: int) -> Decided:
@@ -152,7 +108,7 @@ def _decided(model: bytes, backend: str, probes: Probes, batch: int) -> Decided:
 
 
 def _check_sequence(
-    module: nn.Module, model: bytes, contract: PolicyContract, sequence: RetinaBatch
+    original: Original, model: bytes, contract: PolicyContract, sequence: RetinaBatch
 ) -> None:
     """Each goes its own way, tick by tick, from its own memory."""
     graphs = [
@@ -163,21 +119,24 @@ def _check_sequence(
     reference, fast, slow = start, start, start
     for tick, retina in enumerate(sequence[:, np.newaxis], start=1):
         expected = graphs[0].run(retina, reference)
-        by_runtime, by_torch = graphs[1].run(retina, fast), torch_decide(module, retina, slow)
+        by_runtime, by_original = graphs[1].run(retina, fast), original.decide(retina, slow)
         where = f"{tick} ticks into a sequence"
-        _require(f"NumPy and torch, {where},", expected, by_torch, tick * NUMPY_TOLERANCE)
+        allowed, rounding = original.tolerance(contract), original.rounding(contract)
+        who = f"NumPy and {original.name}, {where},"
+        _require(who, expected, by_original, tick * allowed, tick * rounding)
         allowed, who = tick * contract.q_tolerance, f"onnxruntime and NumPy, {where},"
-        _require(who, by_runtime, expected, allowed, _AMPLIFIES)
-        reference, fast, slow = expected[2], by_runtime[2], by_torch[2]
+        _require(who, by_runtime, expected, allowed, allowed, _AMPLIFIES)
+        reference, fast, slow = expected[2], by_runtime[2], by_original[2]
 
 
 def _first(memories: Memories | None, count: int, start: int = 0) -> Memories | None:
     return None if memories is None else memories[start : start + count]
 
 
-def _require(who: str, got: Decided, expected: Decided, tolerance: float, why: str = "") -> None:
+def _require(
+    who: str, got: Decided, expected: Decided, tolerance: float, rounding: float, why: str = ""
+) -> None:
     """Refuse what differs by more than the tolerance; in the winners, by more than rounding."""
-    rounding = 0.0 if who.startswith("NumPy") else tolerance
     agree = within_tolerance(got[0], expected[0], tolerance)
     agree = agree and not flips(got[1], expected[1], expected[0], rounding).any()
     apart = _largest(got[0], expected[0])

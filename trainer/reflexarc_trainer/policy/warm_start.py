@@ -16,7 +16,8 @@ from reflexarc_runtime.contract.motion import Action
 from reflexarc_runtime.errors import UsageError
 from reflexarc_runtime.policy.policy import LoadedPolicy, load_policy
 from reflexarc_trainer.config.train_config import TrainConfig
-from reflexarc_trainer.policy.parity import NUMPY_TOLERANCE, torch_decide
+from reflexarc_trainer.policy.parity import NUMPY_TOLERANCE
+from reflexarc_trainer.policy.torch_parity import torch_decide
 from reflexarc_trainer.policy.weights import unpack
 from reflexarc_trainer.sarsa.network_shape import layers_for
 

@@ -17,6 +17,7 @@ In a sequence each tick adds its own error, so k ticks are allowed k times as mu
 
 import math
 from collections.abc import Callable, Iterator
+from functools import reduce
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -27,8 +28,11 @@ from reflexarc_runtime.policy.agreement import Q_TOLERANCE
 from reflexarc_runtime.policy.operators import OPERATORS
 from reflexarc_runtime.policy.recurrent_operators import MANY_OPERATORS
 from reflexarc_trainer.policy.probes import Probes
+from reflexarc_trainer.policy.rounding import choice_errors as choice
+from reflexarc_trainer.policy.rounding import function_errors as functions
 from reflexarc_trainer.policy.rounding.recurrent_errors import gru, lstm
 from reflexarc_trainer.policy.rounding.running_error import (
+    TINY,
     UNIT,
     Running,
     add,
@@ -38,6 +42,7 @@ from reflexarc_trainer.policy.rounding.running_error import (
     multiply,
     relu,
     sigmoid,
+    square_root,
     subtract,
     tanh,
 )
@@ -105,7 +110,7 @@ def _outputs(model: onnx.ModelProto, probes: Probes) -> Iterator[Running]:
 
 
 def _run(node: onnx.NodeProto, values: dict[str, Any]) -> None:
-    if node.op_type == "ArgMax":
+    if node.op_type == "ArgMax" and node.output[0] == "action":
         return
     inputs = [values[name] for name in node.input]
     attributes = {a.name: onnx.helper.get_attribute_value(a) for a in node.attribute}
@@ -128,7 +133,8 @@ def _moved(node: onnx.NodeProto, attributes: dict[str, Any], inputs: list[Any]) 
         pairs = zip(split(*values, *others), split(*errors, *others), strict=True)
         return tuple(Running(*pair) for pair in pairs)
     move = OPERATORS[kind](attributes)
-    return Running(move(*values, *others), move(*errors, *others))
+    is_whole = all(x.is_whole for x in whole)
+    return Running(move(*values, *others), move(*errors, *others), is_whole)
 
 
 def _gemm(attributes: dict[str, Any], a: Running, b: Running, c: Running | None = None) -> Running:
@@ -143,6 +149,10 @@ def _mat_mul(_: dict[str, Any], a: Running, b: Running) -> Running:
 def _product(x: Running, weights: Running, *biases: Running) -> Running:
     """With weights that are constants; what else may be multiplied has no bound here."""
     known = not any(part.error.any() for part in (weights, *biases))
+    if known and x.is_whole and weights.is_whole:
+        return Running(x.value @ weights.value, x.error @ np.abs(weights.value), is_whole=True)
+    if known and weights.value.ndim == 1:
+        return _product(x, weights.map(lambda row: row[:, np.newaxis])).map(lambda y: y[..., 0])
     if not known or weights.value.ndim != 2:
         return _unknown(x, weights)
     return affine(x, weights.value, *(bias.value for bias in biases))
@@ -157,23 +167,66 @@ def _plain(error: Callable[..., Running]) -> Error:
     return lambda _, *inputs: error(*inputs)
 
 
+def _of_any_number(error: Callable[[Running, Running], Running]) -> Error:
+    return lambda _, *inputs: reduce(error, inputs)
+
+
+def _clip(x: Running, low: Running | None = None, high: Running | None = None) -> Running:
+    raised = x if low is None else functions.larger(x, low)
+    return raised if high is None else functions.smaller(raised, high)
+
+
 _MOVES = frozenset(
     ("Concat", "Flatten", "Reshape", "Slice", "Split", "Squeeze", "Transpose", "Unsqueeze")
 )
 _ERRORS: dict[str, Error] = {
+    "Abs": _plain(functions.absolute),
+    "Acos": _plain(functions.monotone(np.arccos, -1.0, 1.0)),
     "Add": _plain(add),
-    "Cast": _plain(lambda x: x),  # of bytes, which are exact
+    "And": _plain(choice.both),
+    "ArgMax": choice.place_of_largest,
+    "ArgMin": choice.place_of_smallest,
+    "Asin": _plain(functions.monotone(np.arcsin, -1.0, 1.0)),
+    "Atan": _plain(functions.monotone(np.arctan)),
+    "Cast": functions.cast,
+    "Clip": _plain(_clip),
+    "Cos": _plain(functions.wave(np.cos)),
     "Div": _plain(divide),
+    "Equal": _plain(choice.comparison(np.equal)),
+    "Exp": _plain(functions.monotone(np.exp)),
+    "Floor": _plain(choice.floor),
     "GRU": gru,
+    "Gather": choice.elements,
+    "GatherElements": choice.elements_along,
     "Gemm": _gemm,
+    "Greater": _plain(choice.comparison(np.greater)),
+    "GreaterOrEqual": _plain(choice.comparison(np.greater_equal)),
     "Identity": _plain(lambda x: x),
     "LSTM": lstm,
+    "Less": _plain(choice.comparison(np.less)),
+    "LessOrEqual": _plain(choice.comparison(np.less_equal)),
     "MatMul": _mat_mul,
+    "Log": _plain(functions.monotone(np.log, TINY)),
+    "Max": _of_any_number(functions.larger),
+    "Min": _of_any_number(functions.smaller),
+    "Mod": choice.remainder,
     "Mul": _plain(multiply),
+    "Neg": _plain(functions.negative),
+    "Not": _plain(choice.inverse),
+    "Or": _plain(choice.either),
+    "Pow": _plain(functions.power),
+    "ReduceMax": functions.extreme(np.max),
+    "ReduceMean": functions.mean,
+    "ReduceMin": functions.extreme(np.min),
+    "ReduceSum": functions.total,
     "Relu": _plain(relu),
     "Sigmoid": _plain(sigmoid),
+    "Sign": _plain(choice.sign),
+    "Sin": _plain(functions.wave(np.sin)),
+    "Sqrt": _plain(square_root),
     "Sub": _plain(subtract),
     "Tanh": _plain(tanh),
+    "Where": _plain(choice.chosen),
 }
 """Name of an ONNX operator → its result with its error."""
 _KNOWN = {"ArgMax", *_MOVES, *_ERRORS}

@@ -4,11 +4,11 @@ A `Running` value is exact up to float64; its `error` bounds, element by element
 computation in float32 may lie from it. Each operation passes the errors of its inputs on and adds
 its own. Source: Higham, Accuracy and Stability of Numerical Algorithms (2002), sections 3.3, 4.2.
 
-One operation is off by at most u |result|, u = 2⁻²⁴. A sum of n terms is, in any order, with fused
-multiplication or without, a tree of n − 1 additions; each is off by u times a sum of some of the
-terms, which lies between N, the sum of the negative ones, and P, that of the positive ones. So the
-additions are off by (n − 1) u max(P, |N|) together: half of the usual γₙ Σ|wᵢxᵢ| where the signs
-are mixed.
+One operation is off by at most u |result|, u = 2⁻²⁴, and by nothing where float32 has the result.
+A sum of n terms is, in any order, with fused multiplication or without, a tree of n − 1 additions;
+each is off by u times a sum of some of the terms, which lies between N, the sum of the negative
+ones, and P, that of the positive ones. So the additions are off by (n − 1) u max(P, |N|) together:
+half of the usual γₙ Σ|wᵢxᵢ| where the signs are mixed.
 """
 
 from collections.abc import Callable
@@ -39,6 +39,8 @@ class Running:
 
     value: Array
     error: Array
+    is_whole: bool = False
+    """Of integers, with which any backend computes exactly."""
 
     @property
     def size(self) -> Array:
@@ -48,13 +50,13 @@ class Running:
 
     def map(self, move: Callable[[Array], Array]) -> "Running":
         """The same with its elements moved."""
-        return Running(move(self.value), move(self.error))
+        return Running(move(self.value), move(self.error), self.is_whole)
 
 
 def exactly(values: npt.NDArray[np.generic]) -> Running:
     """Values that float32 has without error."""
     known = values.astype(np.float64)
-    return Running(known, np.zeros_like(known))
+    return Running(known, np.zeros_like(known), is_whole=values.dtype.kind in "iub")
 
 
 def rounding(size: Array, operations: int = 1) -> Array:
@@ -65,17 +67,18 @@ def rounding(size: Array, operations: int = 1) -> Array:
 
 def add(a: Running, b: Running) -> Running:
     """Add."""
-    return _rounded(a.value + b.value, a.error + b.error)
+    return _rounded(a.value + b.value, a.error + b.error, a.is_whole and b.is_whole)
 
 
 def subtract(a: Running, b: Running) -> Running:
     """Subtract."""
-    return _rounded(a.value - b.value, a.error + b.error)
+    return _rounded(a.value - b.value, a.error + b.error, a.is_whole and b.is_whole)
 
 
 def multiply(a: Running, b: Running) -> Running:
     """Multiply: |âb̂ − ab| ≤ |a| e_b + |b̂| e_a."""
-    return _rounded(a.value * b.value, np.abs(a.value) * b.error + b.size * a.error)
+    error = np.abs(a.value) * b.error + b.size * a.error
+    return _rounded(a.value * b.value, error, a.is_whole and b.is_whole)
 
 
 def divide(a: Running, b: Running) -> Running:
@@ -83,6 +86,12 @@ def divide(a: Running, b: Running) -> Running:
     ratio, nearest = a.value / b.value, np.abs(b.value) - b.error
     error = (a.error + np.abs(ratio) * b.error) / nearest
     return _rounded(ratio, np.where(nearest > 0.0, error, np.inf))
+
+
+def square_root(x: Running) -> Running:
+    """√x, of what is not below 0; what is so by rounding has no root, and the parity check sees."""
+    low, value, high = (np.sqrt(np.maximum(x.value + s * x.error, 0.0)) for s in (-1.0, 0.0, 1.0))
+    return _rounded(value, np.maximum(high - value, value - low))
 
 
 def relu(x: Running) -> Running:
@@ -131,8 +140,12 @@ def side_by_side(*parts: Running) -> Running:
     )
 
 
-def _rounded(value: Array, error: Array) -> Running:
-    return Running(value, error + rounding(np.abs(value) + error))
+def _rounded(value: Array, error: Array, is_whole: bool = False) -> Running:
+    """One operation more; an exact result that float32 has, from exact inputs, is what it gets."""
+    with np.errstate(over="ignore"):
+        is_exact = (error == 0.0) & (value.astype(np.float32) == value)
+    own = np.where(is_whole | is_exact, 0.0, rounding(np.abs(value) + error))
+    return Running(value, error + own, is_whole)
 
 
 def _nearest_to_zero(x: Running) -> Array:

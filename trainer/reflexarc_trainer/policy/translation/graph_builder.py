@@ -11,7 +11,6 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 import onnx
-import torch
 from onnx import helper, numpy_helper
 
 from reflexarc_runtime.errors import PolicyError
@@ -105,9 +104,3 @@ class Call:
 
 
 Rule: TypeAlias = Callable[[Call], Names]
-
-
-def weights(tensor: torch.Tensor) -> npt.NDArray[np.float32]:
-    """A parameter as the file holds it."""
-    array: npt.NDArray[np.float32] = tensor.detach().float().numpy()
-    return array

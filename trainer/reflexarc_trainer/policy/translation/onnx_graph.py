@@ -21,8 +21,8 @@ from reflexarc_trainer.policy.translation.graph_builder import (
     Shape,
     Translation,
     Value,
-    weights,
 )
+from reflexarc_trainer.policy.translation.parameters import weights
 from reflexarc_trainer.policy.translation.recurrent_modules import RECURRENT_RULES
 from reflexarc_trainer.policy.translation.shape_operators import SHAPE_RULES
 from reflexarc_trainer.policy.translation.tracing import VARIES, measure_shapes, trace

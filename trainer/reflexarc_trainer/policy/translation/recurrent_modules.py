@@ -20,8 +20,8 @@ from reflexarc_trainer.policy.translation.graph_builder import (
     Rule,
     Translation,
     Value,
-    weights,
 )
+from reflexarc_trainer.policy.translation.parameters import weights
 
 _GATES = {"GRU": (1, 0, 2), "LSTM": (0, 3, 1, 2)}
 """Which gate of torch's is the first, second, … of ONNX."""
