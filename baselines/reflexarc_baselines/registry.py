@@ -47,6 +47,7 @@ PYTHON_ONLY: Mapping[str, str] = MappingProxyType(
         "stereo": "it matches edges one after another",
         "closed-loop": "it decides for many genomes at once",
         "evolved-viewing": "it decides for many genomes at once",
+        "flow-emergency": "it follows runs of rays, however long",
         "spiking-network": "its neurons run in a compiled loop",
     }
 )

@@ -64,6 +64,8 @@ def export_baseline(
         return export_graph(model, original, contract, path, retinas)
     except PolicyError as error:
         raise PolicyError(f"baseline {name}: {error}") from None
+    except TypeError as error:  # an argument that no rule knows
+        raise PolicyError(f"baseline {name}: it cannot be written as a graph: {error}") from error
 
 
 def _at_rate(

@@ -70,8 +70,10 @@ def test_the_file_decides_as_the_baseline(name: str, backend: str, folder: Path)
             memories = expected[2]
 
 
-ROUGH = {"potential-field", "vfh-plus"}
-"""Forces of 10⁵ that cancel; openings on opposite sides that cost the same."""
+SILENT = {"flow-balance", "flow-balance-always", "flow-largest", "flow-correlator"}
+ROUGH = {"potential-field", "vfh-plus", *SILENT}
+"""Forces of 10⁵ that cancel; openings on opposite sides that cost the same; the balance of two
+sides that are next to silent."""
 
 
 @pytest.mark.parametrize("name", sorted({*EXPORTED} - ROUGH))

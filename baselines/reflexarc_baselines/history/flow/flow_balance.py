@@ -30,6 +30,7 @@ from reflexarc_baselines.baseline import Fidelity, Floats, Origin, Span
 from reflexarc_baselines.history.flow import correlator
 from reflexarc_baselines.history.flow.looking_on_stay import LooksOnStay
 from reflexarc_baselines.history.flow.optic_flow import (
+    SILENCE,
     balance,
     flow_contract,
     frames_of,
@@ -67,7 +68,13 @@ class _Balances(LooksOnStay, ABC):
         self, retinas: RetinaBatch, may_look: Mask, extra: Memories
     ) -> tuple[Floats, Memories]:
         left, right, extra = self._sides(retinas, extra)
-        return np.where(may_look, -balance(left, right), np.float32(0.0)), extra
+        wish = -balance(left, right, self.silence)
+        return np.where(may_look, wish, np.float32(0.0)), extra
+
+    @property
+    def silence(self) -> float:
+        """What is next to no flow, in its unit."""
+        return SILENCE
 
     @abstractmethod
     def _sides(self, retinas: RetinaBatch, extra: Memories) -> tuple[Floats, Floats, Memories]:
@@ -148,6 +155,11 @@ class FlowCorrelator(_Balances):
     def extra(self) -> int:
         """Two filters of each ray, and whether they have begun."""
         return 1 + 2 * self.drives_by.retina.rays
+
+    @property
+    def silence(self) -> float:
+        """Of products of brightnesses, which are small."""
+        return 1e-5
 
     def _sides(self, retinas: RetinaBatch, extra: Memories) -> tuple[Floats, Floats, Memories]:
         filters = correlator.Filters.of(self.delay_s, self.mean_s, self.period_s)

@@ -66,7 +66,7 @@ def tau_s(alpha_rad: Floats, alpha_before_rad: Floats, period_s: float) -> Float
 
 def _over(brightness: Floats) -> Floats:
     """How much each ray stands out from the darkest: (n, rays)."""
-    above: Floats = brightness - brightness.min(axis=1, keepdims=True)
+    above: Floats = brightness - np.min(brightness, axis=1)[:, np.newaxis]
     return above
 
 

@@ -25,6 +25,8 @@ from reflexarc_runtime.sensing.ray_values import FULL_SCALE
 
 SPEED_MPS, ASIDE_MPS = 1.0, 0.25
 """Slow sidesteps: at equal speeds a body that always looks mostly sees its own."""
+SILENCE = 1e-3
+"""Flow of a side that is next to none: a thousandth of a radian a second."""
 RATE_HZ, MAX_INPUT_AGE_S = 10.0, 0.25
 """On a robot as on the reference field: more often, frames differ by less than their 256 steps."""
 
@@ -65,7 +67,7 @@ def gradient_flow(retinas: RetinaBatch, eye: RetinaSpec, period_s: float, kappa:
     rate = (now - before) / np.float32(period_s)
     sector_rad = np.float32(eye.fov_rad / eye.rays)
     # The first ray is the leftmost: bearings fall along the row.
-    slope = -np.gradient((before + now) * np.float32(0.5), axis=1) / sector_rad
+    slope = -_rises((before + now) * np.float32(0.5)) / sector_rad
     flow: Floats = (-rate * slope / (slope**2 + np.float32(kappa))).astype(np.float32)
     return flow
 
@@ -85,14 +87,26 @@ def sides(values: Floats) -> tuple[Floats, Floats]:
     return left, right
 
 
-def balance(left: Floats, right: Floats) -> Floats:
-    """Δ = (L − R) / (L + R), −1 to 1; what goes inward counts as none, and none at all is 0: (n,).
+def balance(left: Floats, right: Floats, silence: float = SILENCE) -> Floats:
+    """Δ = (L − R) / (L + R + ε), −1 to 1; what goes inward counts as none: (n,).
+
+    ε lets two sides that are all but silent be in balance, so that no jump hangs on rounding.
 
     Args:
         left: outward flow of the left side: (n,).
         right: the same of the right side.
+        silence: ε, in the unit of the flow.
     """
-    left, right = np.maximum(left, 0.0), np.maximum(right, 0.0)
-    index = np.zeros_like(left)
-    np.divide(left - right, left + right, out=index, where=left + right > 0.0)
+    left, right = np.maximum(left, np.float32(0.0)), np.maximum(right, np.float32(0.0))
+    index: Floats = (left - right) / (left + right + np.float32(silence))
     return index
+
+
+def _rises(row: Floats) -> Floats:
+    """By how much each row rises from ray to ray, at the ends by one step: (n, rays).
+
+    `np.gradient` says the same; of it no graph can be written.
+    """
+    inside = (row[:, 2:] - row[:, :-2]) * np.float32(0.5)
+    first, last = row[:, 1:2] - row[:, :1], row[:, -1:] - row[:, -2:-1]
+    return np.concatenate([first, inside, last], axis=1)

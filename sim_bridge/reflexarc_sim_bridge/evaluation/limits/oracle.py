@@ -45,7 +45,7 @@ class Values(NamedTuple):
     """From where one is put beside each row, drawn evenly: (rows,)."""
 
 
-class Asked(NamedTuple):
+class OracleQuestion(NamedTuple):
     """A question to the oracle."""
 
     worlds: list[tuple[World, int]]
@@ -106,13 +106,13 @@ def depends_on(
     suite: Suite,
     setting: Setting,
     seeds: npt.NDArray[np.uint64] | None = None,
-) -> Asked:
+) -> OracleQuestion:
     """All that the oracle's figures of a cell depend on: see `oracle_sums`."""
     source = worlds_for(cell.source, contender, setting)
     seeds = test_seeds(suite.worlds) if seeds is None else seeds
     circumstances = circumstances_of(source, contender.contract, cell)
     worlds = [(bare(source.drawn(seed)), seed) for seed in seeds.tolist()]
-    return Asked(worlds, contender.contract.actions, extent_of(circumstances, suite))
+    return OracleQuestion(worlds, contender.contract.actions, extent_of(circumstances, suite))
 
 
 def least_contacts(world: World, seed: int, contract: PolicyContract, extent: Extent) -> float:

@@ -50,7 +50,7 @@ def test_outward_is_counter_clockwise_on_the_left_and_clockwise_on_the_right() -
 )
 def test_balance_by_hand(left: float, right: float, index: float) -> None:
     found = balance(np.array([left], np.float32), np.array([right], np.float32))
-    assert found.tolist() == [index]
+    assert found.tolist() == pytest.approx([index], abs=1e-3)  # of sides that are not silent
 
 
 def side_flows(aside_mps: float) -> tuple[float, float]:
