@@ -77,7 +77,7 @@ studies: $(STAMP) ## run every shipped study (half an hour) → docs/studies/
 		$(BIN)/reflexarc study $$(basename $$file .toml) || [ $$? = 1 ] || exit 2; done
 	$(BIN)/python docs/studies_page.py
 
-limits: $(STAMP) ## the oracle's figures that ship with the suites: a quarter of an hour
+limits: $(STAMP) ## the oracle's figures that ship with the suites: half an hour
 	$(BIN)/python -m reflexarc_sim_bridge.evaluation.limits.shipping
 
 proto:           ## generate messages_pb2 (protoc of grpcio-tools 1.71, the oldest supported protobuf)

@@ -1,6 +1,6 @@
 """Keeps what took long to compute and depends on nothing but code and plain values.
 
-What the shipped suites need of a point at 10 and at 50 Hz ships with the package (`shipped.json`,
+What the shipped suites need of a point ships with the package (`shipped.json`,
 written by `make limits`), by a hash over all that it depends on and the version of the generator of
 obstacles; a test computes some of it anew. Everything else is kept on disk.
 
