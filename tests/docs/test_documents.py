@@ -13,10 +13,12 @@ from typing import Any
 import pytest
 
 from reflexarc.main import main
+from reflexarc_sim_bridge.evaluation.metrics.figures import FIGURES
 from support.policies import SMALL, exported
 
 ROOT = Path(__file__).parents[2]
 FOLDERS = (
+    "baselines",
     "benchmarks",
     "cli",
     "docs",
@@ -135,3 +137,9 @@ def exists(path: str) -> bool:
     if "/" not in path:
         return any(next((ROOT / folder).rglob(path), None) for folder in FOLDERS)
     return next(ROOT.glob(path.replace("…", "**").rstrip("/")), None) is not None
+
+
+def test_the_evaluation_page_lists_every_figure_as_the_table_of_figures_does() -> None:
+    page = (ROOT / "docs" / "evaluation.md").read_text()
+    for name, figure in FIGURES.items():
+        assert f"| `{name}` | {figure.title} | {figure.unit or '1'} |" in page, name
