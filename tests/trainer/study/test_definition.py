@@ -208,7 +208,7 @@ def test_every_study_that_is_shipped_can_be_run(name: str) -> None:
 
 def test_the_studies_of_the_paper_are_shipped() -> None:
     wanted = {"hidden", "eyes", "alpha", "lambda", "gamma", "eye-range", "output", "form", "held"}
-    assert wanted | {"edge", "thirty"} == set(study_names())
+    assert wanted | {"edge", "lambda-suite", "self-knowledge", "thirty"} == set(study_names())
     thirty = study_named("thirty")
     assert (len(thirty.seeds), thirty.measure) == (30, Measure.SHARE_OF_BLIND)
 
