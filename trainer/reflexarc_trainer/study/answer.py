@@ -19,6 +19,9 @@ from reflexarc_trainer.study.measure_words import (
 from reflexarc_trainer.study.summary import CellSummary
 from reflexarc_trainer.study.unit import Measure
 
+_TIMES = 2.0
+"""From this ratio on it is said as times."""
+
 _Known = tuple[str, Estimate]
 """Name of a value on the axis along which cells are compared, and what it came to."""
 
@@ -115,10 +118,11 @@ def _words(measure: Measure) -> tuple[str, str]:
 
 
 def _off(one: Estimate, mark: Estimate, measure: Measure) -> str:
-    """A difference: of scores in their unit, of all else as a share."""
+    """A difference: of scores in their unit, of all else as a share or, from twice on, as times."""
     if measure is Measure.SUITE or mark.value == 0.0:
         return f"by {abs(one.value - mark.value):.{DIGITS[measure]}f}"
-    return f"by {abs(100.0 * (one.value / mark.value - 1.0)):.0f} %"
+    ratio = one.value / mark.value
+    return f"{ratio:.1f} times" if ratio >= _TIMES else f"by {abs(100.0 * (ratio - 1.0)):.0f} %"
 
 
 def _shown(estimate: Estimate, measure: Measure) -> str:
