@@ -20,8 +20,9 @@ INTRODUCTION = """\
 # Studies
 
 `make studies` runs them all, makes these pages, and takes about half an hour on two cores; one is
-`reflexarc study NAME`. The sentence below each question is computed from the results. Worlds are those of test seeds, which nobody has learned in. Means are
+`reflexarc study NAME`. Worlds are those of test seeds, which nobody has learned in. Means are
 interquartile means over seeds, with the 95 % interval of a bootstrap over seeds; dots are seeds.
+What stands below a question is computed from the results.
 Each study's own page has its file, its versions and its commit.
 """
 

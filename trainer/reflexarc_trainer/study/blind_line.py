@@ -66,12 +66,13 @@ def draw_blind_marks(axes: Axes, values: Sequence[float | None], highest: float)
         values: what a blind agent comes to, row by row.
         highest: largest measured figure.
     """
+    label = "never steering"
     for row, value in enumerate(values):
         if value is None:
             continue
         if value > OFF_THE_SCALE * highest:
             axes.annotate(
-                f"{value:.1f} →",
+                f"never steering: {value:.1f} →",
                 (0.995, row),
                 xycoords=("axes fraction", "data"),
                 ha="right",
@@ -80,7 +81,8 @@ def draw_blind_marks(axes: Axes, values: Sequence[float | None], highest: float)
             )
             continue
         ends = row - _HALF_ROW, row + _HALF_ROW
-        axes.plot([value, value], ends, "--", color=_COLOUR, linewidth=1.0)
+        axes.plot([value, value], ends, "--", color=_COLOUR, linewidth=1.0, label=label)
+        label = "_nolegend_"
 
 
 def _span(known: set[float]) -> str:

@@ -136,6 +136,8 @@ def _draw_rows(axes: Axes, study: Study, summaries: Sequence[CellSummary]) -> No
         bounds = ([mean - low], [high - mean])
         axes.errorbar([mean], [row], xerr=bounds, fmt="o", color=colour, markersize=5, capsize=3)
     draw_blind_marks(axes, blind_values(study, summaries), _highest(summaries))
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend(frameon=False, loc="lower right", bbox_to_anchor=(1.0, 1.0))
     axes.set_yticks(range(len(summaries)), [summary.cell.name for summary in summaries])
     axes.set_ylim(len(summaries) - 0.5, -0.5)
     _scale_figures(axes, "x", study, summaries)
