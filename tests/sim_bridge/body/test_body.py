@@ -210,7 +210,7 @@ def test_a_body_checks_where_its_eye_really_looks(senses: Senses):
     contacts, way_m, held_back, _ = contacts_and_way(contract, checks=True, senses=senses)
     _, straight_m, _, _ = contacts_and_way(contract, checks=True)
     assert contacts == 0
-    assert way_m == pytest.approx(straight_m, abs=0.05)
+    assert way_m == pytest.approx(straight_m, abs=1e-6)
     assert held_back > 100
 
 
