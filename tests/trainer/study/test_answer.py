@@ -70,10 +70,11 @@ def test_groups_are_answered_for_one_by_one_and_cells_without_a_figure_are_named
 
 def test_scores_are_the_better_the_higher_and_differ_in_their_own_unit() -> None:
     study = study_of(f'measure = "suite"\n{HEAD}{AXIS}values = [0.0, 0.5, 0.9]\n')
-    found = cells(study, (0.6, 0.55, 0.65), (0.8, 0.75, 0.85), (-0.1, -0.2, 0.0), blind=None)
+    found = cells(study, (0.6, 0.55, 0.65), (0.8, 0.75, 0.85), (-0.1, -0.2, 0.0))
     assert answer(study, found) == (
         "λ 0.5 is best: 0.800 [0.750, 0.850] score in the lite suite; "
-        "worse: 0 (by 0.200), 0.9 (by 0.900)."
+        "worse: 0 (by 0.200), 0.9 (by 0.900). "
+        "An agent that never steers scores 0, one that knows everything 1."
     )
 
 

@@ -81,8 +81,10 @@ def _compared(others: Sequence[_Known], mark: Estimate, measure: Measure) -> Ite
 
 def _about_blind(study: Study, summaries: Sequence[CellSummary]) -> Iterator[str]:
     """How the best cell stands to an agent that never steers, and which cells are no better."""
+    if study.measure is Measure.SUITE:
+        yield "An agent that never steers scores 0, one that knows everything 1."
     known = [(s, s.contacts, s.blind) for s in summaries if s.contacts is not None and s.blind]
-    if not known or study.measure is Measure.EDGE_INDEX:
+    if not known or study.measure in (Measure.EDGE_INDEX, Measure.SUITE):
         return
     best, contacts, blind = min(known, key=lambda each: each[1] / (each[2] or 1.0))
     made = _span([each[2] or 0.0 for each in known])
