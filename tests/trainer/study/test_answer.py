@@ -44,7 +44,7 @@ def test_the_best_is_named_with_what_is_not_told_apart_from_it_and_what_is_worse
     assert answer(study, found) == (
         "λ 0.5 is best: 2.00 [1.90, 2.10] contacts per 100 m; worse: 0.9 (by 15 %), 1 (by 50 %); "
         "within the intervals of it: 0. An agent that never steers makes 36.0 contacts per 100 m; "
-        "of that, 0.5 makes 6 %."
+        "of that, “0.5” makes 6 %."
     )
 
 
@@ -63,8 +63,16 @@ def test_groups_are_answered_for_one_by_one_and_cells_without_a_figure_are_named
     found = cells(study, (6.0, 5.9, 6.1), (7.0, 6.9, 7.1), (2.0, 1.9, 2.1), None)
     assert answer(study, found) == (
         "A: λ 0 is best: 6.00 [5.90, 6.10] contacts per 100 m; worse: 0.9 (by 17 %). "
-        "B: λ 0 is best: 2.00 [1.90, 2.10] contacts per 100 m. Without a figure: b, 0.9. "
-        "An agent that never steers makes 36.0 contacts per 100 m; of that, b, 0 makes 6 %."
+        "B: λ 0 is best: 2.00 [1.90, 2.10] contacts per 100 m. Without a figure: “b, 0.9”. "
+        "An agent that never steers makes 36.0 contacts per 100 m; of that, “b, 0” makes 6 %."
+    )
+
+
+def test_names_are_quoted_where_no_number_tells_cells_apart() -> None:
+    text = f'asked = "a, b"\n{HEAD}[[cell]]\nname = "a, b"\n[[cell]]\nname = "c"\nsteps = 9\n'
+    study = study_of(text)
+    assert answer(study, cells(study, (2.0, 1.9, 2.1), (3.0, 2.9, 3.1), blind=None)) == (
+        "“a, b” is best: 2.00 [1.90, 2.10] contacts per 100 m; worse: “c” (by 50 %)."
     )
 
 
@@ -81,7 +89,7 @@ def test_scores_are_the_better_the_higher_and_differ_in_their_own_unit() -> None
 def test_who_does_no_better_than_never_steering_is_named() -> None:
     study = study_of(HEAD + AXIS + "values = [0.0, 0.9]\n")
     found = cells(study, (2.0, 1.9, 2.1), (40.0, 39.0, 41.0))
-    assert answer(study, found).endswith("No better than never steering: 0.9.")
+    assert answer(study, found).endswith("No better than never steering: “0.9”.")
 
 
 def test_an_edge_index_is_neither_good_nor_bad_and_is_not_set_against_contacts() -> None:
@@ -113,7 +121,7 @@ def test_the_answer_stands_on_the_page_below_the_question(study: Study) -> None:
     question, said = page.split("\n\n")[1:3]
     assert question == "What if?"
     assert said == answer(study, found)
-    assert answer(study, summarise(study, {})).startswith("Without a figure: 5, long")
+    assert answer(study, summarise(study, {})).startswith("Without a figure: “5, long”")
 
 
 def test_blind_contacts_follow_from_the_share_where_a_result_does_not_tell_them(

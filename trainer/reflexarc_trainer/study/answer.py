@@ -30,7 +30,7 @@ def answer(study: Study, summaries: Sequence[CellSummary]) -> str:
     """The answer: a sentence for each group of cells, and one about an agent that never steers."""
     groups = _groups(study, summaries)
     sentences = [_sentence(study, name, known) for name, known in groups.items() if known]
-    missing = [s.cell.name for s in summaries if s.estimate is None]
+    missing = [_quoted(s.cell.name) for s in summaries if s.estimate is None]
     if missing:
         sentences.append(f"Without a figure: {', '.join(missing)}.")
     return " ".join([*sentences, *_about_blind(study, summaries)])
@@ -47,6 +47,7 @@ def _groups(study: Study, summaries: Sequence[CellSummary]) -> dict[str, list[_K
     for summary in summaries:
         names = [choice.name for choice in summary.cell.choices]
         own = names.pop(along)
+        own = own if study.axes[along].is_numeric else _quoted(own)
         known = groups.setdefault(", ".join(names), [])
         if summary.estimate is not None:
             known.append((own, summary.estimate))
@@ -57,7 +58,8 @@ def _sentence(study: Study, group: str, known: Sequence[_Known]) -> str:
     axis, measure = study.axes[asked_axis(study)], study.measure
     symbol = f"{axis.label.partition(' (')[0]} " if axis.is_numeric else ""
     best = _best(known, measure)
-    mark = next((each for each in known if each[0] == study.asked), best)
+    asked = (study.asked, _quoted(study.asked))
+    mark = next((each for each in known if each[0] in asked), best)
     parts = [f"{symbol}{mark[0]} comes to {_shown(mark[1], measure)}"]
     if mark is best:
         parts[0] = f"{symbol}{mark[0]} is {_superlative(measure)}: {_shown(mark[1], measure)}"
@@ -90,9 +92,9 @@ def _about_blind(study: Study, summaries: Sequence[CellSummary]) -> Iterator[str
     made = _span([each[2] or 0.0 for each in known])
     yield (
         f"An agent that never steers makes {made} contacts per 100 m; of that, "
-        f"{best.cell.name} makes {100 * contacts / (blind or 1.0):.0f} %."
+        f"{_quoted(best.cell.name)} makes {100 * contacts / (blind or 1.0):.0f} %."
     )
-    worse = [s.cell.name for s, contacts, blind in known if contacts >= (blind or 0.0)]
+    worse = [_quoted(s.cell.name) for s, contacts, blind in known if contacts >= (blind or 0.0)]
     if worse:
         yield f"No better than never steering: {', '.join(worse)}."
 
@@ -134,6 +136,11 @@ def _shown(estimate: Estimate, measure: Measure) -> str:
 def _span(values: Sequence[float]) -> str:
     low, high = f"{min(values):.1f}", f"{max(values):.1f}"
     return low if low == high else f"{low} to {high}"
+
+
+def _quoted(name: str) -> str:
+    """A name that may have commas in it, for a list."""
+    return f"“{name}”"
 
 
 def _capital(words: str) -> str:
