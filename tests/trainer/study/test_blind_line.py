@@ -34,7 +34,7 @@ def test_what_lies_far_off_is_told_in_words(axes: Axes) -> None:
     draw_blind_line(axes, {"a": [(0.0, 36.0), (1.0, 35.0)]}, 3.0)
     draw_blind_marks(axes, [36.0, None, 5.0], 3.0)
     said = [text.get_text() for text in axes.texts]
-    assert said == ["↑ never steering: 35.0 to 36.0", "never steering: 36.0 →"]
+    assert said == ["↑ never steering: 35.0 to 36.0", "→ 36.0 never steering"]
     ((x, y),) = drawn(axes)
     assert x == [5.0, 5.0]
     assert sum(y) / 2 == 2.0

@@ -42,10 +42,10 @@ def draw_blind_line(
     if min(known) > OFF_THE_SCALE * highest:
         axes.annotate(
             f"↑ never steering: {_span(known)}",
-            (0.99, 0.99),
+            (1.0, 1.01),
             xycoords="axes fraction",
             ha="right",
-            va="top",
+            va="bottom",
             color=_COLOUR,
         )
         return
@@ -72,12 +72,13 @@ def draw_blind_marks(axes: Axes, values: Sequence[float | None], highest: float)
             continue
         if value > OFF_THE_SCALE * highest:
             axes.annotate(
-                f"never steering: {value:.1f} →",
-                (0.995, row),
+                f"→ {value:.1f} never steering",
+                (1.005, row),
                 xycoords=("axes fraction", "data"),
-                ha="right",
+                ha="left",
                 va="center",
                 color=_COLOUR,
+                fontsize="small",
             )
             continue
         ends = row - _HALF_ROW, row + _HALF_ROW
