@@ -68,6 +68,16 @@ def test_groups_are_answered_for_one_by_one_and_cells_without_a_figure_are_named
     )
 
 
+def test_cells_are_compared_along_the_axis_that_the_question_asks_about() -> None:
+    first = '[[axis]]\nlabel = "learner"\n[[axis.choice]]\nname = "a"\npreset = "paper"\n'
+    study = study_of(
+        f'asked = "a"\n{HEAD}{first}[[axis.choice]]\nname = "b"\n{AXIS}values = [0.5]\n'
+    )
+    assert answer(study, cells(study, (6.0, 5.9, 6.1), (3.0, 2.9, 3.1), blind=None)) == (
+        "0.5: “a” comes to 6.00 [5.90, 6.10] contacts per 100 m; better: “b” (by 50 %)."
+    )
+
+
 def test_names_are_quoted_where_no_number_tells_cells_apart() -> None:
     text = f'asked = "a, b"\n{HEAD}[[cell]]\nname = "a, b"\n[[cell]]\nname = "c"\nsteps = 9\n'
     study = study_of(text)

@@ -35,6 +35,9 @@ def test_what_lies_far_off_is_told_in_words(axes: Axes) -> None:
     draw_blind_marks(axes, [36.0, None, 5.0], 3.0)
     said = [text.get_text() for text in axes.texts]
     assert said == ["↑ never steering: 35.0 to 36.0", "→ 36.0 never steering"]
+    draw_blind_marks(axes, [36.0, 36.0], 3.0)
+    assert axes.texts[-1].get_text() == "→ never steering: 36.0"
+    assert len(axes.texts) == 3
     ((x, y),) = drawn(axes)
     assert x == [5.0, 5.0]
     assert sum(y) / 2 == 2.0

@@ -1,9 +1,10 @@
 """The answer to a study's question in words, computed from its results.
 
-Cells are compared along one axis: that of numbers, or else the last; those that differ in another
-axis are answered for one by one. What a cell is compared with is the value that the question asks
-about (`asked` of the study's file), or else the best one. Two cells are told apart where their 95 %
-intervals do not overlap: cautious, as two means may differ where their intervals just do.
+Cells are compared along one axis: that of the value which the question asks about (`asked` of the
+study's file), or else that of numbers, or the last; those that differ in another axis are answered
+for one by one. What a cell is compared with is the asked value, or else the best one. Two cells are
+told apart where their 95 % intervals do not overlap: cautious, as two means may differ where their
+intervals just do.
 """
 
 from collections.abc import Iterator, Sequence
@@ -37,7 +38,10 @@ def answer(study: Study, summaries: Sequence[CellSummary]) -> str:
 
 
 def asked_axis(study: Study) -> int:
-    """The axis along which cells are compared."""
+    """The axis along which cells are compared: that of the asked value, of numbers, or the last."""
+    for n, axis in enumerate(study.axes):
+        if study.asked in [choice.name for choice in axis.choices]:
+            return n
     numeric = [n for n, axis in enumerate(study.axes) if axis.is_numeric]
     return numeric[0] if numeric else len(study.axes) - 1
 

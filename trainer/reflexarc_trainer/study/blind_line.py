@@ -40,14 +40,7 @@ def draw_blind_line(
     if not known:
         return
     if min(known) > OFF_THE_SCALE * highest:
-        axes.annotate(
-            f"↑ never steering: {_span(known)}",
-            (1.0, 1.01),
-            xycoords="axes fraction",
-            ha="right",
-            va="bottom",
-            color=_COLOUR,
-        )
+        _say(axes, f"↑ never steering: {_span(known)}")
         return
     label = "never steering"
     for points in values.values():
@@ -66,6 +59,10 @@ def draw_blind_marks(axes: Axes, values: Sequence[float | None], highest: float)
         values: what a blind agent comes to, row by row.
         highest: largest measured figure.
     """
+    known = {value for value in values if value is not None}
+    if len(known) == 1 and min(known) > OFF_THE_SCALE * highest:
+        _say(axes, f"→ never steering: {_span(known)}")
+        return
     label = "never steering"
     for row, value in enumerate(values):
         if value is None:
@@ -84,6 +81,12 @@ def draw_blind_marks(axes: Axes, values: Sequence[float | None], highest: float)
         ends = row - _HALF_ROW, row + _HALF_ROW
         axes.plot([value, value], ends, "--", color=_COLOUR, linewidth=1.0, label=label)
         label = "_nolegend_"
+
+
+def _say(axes: Axes, words: str) -> None:
+    """Above the figure, to the right."""
+    where = (1.0, 1.01)
+    axes.annotate(words, where, xycoords="axes fraction", ha="right", va="bottom", color=_COLOUR)
 
 
 def _span(known: set[float]) -> str:
