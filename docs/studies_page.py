@@ -2,7 +2,8 @@
 
 Takes the page and the picture of every study that is shipped from `runs/study-NAME`, where
 `reflexarc study NAME` left them, into `studies/`, and writes `studies/README.md` with all of their
-tables. Exit status: 1 if a study has not been run to its end; the pages of the others are there.
+tables. A study that has not been run to its end there keeps the page that it has from an earlier
+time. Exit status: 1 if there is such a study.
 """
 
 import sys
@@ -21,6 +22,7 @@ INTRODUCTION = """\
 `make studies` runs them all, makes these pages, and takes about half an hour on two cores; one is
 `reflexarc study NAME`. Worlds are those of test seeds, which nobody has learned in. Means are
 interquartile means over seeds, with the 95 % interval of a bootstrap over seeds; dots are seeds.
+What stands below a question is computed from the results.
 Each study's own page has its file, its versions and its commit.
 """
 
@@ -38,8 +40,10 @@ def main(runs: Path = RUNS) -> int:
         except ReflexarcError as error:
             print(f"studies: {error}", file=sys.stderr)
             missing.append(name)
-    if missing:
-        sections.append(f"Not run to their end yet: {', '.join(missing)}.\n")
+            sections += [_summary(name)] if (PAGES / f"{name}.md").exists() else []
+    never = [name for name in missing if not (PAGES / f"{name}.md").exists()]
+    if never:
+        sections.append(f"Not run to their end yet: {', '.join(never)}.\n")
     (PAGES / "README.md").write_text("\n".join(sections), encoding="utf-8")
     return 1 if missing else 0
 
@@ -58,6 +62,12 @@ def _section(name: str, folder: Path) -> str:
     page = page.replace(f"({PICTURE})", f"({picture})")
     (PAGES / picture).write_bytes((folder / PICTURE).read_bytes())
     (PAGES / f"{name}.md").write_text(page, encoding="utf-8")
+    return _summary(name)
+
+
+def _summary(name: str) -> str:
+    """What the page of all says of a study that has a page."""
+    page = (PAGES / f"{name}.md").read_text(encoding="utf-8")
     body = page.partition(ASIDE)[0].replace("\n## ", "\n### ").strip()
     return f"#{body}\n\n[The file of this study, and where it comes from]({name}.md)\n"
 

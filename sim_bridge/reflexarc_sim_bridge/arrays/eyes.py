@@ -3,13 +3,13 @@
 import math
 
 import numpy as np
+import numpy.typing as npt
 
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.eye import BeamRule, RetinaSpec, Shading
-from reflexarc_runtime.sensing.ray_values import ray_bearing_rad
 from reflexarc_sim_bridge.arrays.layout import TILE_RAYS, EyeParams, Floats32
-from reflexarc_sim_bridge.arrays.sub_rays import sub_rays
-from reflexarc_sim_bridge.worlds.world import World
+from reflexarc_sim_bridge.arrays.true_bearings import ray_bearings_rad, true_bearings
+from reflexarc_sim_bridge.worlds.world import Senses, World
 
 STEEPEST = np.float32(1e-9)
 """Components of a direction count as no smaller: their reciprocals stay finite."""
@@ -19,13 +19,15 @@ _WIDE_RAD = 0.99 * math.pi
 
 
 def eye_params(contract: PolicyContract, world: World) -> EyeParams:
-    """The eyes of a contract in a world, whose scanner and dead sectors they have.
+    """The eyes of a contract in a world, whose scanner, mounting and dead sectors they have.
 
     Raises:
         WorldError: the scanner does not cover the field of view.
     """
     spec = contract.retina
-    bearings, samples = sub_rays(spec, world.scanner)
+    bearings, samples = true_bearings(spec, world)
+    # Permuted rays have no order: the first and the last one of a tile are not its edges.
+    is_mixed = world.senses.permuted != 0
     blended = 1 if spec.beams is BeamRule.SECTOR_MINIMUM else samples
     # The last tile is filled up with copies of the last ray.
     padding = -len(bearings) % TILE_RAYS
@@ -43,13 +45,13 @@ def eye_params(contract: PolicyContract, world: World) -> EyeParams:
         half_baseline_m=spec.baseline_m / 2 if spec.eyes == 2 else 0.0,
         range_m=spec.range_m,
         nearness=spec.shading is Shading.NEARNESS,
-        is_wide=bearings[0] - bearings[-1] > _WIDE_RAD,
-        tile_is_wide=tile_rad > _WIDE_RAD,
+        is_wide=is_mixed or bearings[0] - bearings[-1] > _WIDE_RAD,
+        tile_is_wide=is_mixed or tile_rad > _WIDE_RAD,
         is_plain=(spec.eyes, spec.channels, blended) == (1, 1, 1) and spec.rays % TILE_RAYS == 0,
         turns=turns(contract),
         ahead=np.cos(bearings + bearings[-1:] * padding).astype(np.float32),
         left=np.sin(bearings + bearings[-1:] * padding).astype(np.float32),
-        alive=np.array([_is_alive(ray, spec, world) for ray in range(spec.rays)], np.bool_),
+        alive=_alive(spec, world.senses),
     )
 
 
@@ -59,10 +61,9 @@ def turns(contract: PolicyContract) -> bool:
 
 
 def seen_behind_m(spec: RetinaSpec, world: World) -> float:
-    """How far behind an eye that looks ahead sees: range · (−cos φ) of its outermost bearing φ."""
-    bearings = sub_rays(spec, world.scanner).bearings_rad
-    outermost_rad = max(abs(bearings[0]), abs(bearings[-1]))
-    return spec.range_m * max(0.0, -math.cos(outermost_rad))
+    """How far behind an eye that looks ahead sees: range · (−cos φ) of its hindmost bearing φ."""
+    hindmost = min(map(math.cos, true_bearings(spec, world).bearings_rad))
+    return spec.range_m * max(0.0, -hindmost)
 
 
 def reciprocals(components: Floats32) -> Floats32:
@@ -71,6 +72,9 @@ def reciprocals(components: Floats32) -> Floats32:
     return (1.0 / np.copysign(steepest, components)).astype(np.float32)
 
 
-def _is_alive(ray: int, spec: RetinaSpec, world: World) -> bool:
-    bearing_rad = ray_bearing_rad(ray, spec.rays, spec.fov_rad)
-    return not any(low <= bearing_rad <= high for low, high in world.senses.dead_sectors)
+def _alive(spec: RetinaSpec, senses: Senses) -> npt.NDArray[np.bool_]:
+    """Whether each ray looks past all dead sectors, which lie where the body is in the way."""
+    bearings_rad = np.array(ray_bearings_rad(spec, senses))
+    dead = [(low <= bearings_rad) & (bearings_rad <= high) for low, high in senses.dead_sectors]
+    alive: npt.NDArray[np.bool_] = ~np.any([np.zeros(spec.rays, np.bool_), *dead], axis=0)
+    return alive

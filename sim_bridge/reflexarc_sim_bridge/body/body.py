@@ -199,9 +199,11 @@ def _check_of(world: World, contract: PolicyContract, step_s: float) -> Guard:
 
 
 def _fan_of(simulation: Simulation) -> Fan:
-    """The directions in which its eye looks."""
+    """The directions in which its eye really looks, however it is mounted."""
     bearings_rad, half_rad = simulation.bearings_rad, 0.5 * simulation.contract.retina.fov_rad
-    return Fan(np.cos(bearings_rad), np.sin(bearings_rad), -half_rad, half_rad)
+    middle_rad = simulation.world.drawn(0).senses.mounted_rad
+    edges_rad = middle_rad - half_rad, middle_rad + half_rad
+    return Fan(np.cos(bearings_rad), np.sin(bearings_rad), *edges_rad)
 
 
 def _check_speed(contract: PolicyContract, step_s: float) -> None:

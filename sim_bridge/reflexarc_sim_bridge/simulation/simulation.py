@@ -12,7 +12,7 @@ from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_sim_bridge.arrays.agent_arrays import agents_at_zero
 from reflexarc_sim_bridge.arrays.eyes import eye_params
 from reflexarc_sim_bridge.arrays.layout import Params
-from reflexarc_sim_bridge.arrays.sub_rays import sub_rays
+from reflexarc_sim_bridge.arrays.true_bearings import true_bearings
 from reflexarc_sim_bridge.arrays.world_tables import world_tables, write_world
 from reflexarc_sim_bridge.native.cache import prepare
 from reflexarc_sim_bridge.native.function_pointers import FunctionPointer
@@ -151,12 +151,13 @@ class Simulation:
 
     @property
     def bearings_rad(self) -> npt.NDArray[np.float64]:
-        """Where the sub-rays of an eye look, ray by ray: (rays · samples,), or as many beams.
+        """Where the sub-rays of an eye look on the body, in the order of the retina's rays.
+
+        (rays · samples,), or as many beams. As they really look: see `true_bearings`.
 
         Behind a scanner a ray may have all beams of its sector; some then stand there twice.
         """
-        spec, scanner = self.contract.retina, self.world.drawn(0).scanner
-        return np.array(sub_rays(spec, scanner).bearings_rad)
+        return np.array(true_bearings(self.contract.retina, self.world.drawn(0)).bearings_rad)
 
     @property
     def stacks(self) -> RetinaBatch:

@@ -21,6 +21,7 @@ left_mps = 0.5
 noise = 0.02                       # at every look
 latency_s = 0.1                    # what is seen is so old
 gap_s = 0.2                        # longest time from one new retina to the next
+mounted_rad = 0.5                  # the eye sits askew, and the policy is not told
 
 [chassis]
 radius_m = 0.2
@@ -54,7 +55,15 @@ _FOLDER = Path(__file__).parent / "shipped"
 _TRIED_SEEDS = 8
 _LONGEST_NAME = 60
 _LATENCY = "senses", "latency_s"
-_SHARED = ("scanner", "senses.dead_sectors", dotted(_LATENCY), "senses.latency_steps", "limits")
+_SHARED = (
+    "scanner",
+    "senses.dead_sectors",
+    "senses.permuted",
+    "senses.mounted_rad",
+    dotted(_LATENCY),
+    "senses.latency_steps",
+    "limits",
+)
 """The eye and the limits of the body are the same in all worlds of a family."""
 
 

@@ -83,7 +83,8 @@ class Senses:
     dropout: float = 0.0
     """Probability that a ray reads 0, drawn anew at every look, however many there are a second."""
     dead_sectors: tuple[Span, ...] = ()
-    """Bearings, lowest and highest (rad, to the left positive), between which rays read 0."""
+    """Bearings on the body, lowest and highest (rad, to the left positive), between which rays read
+    0, wherever the contract says that they look."""
     latency_s: float = 0.0
     """A retina is so old when the agent sees it, to the nearest step and, if above 0, one step at
     least."""
@@ -93,6 +94,12 @@ class Senses:
     slow sensor, with jitter and lost scans."""
     background: float = 0.0
     """Value of a ray that meets nothing within its range, as a share of full scale."""
+    permuted: int = 0
+    """Seed of a permutation of each eye's rays, the same for all agents; 0: in their order. What
+    the contract says of their bearings is then wrong, and nobody is told."""
+    mounted_rad: float = 0.0
+    """Each eye is turned on the body by this angle, to the left positive, while the contract goes
+    on to say that its middle looks ahead."""
 
     def __post_init__(self) -> None:
         require_within("senses.noise", self.noise, 0.0, 1.0)
@@ -105,6 +112,9 @@ class Senses:
         require_within("senses.latency_s", self.latency_s, 0.0, MAX_DELAY_S)
         require_within("senses.gap_s", self.gap_s, 0.0, MAX_DELAY_S)
         require_within("senses.background", self.background, 0.0, 1.0)
+        fits = 0 <= self.permuted < 1 << 63
+        require(fits, "senses.permuted", "a seed, 0 to 2⁶³ − 1", self.permuted)
+        require_within("senses.mounted_rad", self.mounted_rad, -math.pi, math.pi)
 
 
 @dataclass(frozen=True)

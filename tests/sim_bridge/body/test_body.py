@@ -184,9 +184,12 @@ def test_a_body_whose_stop_is_faster_than_its_actions_meets_all_that_lies_in_its
     assert by_stop.contacts > 40
 
 
-def contacts_and_way(contract: PolicyContract, *, checks: bool, steps: int = 1500) -> tuple:
+def contacts_and_way(
+    contract: PolicyContract, *, checks: bool, steps: int = 1500, senses: Senses | None = None
+) -> tuple:
     """What comes of driving straight on, whatever is in the way."""
-    body = Body(world_named("rover"), contract, 20.0, seed=2, checks=checks)
+    world = replace(world_named("rover").drawn(0), senses=senses or Senses())
+    body = Body(world, contract, 20.0, seed=2, checks=checks)
     for _ in range(1, steps):
         body.move(contract.actions[0])
     return body.contacts, float(body.simulation.distance_m[0]), body.held_back, body.guard_state
@@ -198,6 +201,16 @@ def test_a_body_that_checks_for_itself_stands_before_it_would_touch():
     contacts, way_m, held_back, on = contacts_and_way(contract, checks=True)
     assert (unchecked > 3, contacts, off, on) == (True, 0, "off", "on")
     assert 0.1 < way_m < far_m
+    assert held_back > 100
+
+
+@pytest.mark.parametrize("senses", [Senses(mounted_rad=1.0), Senses(permuted=1)])
+def test_a_body_checks_where_its_eye_really_looks(senses: Senses):
+    contract = PolicyContract(retina=RetinaSpec(rays=361, fov_rad=2 * math.pi))
+    contacts, way_m, held_back, _ = contacts_and_way(contract, checks=True, senses=senses)
+    _, straight_m, _, _ = contacts_and_way(contract, checks=True)
+    assert contacts == 0
+    assert way_m == pytest.approx(straight_m, abs=1e-6)
     assert held_back > 100
 
 

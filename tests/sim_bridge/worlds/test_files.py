@@ -410,6 +410,8 @@ def test_a_family_says_what_it_varies() -> None:
         ),
         ("senses.dead_sectors = [0, { from = 0, to = 1 }]", r":2: .*: expected one number for all"),
         ("scanner.beams = { from = 20, to = 30 }", r":2: scanner\.beams: expected one number for"),
+        ("senses.permuted = { from = 0, to = 3 }", r":2: senses\.permuted: expected one number"),
+        ("senses.mounted_rad = { from = 0, to = 1 }", r":2: senses\.mounted_rad: .* one number"),
     ],
 )
 def test_a_family_that_is_not_sound_everywhere_is_refused(line: str, reason: str) -> None:

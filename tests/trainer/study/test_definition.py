@@ -208,7 +208,7 @@ def test_every_study_that_is_shipped_can_be_run(name: str) -> None:
 
 def test_the_studies_of_the_paper_are_shipped() -> None:
     wanted = {"hidden", "eyes", "alpha", "lambda", "gamma", "eye-range", "output", "form", "held"}
-    assert wanted | {"edge", "thirty"} == set(study_names())
+    assert wanted | {"edge", "lambda-suite", "self-knowledge", "thirty"} == set(study_names())
     thirty = study_named("thirty")
     assert (len(thirty.seeds), thirty.measure) == (30, Measure.SHARE_OF_BLIND)
 
@@ -224,3 +224,38 @@ def test_two_eyes_are_compared_at_equal_rays_equal_rays_an_eye_and_equal_fields(
     assert eyes["one of 16, 180°"].size == eyes["two of 8, 180°"].size
     assert eyes["one of 16, 180°"].rays == eyes["two of 16, 180°"].rays
     assert eyes["one of 8, 90°"].fov_rad == eyes["two of 8, 90°"].fov_rad == math.pi / 2
+
+
+@pytest.mark.parametrize(
+    ("change", "complaint"),
+    [
+        ('measured_in = "nowhere"', "measured_in: world: no world is named 'nowhere'"),
+        ("measured_in = 3", "measured_in: expected a text, got 3"),
+    ],
+)
+def test_a_world_to_be_measured_in_must_be_there(change: str, complaint: str) -> None:
+    with pytest.raises(ReflexarcError, match=complaint):
+        parsed(f'{HEAD}[[cell]]\nname = "a"\n{change}\n')
+
+
+def test_cells_that_learn_alike_and_are_measured_elsewhere_are_two() -> None:
+    cell = '[[cell]]\nname = "a"\n[[cell]]\nname = "b"\n'
+    study = parsed(f'{HEAD}{cell}measured_in = "askew-30"\n')
+    units = study.units()[:2]
+    assert units[0].config == units[1].config
+    assert [unit.world.name for unit in units if unit.world] == ["reference-1", "askew-30"]
+    with pytest.raises(ReflexarcError, match="expected different cells"):
+        parsed(HEAD + cell)
+
+
+def test_what_is_asked_about_must_be_one_of_the_choices() -> None:
+    assert parsed(f'asked = "20"\n{GRID}').asked == "20"
+    with pytest.raises(ReflexarcError, match=r"mine.toml:1: asked: expected one of 5, 20, as it"):
+        parsed(f'asked = "7"\n{GRID}')
+
+
+def test_nobody_tells_the_policy_of_its_body() -> None:
+    """Eye, motion and network are the same in all cells; only worlds differ."""
+    cells = study_named("self-knowledge").cells
+    assert len({(c.config.retina, c.config.network, c.config.motion) for c in cells}) == 1
+    assert {c.config.worlds for c in cells if c.measured_in} == {cells[0].config.worlds}

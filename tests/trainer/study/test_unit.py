@@ -11,6 +11,9 @@ from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.eye import RetinaSpec, Shading
 from reflexarc_runtime.errors import UsageError
 from reflexarc_runtime.policy.policy import load_policy
+from reflexarc_sim_bridge.evaluation.protocol.contender import Contender
+from reflexarc_sim_bridge.evaluation.protocol.setting import Setting
+from reflexarc_sim_bridge.evaluation.protocol.suite import Suite
 from reflexarc_sim_bridge.evaluation.reference_field import DISCARDED_STEPS
 from reflexarc_sim_bridge.evaluation.reference_field import measure as measure_policy
 from reflexarc_sim_bridge.evaluation.simple_policies import BlindPolicy
@@ -20,8 +23,12 @@ from reflexarc_trainer.config.train_config import (
     TrainConfig,
     TrainingWorld,
 )
+from reflexarc_trainer.policy.weights import network_of
 from reflexarc_trainer.run import checkpoint
 from reflexarc_trainer.run.train import train
+from reflexarc_trainer.run.validation import GreedyPolicy
+from reflexarc_trainer.sarsa.forms import new_learner
+from reflexarc_trainer.study.definition import parse_study
 from reflexarc_trainer.study.measuring import measure
 from reflexarc_trainer.study.unit import Evaluation, Measure, Unit
 
@@ -126,3 +133,62 @@ def test_edge_index_is_measured_where_it_is_asked_for(small_config: TrainConfig)
 
 def test_as_many_steps_are_discarded_as_in_the_reference_field() -> None:
     assert Evaluation().discard == DISCARDED_STEPS
+
+
+def test_a_cell_may_be_measured_where_it_did_not_learn(small_batched_config: TrainConfig) -> None:
+    """The policy is that of the straight eye; what it meets askew is measured here by hand."""
+    text = f"""
+    title = "T"
+    question = "Q?"
+    seeds = [3]
+    [evaluation]
+    agents = {SCALE.agents}
+    steps = {SCALE.steps}
+    discard = {SCALE.discard}
+    [[cell]]
+    name = "straight"
+    [[cell]]
+    name = "askew"
+    measured_in = "askew-90"
+    """
+    study, config = parse_study(text, "mine"), small_batched_config
+    here, there = (Unit(config, study.unit(cell, 3).evaluation) for cell in study.cells)
+    straight, askew = measure(here), measure(there)
+    assert (here.world, there.world) == (TrainingWorld(), TrainingWorld("askew-90"))
+    assert straight.weights_hash == askew.weights_hash
+    learner = new_learner(config)
+    learner.run(config.steps)
+    policy = GreedyPolicy(network_of(learner), config)
+    world = config.source_of(TrainingWorld("askew-90"))
+    scale = {"agents": SCALE.agents, "steps": SCALE.steps, "discard": SCALE.discard}
+    score = measure_policy(policy, config.contract(), world=world, **scale)
+    assert askew.contacts_per_100m == score.contacts_per_100m
+    assert askew.contacts_per_100m != straight.contacts_per_100m
+    assert askew.blind_per_100m == straight.blind_per_100m  # its eye does not matter
+
+
+def test_a_broader_body_meets_more_and_so_does_one_that_never_steers(
+    small_config: TrainConfig,
+) -> None:
+    broad = dataclasses.replace(small_config, worlds=(TrainingWorld("broad"),))
+    result = measure(Unit(broad, Evaluation(agents=256, steps=300)))
+    expected = 100.0 * 0.40 * (0.9 + 2 * 0.2)  # 2ρR; round corners are met a little more often
+    assert result.blind_per_100m is not None
+    assert expected < result.blind_per_100m < 1.08 * expected
+
+
+def test_the_suites_score_is_measured_where_it_is_asked_for(
+    small_config: TrainConfig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = list[tuple[str, Setting]]()
+
+    def headline(contender: Contender, suite: Suite, setting: Setting) -> float:
+        asked.append((suite.name, setting))
+        assert isinstance(contender.policy, GreedyPolicy)
+        assert contender.contract == small_config.contract()
+        return 0.25
+
+    monkeypatch.setattr("reflexarc_trainer.study.measuring.headline", headline)
+    assert measure(Unit(small_config, SCALE)).suite_score is None
+    assert measure(Unit(small_config, SCALE, Measure.SUITE)).figure(Measure.SUITE) == 0.25
+    assert asked == [("lite", Setting.FIELD)]

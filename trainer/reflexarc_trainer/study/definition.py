@@ -5,7 +5,8 @@ question = "How many hidden units does it take?"
 preset = "paper"                   # the configuration that cells change
 seeds = 8                          # a number, counted from 0; or a list
 steps = 524288                     # by default the preset's
-measure = "contacts"               # or share_of_blind, edge_index
+measure = "contacts"               # or share_of_blind, edge_index, suite
+asked = "10"                       # optional: the value that the question is about
 
 [evaluation]                       # optional
 agents = 1024
@@ -18,6 +19,7 @@ values = [5, 10, 20]
 
 [[cell]]                           # in place of axes: a list of cells, written as choices
 
+A cell that learns in one world and is measured in another says measured_in = "NAME".
 Every cell is checked before anything runs. Paths of worlds are relative to the current folder.
 """
 
@@ -37,7 +39,7 @@ from reflexarc_runtime.errors import ReflexarcError, UsageError
 from reflexarc_sim_bridge.evaluation.metrics.edge_index import require_edge_index
 from reflexarc_trainer.config.train_config import TrainConfig
 from reflexarc_trainer.study.axes import Axis, AxisTable, Choice, read_axes, require_words
-from reflexarc_trainer.study.settings import configured
+from reflexarc_trainer.study.settings import configured, measured_in
 from reflexarc_trainer.study.targets import Target
 from reflexarc_trainer.study.unit import Evaluation, Measure, Unit
 
@@ -55,6 +57,8 @@ class Cell:
     """One per axis, in the order of the axes."""
     config: TrainConfig
     """The configuration; its seed is replaced."""
+    measured_in: str = ""
+    """The world that it is measured in; "" for that of the study, or of its own learning."""
 
     @property
     def name(self) -> str:
@@ -76,12 +80,15 @@ class Study:
     axes: tuple[Axis, ...]
     cells: tuple[Cell, ...]
     targets: tuple[Target, ...]
+    asked: str
+    """Name of the choice that the question asks about; "" for none."""
     text: str = field(repr=False)
     """Content of the file."""
 
     def unit(self, cell: Cell, seed: int) -> Unit:
         """The unit of a cell and a seed."""
-        return Unit(replace(cell.config, seed=seed), self.evaluation, self.measure)
+        scale = _scale_of(self.evaluation, cell.measured_in)
+        return Unit(replace(cell.config, seed=seed), scale, self.measure)
 
     def units(self) -> list[Unit]:
         """All units, seed by seed, so that an interrupted study has results of every cell."""
@@ -117,6 +124,7 @@ def parse_study(text: str, name: str, where: str = "") -> Study:
         axes=axes,
         cells=cells,
         targets=head.target,
+        asked=head.asked,
         text=text,
     )
     _check_whole(source, study)
@@ -137,6 +145,7 @@ class _Head:
     axis: tuple[AxisTable, ...] = ()
     cell: tuple[object, ...] = ()
     target: tuple[Target, ...] = ()
+    asked: str = ""
 
     def __post_init__(self) -> None:
         require_words("title", self.title)
@@ -173,7 +182,8 @@ def _cell(source: TomlSource, head: _Head, choices: tuple[Choice, ...]) -> Cell:
     cell_name = ", ".join(choice.name for choice in choices)
     try:
         config = configured(head.preset, settings)
-        unit = Unit(config, head.evaluation, head.measure)
+        elsewhere = measured_in(settings)
+        unit = Unit(config, _scale_of(head.evaluation, elsewhere), head.measure)
         for world in (*config.worlds, unit.world):
             if world is not None:
                 world.source()
@@ -181,7 +191,11 @@ def _cell(source: TomlSource, head: _Head, choices: tuple[Choice, ...]) -> Cell:
             require_edge_index(unit.world.source())
     except ReflexarcError as error:
         raise source.complaint(_blamed(choices, str(error)), f"{cell_name}: {error}") from None
-    return Cell(choices, config)
+    return Cell(choices, config, elsewhere)
+
+
+def _scale_of(evaluation: Evaluation, measured_in: str) -> Evaluation:
+    return replace(evaluation, world=measured_in) if measured_in else evaluation
 
 
 def _blamed(choices: tuple[Choice, ...], complaint: str) -> KeyPath:
@@ -201,10 +215,14 @@ def _check_whole(source: TomlSource, study: Study) -> None:
         raise source.complaint(("seeds",), f"expected at most {MOST_UNITS} runs, got {count}")
     names: dict[str, str] = {}
     for cell in study.cells:
-        other = names.setdefault(cell.config.hash, cell.name)
+        other = names.setdefault(study.unit(cell, 0).hash, cell.name)
         if other != cell.name:
             words = f"expected different cells, got the same run as {other} and as {cell.name}"
             raise source.complaint(cell.choices[-1].path, words)
+    choices = [choice.name for axis in study.axes for choice in axis.choices]
+    if study.asked and study.asked not in choices:
+        words = f"expected one of {', '.join(choices)}, got {study.asked!r}"
+        raise source.complaint(("asked",), words)
     for n, target in enumerate(study.targets):
         if target.cell not in names.values():
             known = ", ".join(names.values())

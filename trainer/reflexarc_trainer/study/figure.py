@@ -1,7 +1,9 @@
 """The figure of a study: one dot per seed; each cell's interquartile mean with its interval.
 
 If an axis has numbers as values, it is the horizontal axis, and each combination of the other
-axes' choices is a line. Otherwise each cell is a row.
+axes' choices is a line. Otherwise each cell is a row. A dashed line says what an agent that never
+steers makes in the same worlds; where that lies far off, its value stands at the edge instead, so
+that differences between cells stay visible.
 """
 
 import math
@@ -14,8 +16,9 @@ from matplotlib.ticker import FixedLocator, NullLocator
 
 from reflexarc_trainer.run.plots import as_png
 from reflexarc_trainer.study.axes import AxisScale
+from reflexarc_trainer.study.blind_line import blind_values, draw_blind_line, draw_blind_marks
 from reflexarc_trainer.study.definition import Study
-from reflexarc_trainer.study.page import FIGURE_NAMES
+from reflexarc_trainer.study.measure_words import FIGURE_NAMES
 from reflexarc_trainer.study.summary import CellSummary
 from reflexarc_trainer.study.unit import Measure
 
@@ -58,12 +61,29 @@ def _draw_lines(axes: Axes, study: Study, summaries: Sequence[CellSummary], nume
     for n, (label, line) in enumerate(lines.items()):
         shift = (n - (len(lines) - 1) / 2) * 0.012
         _draw_line(axes, line, label, _shifted(line, numeric, shift, places, is_log), _colour(n))
+    draw_blind_line(axes, _blind_points(study, summaries, numeric), _highest(summaries))
     axes.set_xticks(places, [choice.name for choice in study.axes[numeric].choices])
     axes.set_xticks([], minor=True)
     axes.set_xlabel(study.axes[numeric].label)
     _scale_figures(axes, "y", study, summaries)
-    if len(lines) > 1:
+    if len(axes.get_legend_handles_labels()[1]) > 1:
         axes.legend(frameon=False)
+
+
+def _blind_points(
+    study: Study, summaries: Sequence[CellSummary], numeric: int
+) -> dict[str, list[tuple[float, float | None]]]:
+    """By line, the places of its cells, and what an agent that never steers comes to there."""
+    points: dict[str, list[tuple[float, float | None]]] = {}
+    for summary, value in zip(summaries, blind_values(study, summaries), strict=True):
+        others = [c.name for n, c in enumerate(summary.cell.choices) if n != numeric]
+        place = summary.cell.choices[numeric].number or 0.0
+        points.setdefault(", ".join(others), []).append((place, value))
+    return points
+
+
+def _highest(summaries: Sequence[CellSummary]) -> float:
+    return max((figure for summary in summaries for figure in summary.figures), default=1.0)
 
 
 def _shifted(
@@ -115,6 +135,9 @@ def _draw_rows(axes: Axes, study: Study, summaries: Sequence[CellSummary]) -> No
         mean, low, high = summary.estimate
         bounds = ([mean - low], [high - mean])
         axes.errorbar([mean], [row], xerr=bounds, fmt="o", color=colour, markersize=5, capsize=3)
+    draw_blind_marks(axes, blind_values(study, summaries), _highest(summaries))
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend(frameon=False, loc="lower right", bbox_to_anchor=(1.0, 1.0))
     axes.set_yticks(range(len(summaries)), [summary.cell.name for summary in summaries])
     axes.set_ylim(len(summaries) - 0.5, -0.5)
     _scale_figures(axes, "x", study, summaries)
@@ -136,6 +159,8 @@ def _scale_figures(axes: Axes, which: str, study: Study, summaries: Sequence[Cel
     if study.measure is Measure.EDGE_INDEX:
         (axes.axvline if is_x else axes.axhline)(1.0, color=_INK, linestyle="--", linewidth=1.0)
     low, high = min(figures, default=1.0), max(figures, default=1.0)
+    if study.measure is Measure.SUITE:
+        return  # scores may be below 0, which is where an agent that never steers lies
     if study.measure is not Measure.EDGE_INDEX and 0.0 < _WIDE * low < high:
         (axes.set_xscale if is_x else axes.set_yscale)("log")
         axis.set_major_locator(FixedLocator(_round_numbers(low, high)))

@@ -21,7 +21,11 @@ from reflexarc_sim_bridge.evaluation.metrics.edge_index import (
     obstacle_radius_m,
     require_edge_index,
 )
+from reflexarc_sim_bridge.evaluation.protocol.contender import Contender
+from reflexarc_sim_bridge.evaluation.protocol.setting import Setting
+from reflexarc_sim_bridge.evaluation.protocol.suite import suite_named
 from reflexarc_sim_bridge.evaluation.reference_field import measure as measure_contacts
+from reflexarc_sim_bridge.evaluation.running.headline import headline
 from reflexarc_sim_bridge.evaluation.simple_policies import BlindPolicy
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.seeds import test_seeds
@@ -34,6 +38,8 @@ from reflexarc_trainer.run.validation import GreedyPolicy
 from reflexarc_trainer.sarsa.forms import new_learner
 from reflexarc_trainer.sarsa.learner_interface import Learner
 from reflexarc_trainer.study.unit import Evaluation, Measure, Result, Unit, code_key
+
+_SUITE = "lite"
 
 
 def measure(unit: Unit) -> Result:
@@ -103,13 +109,17 @@ def _figures(unit: Unit, learner: Learner) -> dict[str, float | None]:
     config, scale = unit.config, unit.evaluation
     contacts = _contacts(policy, contract, config.source_of(unit.world), scale)
     blind = _blind_contacts(contract.actions, unit.world, config.body, scale)
-    figures = {
+    figures: dict[str, float | None] = {
         "contacts_per_100m": contacts,
         "share_of_blind": contacts / blind if blind else None,
+        "blind_per_100m": blind,
     }
     if unit.measure is Measure.EDGE_INDEX:
         world = config.source_of(unit.world)
         figures["edge_index"] = measure_edge_index(policy, contract, world, unit.evaluation)
+    if unit.measure is Measure.SUITE:
+        contender = Contender("greedy", policy, contract)
+        figures["suite_score"] = headline(contender, suite_named(_SUITE), Setting.FIELD)
     return figures
 
 

@@ -1,21 +1,13 @@
-"""The page of a study, in Markdown: its question, its figure, its table, its provenance."""
+"""The page of a study, in Markdown: its question, the answer to it, its figure and its table."""
 
 from collections.abc import Iterable, Sequence
 
-from reflexarc_sim_bridge.evaluation.scoring.statistics import Estimate
 from reflexarc_trainer.policy.provenance import commit, versions
+from reflexarc_trainer.study.answer import answer
 from reflexarc_trainer.study.definition import Study
+from reflexarc_trainer.study.measure_words import DIGITS, FIGURE_NAMES, interval_words
 from reflexarc_trainer.study.summary import CellSummary, missed_targets
 from reflexarc_trainer.study.unit import Measure
-
-FIGURE_NAMES = {
-    Measure.CONTACTS: "contacts per 100 m",
-    Measure.SHARE_OF_BLIND: "share of the blind agent's contacts",
-    Measure.EDGE_INDEX: "edge index",
-}
-"""Name of each measure in tables and figures."""
-
-_DIGITS = {Measure.CONTACTS: 2, Measure.SHARE_OF_BLIND: 3, Measure.EDGE_INDEX: 2}
 
 
 def write_page(study: Study, summaries: Sequence[CellSummary], picture: str) -> str:
@@ -29,6 +21,7 @@ def write_page(study: Study, summaries: Sequence[CellSummary], picture: str) -> 
     parts = [
         f"# {study.title}",
         study.question,
+        answer(study, summaries),
         f"![{study.title}]({picture})",
         _cells(study, summaries),
         _how(study),
@@ -47,12 +40,14 @@ def _cells(study: Study, summaries: Sequence[CellSummary]) -> str:
     head += ["contacts per 100 m"] if with_contacts else []
     with_share = study.measure is not Measure.SHARE_OF_BLIND
     head += ["of blind"] if with_share else []
+    head += ["never steering"]
     rows = []
     for summary in summaries:
         row = [*(choice.name for choice in summary.cell.choices), _seeds(summary)]
-        row += _figures(summary, _DIGITS[study.measure])
+        row += _figures(summary, DIGITS[study.measure])
         row += [_number(summary.contacts, 2)] if with_contacts else []
         row += [_number(summary.share_of_blind, 3)] if with_share else []
+        row += [_number(summary.blind, 1)]
         rows.append(row)
     return _table(head, rows)
 
@@ -71,11 +66,6 @@ def _figures(summary: CellSummary, digits: int) -> list[str]:
     return [mean, *(_number(edge(summary.figures), digits) for edge in (min, max))]
 
 
-def interval_words(estimate: Estimate, digits: int) -> str:
-    """An estimate with its interval: "2.00 [1.90, 2.10]"."""
-    return f"{estimate.value:.{digits}f} [{estimate.low:.{digits}f}, {estimate.high:.{digits}f}]"
-
-
 def _number(value: float | None, digits: int) -> str:
     return "–" if value is None else f"{value:.{digits}f}"
 
@@ -87,7 +77,8 @@ def _how(study: Study) -> str:
         "Mean: the interquartile mean over seeds, of those that did not diverge; in brackets the "
         "95 % interval of a percentile bootstrap over seeds. Each run is measured greedily in "
         f"{scale.agents:,} test worlds{where}, {scale.steps:,} steps in each after {scale.discard} "
-        "that do not count."
+        "that do not count. Never steering: contacts per 100 m of an agent that goes straight on, "
+        "in the same worlds. Two cells are told apart where their intervals do not overlap."
     )
 
 

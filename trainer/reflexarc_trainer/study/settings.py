@@ -13,9 +13,11 @@ from reflexarc_runtime.config.source import MappingSource
 from reflexarc_runtime.errors import ReflexarcError, UsageError
 from reflexarc_trainer.config.presets import preset_named
 from reflexarc_trainer.config.train_config import TrainConfig
-from reflexarc_trainer.config.training_world import parse_training_world
+from reflexarc_trainer.config.training_world import TrainingWorld, parse_training_world
 
 PRESET, WORLDS = "preset", "worlds"
+MEASURED_IN = "measured_in"
+"""The world that a cell is measured in, if that is not the one that it learns in last."""
 
 _NOT_HERE = {
     "seed": "`seeds` of the study",
@@ -40,6 +42,8 @@ def configured(preset: str, settings: Mapping[str, object]) -> TrainConfig:
     """
     changes: dict[str, Any] = {}
     for name, value in settings.items():
+        if name == MEASURED_IN:
+            continue
         if name == PRESET:
             preset = _text(name, value)
         else:
@@ -56,8 +60,25 @@ def check_setting(name: str, value: object) -> None:
     """
     if name == PRESET:
         preset_named(_text(name, value))
+    elif name == MEASURED_IN:
+        measured_in({name: value})
     else:
         _converted(name, value)
+
+
+def measured_in(settings: Mapping[str, object]) -> str:
+    """The world that settings name for the measurement; "" where they name none.
+
+    Raises:
+        ReflexarcError: there is no such world; begins with the field's name.
+    """
+    if MEASURED_IN not in settings:
+        return ""
+    name = _text(MEASURED_IN, settings[MEASURED_IN])
+    try:
+        return TrainingWorld(name).name
+    except ReflexarcError as error:
+        raise UsageError(f"{MEASURED_IN}: {error}") from None
 
 
 def _put(changes: dict[str, Any], parts: list[str], value: object) -> None:

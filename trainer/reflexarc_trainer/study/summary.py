@@ -26,6 +26,8 @@ class CellSummary:
     """Interquartile mean of the contacts as a share of the blind agent's."""
     contacts: float | None
     """Interquartile mean of the contacts per 100 m."""
+    blind: float | None
+    """Contacts per 100 m of an agent that never steers, in the cell's worlds."""
     diverged: int
     """Number of seeds whose weights diverged; they have no figure."""
     missing: int
@@ -65,6 +67,7 @@ def _summary(study: Study, cell: Cell, results: Mapping[str, Result]) -> CellSum
         estimate=estimate(figures) if figures else None,
         share_of_blind=_mean(result.share_of_blind for result in found),
         contacts=_mean(result.figure(Measure.CONTACTS) for result in found),
+        blind=_mean(result.blind for result in found),
         diverged=sum(result.diverged for result in found),
         missing=len(hashes) - len(found),
         unit_s=math.fsum(times_s) / max(1, len(times_s)),

@@ -35,6 +35,9 @@ class Measure(StrEnum):
     """Contacts as a share of those of an agent that never steers, in the same worlds."""
     EDGE_INDEX = "edge_index"
     """Share of the time near a side of the world, divided by that of uniformly placed agents."""
+    SUITE = "suite"
+    """Headline score in the lite suite, at ten decisions a second and as a point: 0 for an agent
+    that never steers, 1 for one that knows everything."""
 
 
 @dataclass(frozen=True)
@@ -126,6 +129,10 @@ class Result:
     """None also if an agent that never steers has no contacts."""
     edge_index: float | None = None
     """None also if it is not the study's measure."""
+    blind_per_100m: float | None = None
+    """Contacts of an agent that never steers, in the same worlds; None in results of before."""
+    suite_score: float | None = None
+    """None also if it is not the study's measure."""
     weights_hash: str = ""
     """SHA-256 of the learned weights as float64."""
 
@@ -140,9 +147,19 @@ class Result:
 
     def figure(self, measure: Measure) -> float | None:
         """The figure of a measure."""
-        if measure is Measure.CONTACTS:
-            return self.contacts_per_100m
-        return self.share_of_blind if measure is Measure.SHARE_OF_BLIND else self.edge_index
+        return {
+            Measure.CONTACTS: self.contacts_per_100m,
+            Measure.SHARE_OF_BLIND: self.share_of_blind,
+            Measure.EDGE_INDEX: self.edge_index,
+            Measure.SUITE: self.suite_score,
+        }[measure]
+
+    @property
+    def blind(self) -> float | None:
+        """Contacts per 100 m of an agent that never steers, also where only a share was kept."""
+        if self.blind_per_100m is None and self.contacts_per_100m and self.share_of_blind:
+            return self.contacts_per_100m / self.share_of_blind
+        return self.blind_per_100m
 
 
 @lru_cache(maxsize=1)

@@ -123,7 +123,10 @@ class StudyCommand:
         if self.json:
             print_json(_summary(study, result))
         else:
+            from reflexarc_trainer.study.answer import answer
+
             console.print(_table(study, result))
+            console.print(escape(answer(study, result.summaries)))
             console.print(f"page: {result.page}")
         return self._answer(result)
 
@@ -168,7 +171,7 @@ def _list_table(rows: "list[dict[str, object]]") -> "Table":
 def _table(study: "Study", result: "StudyResult") -> "Table":
     from rich.table import Table
 
-    from reflexarc_trainer.study.page import FIGURE_NAMES
+    from reflexarc_trainer.study.measure_words import FIGURE_NAMES
 
     table = Table(title=f"{study.title}: {FIGURE_NAMES[study.measure]}", title_justify="left")
     table.add_column("cell")
@@ -195,13 +198,17 @@ def _summary(study: "Study", result: "StudyResult") -> dict[str, object]:
             "figures": summary.figures,
             "estimate": summary.estimate and summary.estimate._asdict(),
             "share_of_blind": summary.share_of_blind,
+            "never_steering": summary.blind,
             "diverged": summary.diverged,
             "missing": summary.missing,
         }
         for summary in result.summaries
     ]
+    from reflexarc_trainer.study.answer import answer
+
     return {
         "study": study.name,
+        "answer": answer(study, result.summaries),
         "measure": study.measure,
         "cells": cells,
         "done": result.done,

@@ -6,7 +6,7 @@ the lines whose keys it would compute again, and no others: see `suite_unit.py`.
 
 import copy
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, version
@@ -85,8 +85,19 @@ def run_suite(
         file = stack.enter_context(LinesFile(folder / ROWS, "evaluation"))
         there = _kept(folder, file, options.resume)
         _do_all([*jobs, *limits], there, file, options)
-    there |= {job.key: _drive_here(job, suite) for job in jobs if job.unit is None}
-    results = Results(
+    there |= {job.key: drive_here(job, suite) for job in jobs if job.unit is None}
+    return SuiteRun(results_of(suite, starters, jobs, limits, there), _times(starters))
+
+
+def results_of(
+    suite: Suite,
+    starters: Sequence[Starter],
+    jobs: Sequence[Job],
+    limits: Sequence[Job],
+    there: Mapping[str, PlainSums],
+) -> Results:
+    """The results of a plan, from the sums of its jobs by their keys."""
+    return Results(
         suite=suite.title,
         version=_version(),
         agents=[_agent(starter) for starter in starters],
@@ -94,7 +105,6 @@ def run_suite(
         limits=[filled(job, there[job.key]) for job in limits if there[job.key]],
         cells=_cells(suite),
     )
-    return SuiteRun(results, _times(starters))
 
 
 def _kept(folder: Path, file: LinesFile, resume: bool) -> dict[str, PlainSums]:
@@ -135,7 +145,12 @@ def _task(job: Job) -> Task:
     return Task(job.key, {"unit": job.unit.to_plain(), "path": sys.path})
 
 
-def _drive_here(job: Job, suite: Suite) -> PlainSums:
+def drive_here(job: Job, suite: Suite) -> PlainSums:
+    """Drive a copy of a contender that is an object of this process.
+
+    Raises:
+        ReflexarcError: it cannot drive; with its name and cell.
+    """
     assert job.starter is not None
     contender = job.starter.contender
 

@@ -102,7 +102,7 @@ def test_against_has_a_status_for_each_answer(
         (["--baseline", "blind", "--resume"], "--resume: expected only with --suite"),
         (["--baseline", "blind", "--suite", "lite", "--world", "dim"], "only without --suite"),
         (["--baseline", "blind", "--suite", "lite", "--agents", "9"], "only without --suite"),
-        (["--baseline", "blind", "--suite", "zebra"], "suite: expected one of full, lite"),
+        (["--baseline", "blind", "--suite", "zebra"], "suite: expected one of edge, full, lite"),
         (["--baseline", "blind", "--suite", "lite", "--family", "x"], "family: expected one of"),
         (["--baseline", "blind", "--rate", "-3"], "--rate: expected 0.1 to 10000"),
         (

@@ -47,7 +47,7 @@ def test_file_that_is_no_study_leaves_nothing_behind(
     complaint = capsys.readouterr().err
     assert complaint.count("\n") == 1
     assert "1.5: learner.gamma: expected in [0, 1)" in complaint
-    assert "bad.toml:23: axis[1].values[6]" in complaint
+    assert "bad.toml:24: axis[1].values[6]" in complaint
     assert not (tmp_path / "bad").exists()
 
 
