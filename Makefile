@@ -11,7 +11,7 @@ PYTEST_WORKERS ?= 3
 export OPENBLAS_NUM_THREADS ?= 1
 export OMP_WAIT_POLICY ?= passive
 
-.PHONY: help demo test tests-alone test-long test-quick test-numba test-arm check fmt wheel golden proto clean real-input worlds studies limits
+.PHONY: help demo test tests-alone test-long test-quick test-numba test-arm check fmt wheel golden proto clean real-input worlds studies limits standing
 
 help:            ## say what there is
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/'
@@ -76,6 +76,16 @@ studies: $(STAMP) ## run every shipped study (half an hour) → docs/studies/
 	for file in trainer/reflexarc_trainer/study/shipped/*.toml; do \
 		$(BIN)/reflexarc study $$(basename $$file .toml) || [ $$? = 1 ] || exit 2; done
 	$(BIN)/python docs/studies_page.py
+
+standing: $(STAMP) ## train, measure everybody on the full suite → docs/standing.md: an hour and more
+	for seed in 0 1 2 3 4; do for preset in reflex paper online binocular reflex-online rover; do \
+		test -f runs/presets/$$preset-$$seed/policy.onnx || \
+		$(BIN)/reflexarc train --preset $$preset --seed $$seed --out runs/presets/$$preset-$$seed; done; done
+	$(BIN)/python benchmarks/rivals.py --seeds 5
+	$(BIN)/reflexarc evaluate runs/presets/*/policy.onnx runs/rivals/*.onnx --suite full --setting field \
+		--baseline random $$($(BIN)/python -c 'from reflexarc_baselines.registry import HOMES; print(*(n for n in HOMES if n != "blind"))') \
+		--resume
+	$(BIN)/python docs/standing_page.py runs/evaluation-full/results.json
 
 limits: $(STAMP) ## the oracle's figures that ship with the suites: half an hour
 	$(BIN)/python -m reflexarc_sim_bridge.evaluation.limits.shipping

@@ -17,7 +17,7 @@ import numpy as np
 from reflexarc_baselines.baseline import Baseline, Remembering, Sees, Span
 from reflexarc_baselines.registry import baseline_named
 from reflexarc_runtime.errors import UsageError
-from reflexarc_sim_bridge.evaluation.protocol.setting import FIELD_RATE_HZ, WorldsFor
+from reflexarc_sim_bridge.evaluation.protocol.setting import FIELD_RATE_HZ, as_driven
 from reflexarc_sim_bridge.evaluation.reference_field import measure
 from reflexarc_sim_bridge.worlds.files import world_named
 from reflexarc_sim_bridge.worlds.seeds import validation_seeds
@@ -100,7 +100,7 @@ def search(
 def rate_of(baseline: Baseline | Remembering, budget: SearchBudget) -> Rate:
     """Measures in a baseline's home world as its senses show it, on validation seeds."""
     home, sees_ranges = baseline.ORIGIN.home_world, baseline.ORIGIN.sees is Sees.RANGES
-    world = WorldsFor(world_named(home), FIELD_RATE_HZ, None, sees_ranges)
+    world = as_driven(world_named(home), FIELD_RATE_HZ, None, sees_ranges)
     seeds = validation_seeds(budget.agents)
 
     def rate(candidate: Baseline | Remembering) -> float:

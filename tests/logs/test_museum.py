@@ -34,9 +34,12 @@ def test_nothing_was_taken_out_of_the_museum():
         "schema-2/nominal.mcap",
         "schema-2/rover-lockstep.mcap",
         "schema-2/scan.mcap",
+        "schema-3/faults.mcap",
+        "schema-3/nominal.mcap",
         "schema-1/nominal.onnx",
         "schema-2/reflex.onnx",
         "schema-2/rover.onnx",
+        "schema-3/reflex.onnx",
     ]
 
 

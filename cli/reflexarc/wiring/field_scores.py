@@ -9,7 +9,7 @@ from reflexarc_sim_bridge.evaluation.driving.drive import drive
 from reflexarc_sim_bridge.evaluation.metrics.sums import Sums, sums_of
 from reflexarc_sim_bridge.evaluation.protocol.contender import BLIND, Contender, contender_of
 from reflexarc_sim_bridge.evaluation.protocol.results import row_of
-from reflexarc_sim_bridge.evaluation.protocol.setting import Setting, WorldsFor
+from reflexarc_sim_bridge.evaluation.protocol.setting import Setting, as_driven
 from reflexarc_sim_bridge.evaluation.protocol.suite import Suite, SuiteCell, SuiteFamily
 from reflexarc_sim_bridge.evaluation.reference_field import FieldScore, measure
 from reflexarc_sim_bridge.evaluation.scoring.cell_figures import (
@@ -47,7 +47,7 @@ class FieldPlan:
         if self.rate_hz is None and not contender.sees_ranges:
             return source
         rate_hz = self.rate_hz or 1.0 / source.drawn(0).dt_s
-        return WorldsFor(source, rate_hz, None, contender.sees_ranges)
+        return as_driven(source, rate_hz, None, contender.sees_ranges)
 
 
 def field_scores(

@@ -8,46 +8,12 @@ runtime accepts it.
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import partial
 
 from reflexarc_runtime.contract.body_spec import BodySpec
+from reflexarc_sim_bridge.worlds.changed import changed
 from reflexarc_sim_bridge.worlds.world import World, WorldSource
-
-
-@dataclass(frozen=True)
-class Embodied:
-    """A family of worlds, each with a policy's body and sensor."""
-
-    source: WorldSource
-    body: BodySpec | None
-    max_input_age_s: float
-
-    @property
-    def name(self) -> str:
-        """See `WorldSource.name`."""
-        return self.source.name
-
-    @property
-    def description(self) -> str:
-        """See `WorldSource.description`."""
-        return self.source.description
-
-    @property
-    def blind_contacts_per_100m(self) -> float | None:
-        """See `WorldSource.blind_contacts_per_100m`: unknown, as for every family."""
-        return None
-
-    @property
-    def fullest(self) -> tuple[World, ...]:
-        """See `WorldSource.fullest`."""
-        return tuple(map(self._with_body, self.source.fullest))
-
-    def drawn(self, seed: int) -> World:
-        """See `WorldSource.drawn`."""
-        return self._with_body(self.source.drawn(seed))
-
-    def _with_body(self, world: World) -> World:
-        return with_body(world, self.body, self.max_input_age_s)
 
 
 def embodied(source: WorldSource, body: BodySpec | None, max_input_age_s: float) -> WorldSource:
@@ -58,9 +24,7 @@ def embodied(source: WorldSource, body: BodySpec | None, max_input_age_s: float)
         body: the body; None: each world's own.
         max_input_age_s: largest age of an input.
     """
-    if isinstance(source, World):
-        return with_body(source, body, max_input_age_s)
-    return Embodied(source, body, max_input_age_s)
+    return changed(source, partial(with_body, body=body, max_input_age_s=max_input_age_s))
 
 
 def with_body(world: World, body: BodySpec | None, max_input_age_s: float) -> World:

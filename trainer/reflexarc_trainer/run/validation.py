@@ -60,7 +60,8 @@ class GreedyDriver:
         """Sense, decide and act for a number of world steps."""
         for _ in range(steps):
             self._simulation.sense()
-            self._simulation.step(self._pilot.act(self._simulation.stacks))
+            met = self._simulation.step(self._pilot.act(self._simulation.stacks))
+            self._pilot.begin_anew(met)
 
 
 def validate(network: QNetwork, config: TrainConfig) -> float:

@@ -22,7 +22,7 @@ def agent_of(contender: Contender, source: str, content: str) -> Agent:
     """
     contract = contender.contract
     provenance = contract.provenance
-    is_trained = bool(provenance.config_hash)
+    is_trained = _learned_from(provenance) is not None
     return Agent(
         name=contender.name,
         source=source,
@@ -37,6 +37,12 @@ def agent_of(contender: Contender, source: str, content: str) -> Agent:
         tuned=_tuned(provenance, contender.policy),
         group=group_of(provenance) if is_trained else "",
     )
+
+
+def _learned_from(provenance: Provenance) -> Any:
+    """How many transitions it learned from; None for what was not learned."""
+    config = provenance.config
+    return config.get("steps", config.get("decisions"))
 
 
 def group_of(provenance: Provenance) -> str:
@@ -61,8 +67,8 @@ def _motion(contract: PolicyContract, is_guarded: bool) -> str:
 
 
 def _tuned(provenance: Provenance, policy: Any) -> str:
-    if provenance.config_hash:
-        steps = provenance.config.get("steps", "?")
+    steps = _learned_from(provenance)
+    if steps is not None:
         return f"trained: {provenance.preset}, {steps} steps, seed {provenance.seed}"
     origin = getattr(policy, "ORIGIN", None)
     return f"{origin.fidelity}: {origin.source}" if origin is not None else ""

@@ -6,13 +6,15 @@ on the reference field. Speeds, eye, hold and margin are the contract's in both.
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import StrEnum
+from functools import partial
 
 from reflexarc_runtime.contract.body_spec import BodySpec
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.errors import UsageError
 from reflexarc_sim_bridge.evaluation.protocol.contender import Contender
+from reflexarc_sim_bridge.worlds.changed import changed
 from reflexarc_sim_bridge.worlds.layers import WHITE, Corridor, Layer, Scatter
 from reflexarc_sim_bridge.worlds.world import World, WorldSource
 
@@ -37,46 +39,6 @@ class Setting(StrEnum):
         return named if self is Setting.ROBOT else None
 
 
-@dataclass(frozen=True)
-class WorldsFor:
-    """The worlds of a cell as one contender drives through them."""
-
-    source: WorldSource
-    rate_hz: float
-    body: BodySpec | None
-    sees_ranges: bool
-
-    @property
-    def name(self) -> str:
-        """See `WorldSource.name`."""
-        return self.source.name
-
-    @property
-    def description(self) -> str:
-        """See `WorldSource.description`."""
-        return self.source.description
-
-    @property
-    def blind_contacts_per_100m(self) -> float | None:
-        """See `WorldSource.blind_contacts_per_100m`: unknown, as for every family."""
-        return None
-
-    @property
-    def fullest(self) -> tuple[World, ...]:
-        """See `WorldSource.fullest`."""
-        return tuple(map(self._as_driven, self.source.fullest))
-
-    def drawn(self, seed: int) -> World:
-        """See `WorldSource.drawn`."""
-        return self._as_driven(self.source.drawn(seed))
-
-    def _as_driven(self, world: World) -> World:
-        world = replace(world, dt_s=1.0 / self.rate_hz)
-        if self.body is not None:
-            world = with_body(world, self.body)
-        return without_colours(world) if self.sees_ranges else world
-
-
 def worlds_for(source: WorldSource, contender: Contender, setting: Setting) -> WorldSource:
     """The worlds of a cell, at a contender's rate, with its body, as its senses show them.
 
@@ -87,8 +49,29 @@ def worlds_for(source: WorldSource, contender: Contender, setting: Setting) -> W
     body = setting.body(contract)
     if body is not None and body.footprint.half_width_m:
         raise UsageError(f"{contender.name}: expected a round body, got a rectangle")
-    driven = WorldsFor(source, setting.rate_hz(contract), body, contender.sees_ranges)
-    return driven.drawn(0) if isinstance(source, World) else driven
+    return as_driven(source, setting.rate_hz(contract), body, contender.sees_ranges)
+
+
+def as_driven(
+    source: WorldSource, rate_hz: float, body: BodySpec | None, sees_ranges: bool
+) -> WorldSource:
+    """Worlds at a rate, with a body, as senses show them.
+
+    Args:
+        source: the world, or family of worlds.
+        rate_hz: looks, and decisions, a second.
+        body: the body; None: each world's own.
+        sees_ranges: whether colours play no part.
+    """
+    change = partial(_as_driven, rate_hz=rate_hz, body=body, sees_ranges=sees_ranges)
+    return changed(source, change)
+
+
+def _as_driven(world: World, rate_hz: float, body: BodySpec | None, sees_ranges: bool) -> World:
+    world = replace(world, dt_s=1.0 / rate_hz)
+    if body is not None:
+        world = with_body(world, body)
+    return without_colours(world) if sees_ranges else world
 
 
 def with_body(world: World, body: BodySpec) -> World:

@@ -71,7 +71,7 @@ def test_a_check_answers_with_its_exit_status_and_a_picture(
         (["check"], "name or the file of a world"),
         (["list", "discs"], "no world"),
         (["fly"], "fly"),
-        (["show", "narnia"], "known: automaton"),
+        (["show", "narnia"], "known: askew-30, askew-60, askew-90, automaton"),
         (["check", "none.toml"], "none.toml: cannot be read"),
         (["check", "bad.toml"], "bad.toml:3: layers[0].density_per_m2: expected a number, got 'x'"),
         (["check", "discs", "--seeds", "1"], "seeds: expected 2 to"),
