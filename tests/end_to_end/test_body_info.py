@@ -5,6 +5,7 @@ import signal
 from pathlib import Path
 
 import numpy as np
+import pytest
 from foxglove_schemas_protobuf.RawImage_pb2 import RawImage
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 
@@ -47,6 +48,7 @@ def bodies(log: Log) -> list[BodyInfo | None]:
     return [decode_body(record.payload) for record in log.records("/robot0/body")]
 
 
+@pytest.mark.long
 def test_a_log_holds_the_world_that_it_was_driven_in_and_plays_it(
     policy: Path, port: int, tmp_path: Path
 ):

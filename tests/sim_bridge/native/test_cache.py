@@ -302,6 +302,7 @@ print(*sorted(set(compiled)))
 """
 
 
+@pytest.mark.long
 def test_what_one_process_compiled_no_other_compiles_again(tmp_path: Path):
     """Of all kinds of layers, whose modules are imported when a world needs them, and learners."""
     cache = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
