@@ -19,9 +19,12 @@ from reflexarc_sim_bridge.evaluation.protocol.results import Agent, Results
 from reflexarc_sim_bridge.evaluation.protocol.setting import Setting
 from reflexarc_sim_bridge.evaluation.scoring.score_card import ScoreCard
 from reflexarc_sim_bridge.evaluation.scoring.suite_scores import score_cards
+from reflexarc_trainer.config.presets import PRESETS
 
 PAGE = Path(__file__).parent / "standing.md"
 PICTURE = "figures/suite.png"
+COLOURS = "appearance"
+"""The family whose worlds differ in colours alone."""
 
 
 def main(path: Path) -> None:
@@ -40,7 +43,7 @@ def _page(results: Results, cards: Sequence[ScoreCard]) -> str:
     parts = [_introduction(results)]
     for setting in settings:
         chosen = [card for card in cards if card.setting == setting]
-        parts += [_standings(results, chosen, setting), _families(chosen)]
+        parts += [_standings(results, chosen, setting), _answer(chosen), _families(chosen)]
     return "\n".join(parts)
 
 
@@ -74,6 +77,27 @@ def _standings(results: Results, cards: Sequence[ScoreCard], setting: Setting) -
             f"| {contacts} | {figures['switches_per_s']:.2f} | {area} | {_eye(own)} | {own.tuned} |"
         )
     return "\n".join(lines) + "\n"
+
+
+def _answer(cards: Sequence[ScoreCard]) -> str:
+    """Who is first, where our best preset stands, and both without what ranges need not fear."""
+    names = [_short(card) for card in cards]
+    ours = next((c for c in cards if _short(c).split("@")[0].rpartition("-")[0] in PRESETS), None)
+    ours = ours or next((c for c in cards if _short(c).split("@")[0] in PRESETS), None)
+    if ours is None:
+        return ""
+    first, place = cards[0], names.index(_short(ours)) + 1
+    return (
+        f"First is `{names[0]}`; the best of our presets is `{_short(ours)}`, in place {place} of "
+        f"{len(cards)}. Who sees ranges sees no colours, so that `{COLOURS}` asks nothing of it: "
+        f"without that family they have {_without(first):.3f} and {_without(ours):.3f}.\n"
+    )
+
+
+def _without(card: ScoreCard) -> float:
+    """Mean over the other families."""
+    scores = [each.value for name, each in card.families.items() if name != COLOURS]
+    return sum(scores) / len(scores)
 
 
 def _families(cards: Sequence[ScoreCard]) -> str:
