@@ -53,7 +53,7 @@ class DecisionEndedError(BaseException):
     """
 
 
-def first_line(error: Exception) -> str:
+def first_line(error: BaseException) -> str:
     """What another library's error says, at most one line of 200 characters.
 
     Args:

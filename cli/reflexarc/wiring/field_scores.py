@@ -8,6 +8,7 @@ from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_sim_bridge.evaluation.driving.drive import drive
 from reflexarc_sim_bridge.evaluation.metrics.sums import Sums, sums_of
 from reflexarc_sim_bridge.evaluation.protocol.contender import BLIND, Contender, contender_of
+from reflexarc_sim_bridge.evaluation.protocol.foreign_code import foreign_code
 from reflexarc_sim_bridge.evaluation.protocol.results import row_of
 from reflexarc_sim_bridge.evaluation.protocol.setting import Setting, as_driven
 from reflexarc_sim_bridge.evaluation.protocol.suite import Suite, SuiteCell, SuiteFamily
@@ -56,7 +57,7 @@ def field_scores(
     """Contacts of those who move sideways, after those of an agent that never steers."""
     scores = {}
     for each in [contender_of(BLIND), *contenders]:
-        with bar(each.name, plan.steps) as progress:
+        with bar(each.name, plan.steps) as progress, foreign_code(each.name):
             scores[each.name] = measure(
                 each.policy,
                 each.contract,
@@ -75,7 +76,8 @@ def distances(contenders: Sequence[Contender], plan: FieldPlan) -> dict[str, Int
     for each in contenders:
         blind = Contender(BLIND, BlindPolicy(len(each.contract.actions)), each.contract)
         for name, one in ((f"{BLIND}, as {each.name}", blind), (each.name, each)):
-            found[name] = _distance(_driven(one, plan))
+            with foreign_code(name):
+                found[name] = _distance(_driven(one, plan))
     return found
 
 

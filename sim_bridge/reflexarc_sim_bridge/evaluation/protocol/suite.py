@@ -56,6 +56,12 @@ class SuiteCell:
     perturbation: Perturbation | None = None
     """What is made worse about it."""
 
+    def __post_init__(self) -> None:
+        for name, most in (("clutter", 10.0), ("free_path_m", 1e6)):
+            value = getattr(self, name)
+            fits = value is None or 0.0 < value <= most
+            require(fits, name, f"in (0, {most:g}]", value)
+
     @cached_property
     def source(self) -> WorldSource:
         """The world, or family of worlds.

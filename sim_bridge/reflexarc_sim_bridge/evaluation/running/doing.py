@@ -4,10 +4,11 @@ from collections.abc import Callable
 from typing import Any
 
 from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_runtime.errors import ReflexarcError, UsageError, first_line
+from reflexarc_runtime.errors import UsageError
 from reflexarc_sim_bridge.evaluation.driving.drive import drive
 from reflexarc_sim_bridge.evaluation.metrics.sums import sums_of
 from reflexarc_sim_bridge.evaluation.protocol.contender import Contender
+from reflexarc_sim_bridge.evaluation.protocol.foreign_code import foreign_code
 from reflexarc_sim_bridge.evaluation.protocol.results import plain_sums
 from reflexarc_sim_bridge.evaluation.protocol.setting import Setting
 from reflexarc_sim_bridge.evaluation.protocol.suite import Suite, SuiteCell
@@ -45,10 +46,5 @@ def drive_alike(
     Raises:
         ReflexarcError: it cannot drive there, or its code raised something.
     """
-    try:
-        with same_chance():
-            return plain_sums(sums_of(drive(make(), cell, suite, setting)))
-    except ReflexarcError:
-        raise
-    except Exception as error:  # somebody else's code decides
-        raise UsageError(f"it raised {type(error).__name__}: {first_line(error)}") from error
+    with foreign_code(), same_chance():
+        return plain_sums(sums_of(drive(make(), cell, suite, setting)))

@@ -124,6 +124,22 @@ def test_what_cannot_be_is_one_line(
     assert said in complaint
 
 
+@pytest.mark.parametrize("raised", ["ValueError('no')", "SystemExit(5)"])
+def test_what_a_controller_raises_on_the_field_is_one_line(
+    raised: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    source = """
+from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
+class Broken:
+    contract = reference_contract()
+    def decide(self, retinas):
+        raise """
+    (tmp_path / "broken.py").write_text(source + raised)
+    broken = f"{tmp_path / 'broken.py'}:Broken"
+    assert main(["evaluate", "--controller", broken, "--agents", "4", "--steps", "4"]) == 2
+    assert f"broken.py:Broken raised {raised[:10]}" in capsys.readouterr().err
+
+
 def test_paths_are_shown_by_what_tells_them_apart() -> None:
     names = ["runs/a-0/policy.onnx", "runs/a-1/policy.onnx", "other.onnx", "blind"]
     assert list(short_names(names).values()) == [
