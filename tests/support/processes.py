@@ -71,16 +71,21 @@ def reflexarc(*words: object, cwd: Path | None = None) -> subprocess.CompletedPr
 
 def wait_for_records(log: Path, topic: str, count: int, patience_s: float = PATIENCE_S) -> None:
     """Wait until a recording that goes on holds so many messages of a topic on the disk."""
+    wait_until(
+        lambda: records_of(log, topic) >= count,
+        f"{count} messages of {topic} in {log.name}.partial",
+        patience_s,
+    )
+
+
+def records_of(log: Path, topic: str) -> int:
+    """How many messages of a topic a recording that goes on holds on the disk."""
     partial = log.with_name(log.name + ".partial")
-
-    def enough() -> bool:
-        try:
-            records = read_log(partial, allow_truncated=True).records(f"/robot0/{topic}")
-            return sum(1 for _ in records) >= count
-        except LogError:
-            return False  # not begun yet
-
-    wait_until(enough, f"{count} messages of {topic} in {partial.name}", patience_s)
+    try:
+        records = read_log(partial, allow_truncated=True).records(f"/robot0/{topic}")
+        return sum(1 for _ in records)
+    except LogError:
+        return 0  # not begun yet
 
 
 def wait_until(holds: Any, what: str, patience_s: float = PATIENCE_S) -> None:
