@@ -1,0 +1,5 @@
+"""Machines as they are."""
+
+from cases.case import Case
+
+CASES: tuple[Case, ...] = ()

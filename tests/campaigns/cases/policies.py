@@ -1,0 +1,5 @@
+"""Policies as exporters write them."""
+
+from cases.case import Case
+
+CASES: tuple[Case, ...] = ()
