@@ -24,6 +24,7 @@ from reflexarc.commands.learn.export import ExportCommand
 from reflexarc.commands.learn.study import StudyCommand
 from reflexarc.commands.learn.train import TrainCommand
 from reflexarc.commands.remember.cut import CutCommand
+from reflexarc.commands.remember.diff import DiffCommand
 from reflexarc.commands.remember.import_log import ImportCommand
 from reflexarc.commands.remember.info import InfoCommand
 from reflexarc.commands.remember.play import PlayCommand
@@ -69,6 +70,7 @@ GROUPS: dict[str, tuple[type[CliCommand], ...]] = {
         RenderCommand,
         ImportCommand,
         CutCommand,
+        DiffCommand,
         RecoverCommand,
         InfoCommand,
     ),

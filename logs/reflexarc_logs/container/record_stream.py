@@ -14,7 +14,7 @@ from typing import IO, BinaryIO, cast
 import zstandard
 from mcap.exceptions import EndOfFile, InvalidMagic, McapError
 from mcap.records import Chunk, Footer, McapRecord
-from mcap.stream_reader import StreamReader, breakup_chunk
+from mcap.stream_reader import StreamReader, breakup_chunk, get_chunk_data_stream
 
 MAX_RECORD_BYTES = 320 << 20
 """The largest record is the attachment of a policy (at most 256 MiB)."""
@@ -92,6 +92,20 @@ def unpack(chunk: Chunk) -> list[McapRecord]:
     _check_chunk(chunk)
     try:
         return breakup_chunk(chunk, validate_crc=True)
+    except _DAMAGE as error:
+        raise DamagedError(f"a chunk: {_reason(error)}") from None
+
+
+def chunk_content(chunk: Chunk) -> bytes:
+    """A chunk, unpacked.
+
+    Raises:
+        DamagedError: it does not unpack, is too large, or its CRC does not fit.
+    """
+    _check_chunk(chunk)
+    try:
+        stream, length = get_chunk_data_stream(chunk, validate_crc=True)
+        return stream.read(length)
     except _DAMAGE as error:
         raise DamagedError(f"a chunk: {_reason(error)}") from None
 

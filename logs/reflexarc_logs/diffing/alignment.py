@@ -1,0 +1,119 @@
+"""Which message of one stream belongs to which of the other.
+
+By their sequence numbers, if these tell messages apart on both sides: a message that is missing
+then shifts nothing. Else by when they were sent, if many were sent at the same moment on both
+sides, as in two logs of one drive. Else in their order.
+"""
+
+from collections import deque
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+from reflexarc_logs.diffing.diff_rules import Alignment
+from reflexarc_logs.diffing.message_file import StreamMessage
+
+Key: TypeAlias = Callable[[StreamMessage], int]
+
+_SAMPLE = 1000
+"""So many times of sending are looked at to see whether both sides have the same."""
+
+
+@dataclass
+class Census:
+    """What one reading of a stream says of its messages."""
+
+    count: int = 0
+    first: int = -1
+    last: int = -1
+    sequences_tell: bool = True
+    """Whether every sequence number is greater than the one before."""
+    times_tell: bool = True
+    """Whether every message was sent after the one before."""
+    last_sent_ns: int = -1
+    sent_ns: set[int] = field(default_factory=set)
+    """When the first ones were sent."""
+
+    def add(self, message: StreamMessage) -> None:
+        """Count a message."""
+        if not self.count:
+            self.first = message.sequence
+        self.sequences_tell &= message.sequence > self.last
+        self.times_tell &= message.publish_ns > self.last_sent_ns
+        self.count, self.last = self.count + 1, message.sequence
+        self.last_sent_ns = message.publish_ns
+        if len(self.sent_ns) < _SAMPLE:
+            self.sent_ns.add(message.publish_ns)
+
+
+def chosen(asked: Alignment, one: Census, other: Census) -> Alignment:
+    """By what two streams are paired; never `auto`."""
+    if asked != "auto":
+        return asked
+    overlap = one.first <= other.last and other.first <= one.last
+    if one.sequences_tell and other.sequences_tell and overlap:
+        return "sequence"
+    enough = min(len(one.sent_ns), len(other.sent_ns)) / 2
+    if one.times_tell and other.times_tell and len(one.sent_ns & other.sent_ns) >= enough:
+        return "publish-time"
+    return "order"
+
+
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """What belongs together; None: that side has nothing."""
+
+    number: int
+    """How many pairs of the stream came before it."""
+    a: StreamMessage | None
+    b: StreamMessage | None
+
+
+class Pairing:
+    """Pairs the messages of two streams as they come.
+
+    Args:
+        how: by what.
+    """
+
+    def __init__(self, how: Alignment) -> None:
+        self.how = how
+        self._key: Key | None = None
+        if how != "order":
+            self._key = _sequence if how == "sequence" else _sent_ns
+        self._waiting: tuple[deque[StreamMessage], deque[StreamMessage]] = (deque(), deque())
+        self._number = 0
+
+    def add(self, side: int, message: StreamMessage) -> Iterator[Pair]:
+        """Take a message of side 0 or 1; yields what is certain now."""
+        self._waiting[side].append(message)
+        while all(self._waiting):
+            yield self._take()
+
+    def rest(self) -> Iterator[Pair]:
+        """What has nothing to belong to, when both streams have ended."""
+        for side, waiting in enumerate(self._waiting):
+            while waiting:
+                yield self._alone(side)
+
+    def _take(self) -> Pair:
+        ours, theirs = self._waiting
+        if self._key is not None and (gap := self._key(ours[0]) - self._key(theirs[0])):
+            return self._alone(0 if gap < 0 else 1)
+        return self._pair(ours.popleft(), theirs.popleft())
+
+    def _alone(self, side: int) -> Pair:
+        message = self._waiting[side].popleft()
+        return self._pair(message, None) if side == 0 else self._pair(None, message)
+
+    def _pair(self, a: StreamMessage | None, b: StreamMessage | None) -> Pair:
+        self._number += 1
+        return Pair(self._number - 1, a, b)
+
+
+def _sequence(message: StreamMessage) -> int:
+    return message.sequence
+
+
+def _sent_ns(message: StreamMessage) -> int:
+    return message.publish_ns

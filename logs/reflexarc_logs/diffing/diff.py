@@ -1,0 +1,189 @@
+"""Compares two logs of anybody: what is missing on either side, which fields differ, how much.
+
+Both files are read twice: to count what there is, and to compare it. Messages whose bytes are equal
+are equal; only the others are decoded.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from reflexarc_logs.diffing.alignment import Census, Pair, Pairing, chosen
+from reflexarc_logs.diffing.diff_report import DiffReport, FieldDiff, FirstAt, TopicDiff, shown
+from reflexarc_logs.diffing.diff_rules import DiffRules, without_indices
+from reflexarc_logs.diffing.field_values import FieldRules, Unequal
+from reflexarc_logs.diffing.message_file import MessageFile, Stream, StreamMessage
+from reflexarc_logs.diffing.payloads import (
+    Decode,
+    UnreadableError,
+    Value,
+    decoder_of,
+    is_decoded,
+    without_fields,
+)
+
+USUAL_RULES = DiffRules()
+
+
+def diff(a: Path | str, b: Path | str, rules: DiffRules = USUAL_RULES) -> DiffReport:
+    """Compare two MCAP files by topic and field.
+
+    Args:
+        a: one file; protobuf, CDR of ROS 2 (with the extra `ros2`) and JSON are told apart by
+            fields, everything else by bytes.
+        b: the other one.
+        rules: what is passed over, and how far apart values may lie.
+
+    Raises:
+        LogError: a file is missing, damaged, or no MCAP file.
+    """
+    files = MessageFile(Path(a)), MessageFile(Path(b))
+    sides = [_count(file) for file in files]
+    topics = sorted({*sides[0], *sides[1]})
+    streams = {t: (sides[0].get(t) or sides[1][t]).stream for t in topics}
+    ignored = tuple(t for t in topics if rules.ignores(streams[t]))
+    comparisons = {
+        t: _Comparison(rules, sides[0].get(t), sides[1].get(t)) for t in topics if t not in ignored
+    }
+    totals = [sum(one.census.count for one in side.values()) for side in sides]
+    for side, message in _side_by_side(files, totals):
+        if comparison := comparisons.get(message.stream.topic):
+            comparison.add(side, message)
+    for comparison in comparisons.values():
+        comparison.end()
+    notes = [f"{f.path} is cut: what there is of it was compared" for f in files if f.was_cut]
+    found = tuple(comparison.topic for comparison in comparisons.values())
+    return DiffReport(str(a), str(b), found, ignored, tuple(notes))
+
+
+@dataclass
+class _Counted:
+    """A stream, and what its first reading says."""
+
+    stream: Stream
+    census: Census
+
+
+def _count(file: MessageFile) -> dict[str, _Counted]:
+    found: dict[str, _Counted] = {}
+    for message in file.messages():
+        counted = found.get(message.stream.topic)
+        if counted is None:
+            counted = found[message.stream.topic] = _Counted(message.stream, Census())
+        counted.census.add(message)
+    return found
+
+
+def _side_by_side(
+    files: tuple[MessageFile, MessageFile], totals: list[int]
+) -> Iterator[tuple[int, StreamMessage]]:
+    """The messages of both files in step with each other, so that few have to wait."""
+    readers = [file.messages() for file in files]
+    read = [0, 0]
+    while read[0] < totals[0] or read[1] < totals[1]:
+        side = 0 if read[0] * max(totals[1], 1) <= read[1] * max(totals[0], 1) else 1
+        if read[side] >= totals[side]:
+            side = 1 - side
+        read[side] += 1
+        yield side, next(readers[side])
+
+
+class _Comparison:
+    """One topic while it is compared."""
+
+    def __init__(self, rules: DiffRules, a: _Counted | None, b: _Counted | None) -> None:
+        self._a, self._b = a, b
+        stream = (a or b).stream  # type: ignore[union-attr]  # one of them is there
+        counts = [Census() if one is None else one.census for one in (a, b)]
+        how = chosen(rules.alignment(stream), *counts)
+        self._pairing = Pairing(how)
+        self._rules = FieldRules(rules.ignored_fields(stream), rules.tolerances(stream))
+        self._strip = without_fields(stream, self._rules.ignored.cover)
+        self.topic = TopicDiff(
+            stream.topic, stream.type_name, how, counts[0].count, counts[1].count
+        )
+
+    def add(self, side: int, message: StreamMessage) -> None:
+        """Take a message, and compare what is paired now."""
+        if self._a is None or self._b is None:
+            self._count_alone(Pair(self.topic.only_a + self.topic.only_b, *_placed(side, message)))
+            return
+        for pair in self._pairing.add(side, message):
+            self._compare(pair)
+
+    def end(self) -> None:
+        """Count what has nothing to belong to."""
+        for pair in self._pairing.rest():
+            self._compare(pair)
+        if self._a and self._b and self.topic.fields and not all(map(is_decoded, self._decoders)):
+            self.topic.notes.append("compared as bytes: its schema cannot be decoded here")
+
+    def _compare(self, pair: Pair) -> None:
+        if pair.a is None or pair.b is None:
+            self._count_alone(pair)
+            return
+        self.topic.paired += 1
+        unequal = list(self._unequal(pair.a, pair.b))
+        self.topic.identical += not unequal
+        for one in unequal:
+            self._count(one, pair.number, pair.a)
+
+    def _unequal(self, a: StreamMessage, b: StreamMessage) -> Iterator[Unequal]:
+        if self._same_schema and self._equal_bytes(a.payload, b.payload):
+            return
+        try:
+            yield from self._rules.unequal(*self._decoded(a.payload, b.payload))
+        except UnreadableError as error:
+            yield Unequal("payload", f"cannot be decoded: {error}", "")
+
+    def _equal_bytes(self, a: bytes, b: bytes) -> bool:
+        """Whether they are the same to the last bit, but for what the rules pass over."""
+        if a == b or self._strip is None:
+            return a == b
+        try:
+            return self._strip(a) == self._strip(b)
+        except UnreadableError:
+            return False
+
+    def _decoded(self, a: bytes, b: bytes) -> tuple[Value, Value]:
+        decoders = self._decoders
+        return decoders[0](a), decoders[1](b)
+
+    @cached_property
+    def _decoders(self) -> tuple[Decode, Decode]:
+        decoders = [decoder_of(one.stream) for one in (self._a, self._b) if one is not None]
+        if not all(map(is_decoded, decoders)):
+            decoders = [decoder for decoder in decoders if not is_decoded(decoder)] * 2
+        return decoders[0], decoders[1]
+
+    @cached_property
+    def _same_schema(self) -> bool:
+        """Whether equal bytes mean the same."""
+        a, b = (one.stream for one in (self._a, self._b) if one is not None)
+        return (a.type_name, a.encoding, a.schema) == (b.type_name, b.encoding, b.schema)
+
+    def _count_alone(self, pair: Pair) -> None:
+        message = pair.a or pair.b
+        assert message is not None
+        first = FirstAt(pair.number, message.sequence, message.log_ns)
+        if pair.a is not None:
+            self.topic.only_a += 1
+            self.topic.first_only_a = self.topic.first_only_a or first
+        else:
+            self.topic.only_b += 1
+            self.topic.first_only_b = self.topic.first_only_b or first
+
+    def _count(self, one: Unequal, number: int, message: StreamMessage) -> None:
+        name = without_indices(one.path)
+        found = self.topic.fields.setdefault(name, FieldDiff(name))
+        found.differences += 1
+        if (apart := one.apart) is not None:
+            found.largest = max(apart, found.largest or 0.0)
+        if found.first is None:
+            place = number, message.sequence, message.log_ns
+            found.first = FirstAt(*place, one.path, shown(one.a), shown(one.b))
+
+
+def _placed(side: int, message: StreamMessage) -> tuple[StreamMessage | None, StreamMessage | None]:
+    return (message, None) if side == 0 else (None, message)

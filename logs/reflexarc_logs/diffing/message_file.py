@@ -1,0 +1,117 @@
+"""Anybody's MCAP file as streams of messages: one for each topic, in file order."""
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+from mcap.records import Channel, Chunk, Message, Schema
+
+from reflexarc_logs.container.chunk_messages import ChunkMessage, walk
+from reflexarc_logs.container.record_stream import (
+    DamagedError,
+    NotMcapError,
+    TruncatedError,
+    chunk_content,
+    stream_records,
+)
+from reflexarc_runtime.errors import LogError
+
+
+@dataclass(frozen=True, slots=True)
+class Stream:
+    """All messages of a channel."""
+
+    topic: str
+    """As the file names it; with `#2` where another channel of the file has the topic as well."""
+    type_name: str
+    """Of the messages: "reflexarc.Tick", "sensor_msgs/msg/LaserScan"; may be empty."""
+    encoding: str
+    """Of the messages: "protobuf", "cdr", "json" or another one."""
+    schema_encoding: str
+    schema: bytes
+
+
+class StreamMessage(NamedTuple):
+    """One message of a stream; times in nanoseconds."""
+
+    stream: Stream
+    sequence: int
+    log_ns: int
+    publish_ns: int
+    payload: bytes
+
+
+class MessageFile:
+    """An MCAP file that is read as often as its streams are wanted.
+
+    Args:
+        path: the file.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.was_cut = False
+        """Whether it ended in the middle when it was last read to its end."""
+
+    def messages(self) -> Iterator[StreamMessage]:
+        """Every message, in file order.
+
+        Raises:
+            LogError: it is missing, damaged, or no MCAP file.
+        """
+        channels = _Channels()
+        try:
+            for record in self._records():
+                if isinstance(record, Schema | Channel):
+                    channels.learn(record)
+                elif (stream := channels.streams.get(record.channel_id)) is not None:
+                    yield StreamMessage(stream, *record[1:])
+                else:
+                    raise DamagedError("a message on an unknown channel")
+        except NotMcapError:
+            raise LogError(f"{self.path}: expected an MCAP file, got another kind") from None
+        except DamagedError as error:
+            raise LogError(f"{self.path}: damaged: {error}; `reflexarc recover` it") from None
+        except OSError as error:
+            raise LogError(f"{self.path}: cannot be read: {error.strerror}") from None
+
+    def _records(self) -> Iterator[ChunkMessage | Schema | Channel]:
+        try:
+            for located in stream_records(self.path):
+                record = located.record
+                if isinstance(record, Chunk):
+                    yield from walk(chunk_content(record))
+                elif isinstance(record, Message):
+                    times = record.log_time, record.publish_time
+                    yield ChunkMessage(record.channel_id, record.sequence, *times, record.data)
+                elif isinstance(record, Schema | Channel):
+                    yield record
+        except TruncatedError:
+            self.was_cut = True
+
+
+class _Channels:
+    """The streams of the channels read so far, by the channels' numbers."""
+
+    def __init__(self) -> None:
+        self.streams: dict[int, Stream] = {}
+        self._schemas: dict[int, Schema] = {}
+        self._times: Counter[str] = Counter()
+
+    def learn(self, record: Schema | Channel) -> None:
+        """Take a record; those behind the messages repeat what was said before them."""
+        if isinstance(record, Schema):
+            self._schemas.setdefault(record.id, record)
+        elif record.id not in self.streams:
+            self.streams[record.id] = self._stream(record)
+
+    def _stream(self, channel: Channel) -> Stream:
+        self._times[channel.topic] += 1
+        occurrence = self._times[channel.topic]
+        topic = channel.topic if occurrence == 1 else f"{channel.topic}#{occurrence}"
+        schema = self._schemas.get(channel.schema_id)
+        if schema is None:
+            return Stream(topic, "", channel.message_encoding, "", b"")
+        return Stream(topic, schema.name, channel.message_encoding, schema.encoding, schema.data)

@@ -1,0 +1,208 @@
+"""What a message says, field by field: protobuf, the CDR of ROS 2, and JSON.
+
+A payload becomes nested dictionaries and lists of plain values, whatever it was written in. What
+nobody here can decode is compared as bytes.
+"""
+
+import json
+from collections.abc import Callable, Iterator, Mapping
+from functools import lru_cache
+from typing import Any, TypeAlias
+
+import numpy as np
+from google.protobuf.descriptor import Descriptor, FieldDescriptor
+from google.protobuf.descriptor_pb2 import FileDescriptorSet
+from google.protobuf.descriptor_pool import DescriptorPool
+from google.protobuf.message import DecodeError
+from google.protobuf.message import Message as ProtobufMessage
+from google.protobuf.message_factory import GetMessageClass
+
+from reflexarc_logs.diffing.message_file import Stream
+
+Value: TypeAlias = Any
+"""A dictionary, a list, or a plain value."""
+Decode: TypeAlias = Callable[[bytes], Value]
+
+BYTES_FIELD = "payload"
+"""The only field of a message that cannot be decoded."""
+
+_DEEPEST = 8
+"""A type may hold itself."""
+
+
+class UnreadableError(ValueError):
+    """A payload that is not what its schema says."""
+
+
+def decoder_of(stream: Stream) -> Decode:
+    """How the payloads of a stream are decoded.
+
+    Where the extra `ros2` is missing, or the schema is malformed, they are compared as bytes.
+    """
+    kind = stream.schema_encoding or stream.encoding
+    try:
+        if kind == "protobuf":
+            return _protobuf(stream)
+        if stream.encoding == "json":
+            return _json
+        if stream.encoding == "cdr" and kind == "ros2msg":
+            return _cdr(stream)
+    except (ImportError, UnreadableError):
+        pass
+    return _as_bytes
+
+
+def is_decoded(decode: Decode) -> bool:
+    """Whether fields are told apart."""
+    return decode is not _as_bytes
+
+
+def without_fields(
+    stream: Stream, is_ignored: Callable[[str], bool]
+) -> Callable[[bytes], bytes] | None:
+    """What is left of a payload when the ignored fields are taken out of it, as bytes.
+
+    It tells most pairs that agree apart from those that have to be walked, at a tenth of the cost.
+    None: nothing can be taken out of such payloads.
+    """
+    if (stream.schema_encoding or stream.encoding) != "protobuf":
+        return None
+    try:
+        kind = _message_class(stream.schema, stream.type_name)
+    except UnreadableError:
+        return None
+    descriptor: Descriptor = kind.DESCRIPTOR  # type: ignore[assignment]  # one of two stubs
+    chains = tuple(_ignored_chains(descriptor, is_ignored, ()))
+
+    def strip(payload: bytes) -> bytes:
+        message = _parsed(kind, payload)
+        for chain in chains:
+            _clear(message, chain)
+        return message.SerializeToString(deterministic=True)
+
+    return strip if chains else None
+
+
+def _ignored_chains(
+    descriptor: Descriptor, is_ignored: Callable[[str], bool], above: tuple[str, ...]
+) -> Iterator[tuple[str, ...]]:
+    """The names that lead to each ignored field, through messages that do not repeat."""
+    for field in descriptor.fields:
+        chain = (*above, field.name)
+        if is_ignored(".".join(chain)):
+            yield chain
+        elif field.message_type is not None and field.has_presence and len(chain) < _DEEPEST:
+            yield from _ignored_chains(field.message_type, is_ignored, chain)
+
+
+def _clear(message: ProtobufMessage, chain: tuple[str, ...]) -> None:
+    for name in chain[:-1]:
+        if not message.HasField(name):
+            return
+        message = getattr(message, name)
+    message.ClearField(chain[-1])
+
+
+def _parsed(kind: type[ProtobufMessage], payload: bytes) -> ProtobufMessage:
+    try:
+        return kind.FromString(payload)
+    except DecodeError as error:
+        raise UnreadableError(str(error)) from None
+
+
+def _as_bytes(payload: bytes) -> Value:
+    return {BYTES_FIELD: payload}
+
+
+def _json(payload: bytes) -> Value:
+    try:
+        return json.loads(payload)
+    except (ValueError, RecursionError) as error:
+        raise UnreadableError(str(error)) from None
+
+
+def _protobuf(stream: Stream) -> Decode:
+    kind = _message_class(stream.schema, stream.type_name)
+
+    return lambda payload: _fields(_parsed(kind, payload))
+
+
+@lru_cache(maxsize=256)
+def _message_class(descriptors: bytes, name: str) -> type[ProtobufMessage]:
+    pool = DescriptorPool()
+    try:
+        for file in FileDescriptorSet.FromString(descriptors).file:
+            pool.Add(file)
+        return GetMessageClass(pool.FindMessageTypeByName(name))
+    except (DecodeError, TypeError, KeyError, ValueError) as error:
+        raise UnreadableError(str(error)) from None
+
+
+def _fields(message: ProtobufMessage) -> dict[str, Value]:
+    """Every field; of those that may be absent, the ones that are there."""
+    descriptor: Descriptor = message.DESCRIPTOR  # type: ignore[assignment]  # one of two stubs
+    return {
+        field.name: _value(field, getattr(message, field.name))
+        for field in descriptor.fields
+        if not field.has_presence or message.HasField(field.name)
+    }
+
+
+def _value(field: FieldDescriptor, value: Any) -> Value:
+    inner = field.message_type
+    if inner is not None and inner.GetOptions().map_entry:
+        return {str(key): _plain(value[key]) for key in sorted(value)}
+    if isinstance(value, bytes | str) or not hasattr(value, "__len__"):
+        return _plain(value)
+    return [_plain(element) for element in value]
+
+
+def _plain(value: Any) -> Value:
+    return _fields(value) if isinstance(value, ProtobufMessage) else value
+
+
+def _cdr(stream: Stream) -> Decode:
+    deserialize = _ros2_types(stream.schema, stream.type_name)
+
+    def decode(payload: bytes) -> Value:
+        try:
+            return _of_ros2(deserialize(payload))
+        except Exception as error:  # rosbags raises whatever its generated code meets
+            raise UnreadableError(str(error) or type(error).__name__) from None
+
+    return decode
+
+
+@lru_cache(maxsize=256)
+def _ros2_types(definition: bytes, name: str) -> Callable[[bytes], Any]:
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+    store = get_typestore(Stores.EMPTY)
+    try:
+        store.register(get_types_from_msg(definition.decode(), name))
+    except Exception as error:  # a definition that it cannot parse
+        raise UnreadableError(str(error)) from None
+    return lambda payload: store.deserialize_cdr(payload, name)
+
+
+def _of_ros2(value: Any) -> Value:
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, list):
+        return [_of_ros2(element) for element in value]
+    names = getattr(value, "__dataclass_fields__", None)
+    if names is None:
+        return value
+    return {name: _of_ros2(getattr(value, name)) for name in names if name != "__msgtype__"}
+
+
+def leaves(value: Value, path: str = "") -> Iterator[tuple[str, Any]]:
+    """Each plain value with its path, as `command.linear_mps` or `q_values[1]`."""
+    if isinstance(value, Mapping):
+        for name, inner in value.items():
+            yield from leaves(inner, f"{path}.{name}" if path else str(name))
+    elif isinstance(value, list):
+        for index, inner in enumerate(value):
+            yield from leaves(inner, f"{path}[{index}]")
+    else:
+        yield path, value
