@@ -60,7 +60,7 @@ def chosen(asked: Alignment, one: Census, other: Census) -> Alignment:
 
 
 @dataclass(frozen=True, slots=True)
-class Pair:
+class Matched:
     """What belongs together; None: that side has nothing."""
 
     number: int
@@ -84,31 +84,31 @@ class Pairing:
         self._waiting: tuple[deque[StreamMessage], deque[StreamMessage]] = (deque(), deque())
         self._number = 0
 
-    def add(self, side: int, message: StreamMessage) -> Iterator[Pair]:
+    def add(self, side: int, message: StreamMessage) -> Iterator[Matched]:
         """Take a message of side 0 or 1; yields what is certain now."""
         self._waiting[side].append(message)
         while all(self._waiting):
             yield self._take()
 
-    def rest(self) -> Iterator[Pair]:
+    def rest(self) -> Iterator[Matched]:
         """What has nothing to belong to, when both streams have ended."""
         for side, waiting in enumerate(self._waiting):
             while waiting:
                 yield self._alone(side)
 
-    def _take(self) -> Pair:
+    def _take(self) -> Matched:
         ours, theirs = self._waiting
         if self._key is not None and (gap := self._key(ours[0]) - self._key(theirs[0])):
             return self._alone(0 if gap < 0 else 1)
         return self._pair(ours.popleft(), theirs.popleft())
 
-    def _alone(self, side: int) -> Pair:
+    def _alone(self, side: int) -> Matched:
         message = self._waiting[side].popleft()
         return self._pair(message, None) if side == 0 else self._pair(None, message)
 
-    def _pair(self, a: StreamMessage | None, b: StreamMessage | None) -> Pair:
+    def _pair(self, a: StreamMessage | None, b: StreamMessage | None) -> Matched:
         self._number += 1
-        return Pair(self._number - 1, a, b)
+        return Matched(self._number - 1, a, b)
 
 
 def _sequence(message: StreamMessage) -> int:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from reflexarc_logs.diffing.alignment import Census, Pair, Pairing, chosen
+from reflexarc_logs.diffing.alignment import Census, Matched, Pairing, chosen
 from reflexarc_logs.diffing.diff_report import DiffReport, FieldDiff, FirstAt, TopicDiff, shown
 from reflexarc_logs.diffing.diff_rules import DiffRules, without_indices
 from reflexarc_logs.diffing.field_values import FieldRules, Unequal
@@ -107,7 +107,9 @@ class _Comparison:
     def add(self, side: int, message: StreamMessage) -> None:
         """Take a message, and compare what is paired now."""
         if self._a is None or self._b is None:
-            self._count_alone(Pair(self.topic.only_a + self.topic.only_b, *_placed(side, message)))
+            self._count_alone(
+                Matched(self.topic.only_a + self.topic.only_b, *_placed(side, message))
+            )
             return
         for pair in self._pairing.add(side, message):
             self._compare(pair)
@@ -119,7 +121,7 @@ class _Comparison:
         if self._a and self._b and self.topic.fields and not all(map(is_decoded, self._decoders)):
             self.topic.notes.append("compared as bytes: its schema cannot be decoded here")
 
-    def _compare(self, pair: Pair) -> None:
+    def _compare(self, pair: Matched) -> None:
         if pair.a is None or pair.b is None:
             self._count_alone(pair)
             return
@@ -163,7 +165,7 @@ class _Comparison:
         a, b = (one.stream for one in (self._a, self._b) if one is not None)
         return (a.type_name, a.encoding, a.schema) == (b.type_name, b.encoding, b.schema)
 
-    def _count_alone(self, pair: Pair) -> None:
+    def _count_alone(self, pair: Matched) -> None:
         message = pair.a or pair.b
         assert message is not None
         first = FirstAt(pair.number, message.sequence, message.log_ns)
