@@ -6,7 +6,6 @@ are equal; only the others are decoded.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 
 from reflexarc_logs.diffing.alignment import Census, Matched, Pairing, chosen
@@ -14,14 +13,7 @@ from reflexarc_logs.diffing.diff_report import DiffReport, FieldDiff, FirstAt, T
 from reflexarc_logs.diffing.diff_rules import DiffRules, without_indices
 from reflexarc_logs.diffing.field_values import FieldRules, Unequal
 from reflexarc_logs.diffing.message_file import MessageFile, Stream, StreamMessage
-from reflexarc_logs.diffing.payloads import (
-    Decode,
-    UnreadableError,
-    Value,
-    decoder_of,
-    is_decoded,
-    without_fields,
-)
+from reflexarc_logs.diffing.payloads import Payloads, UnreadableError
 
 USUAL_RULES = DiffRules()
 
@@ -99,7 +91,8 @@ class _Comparison:
         how = chosen(rules.alignment(stream), *counts)
         self._pairing = Pairing(how)
         self._rules = FieldRules(rules.ignored_fields(stream), rules.tolerances(stream))
-        self._strip = without_fields(stream, self._rules.ignored.cover)
+        streams = [one.stream for one in (a or b, b or a) if one is not None]
+        self._payloads = Payloads(streams[0], streams[1], self._rules.ignored.cover)
         self.topic = TopicDiff(
             stream.topic, stream.type_name, how, counts[0].count, counts[1].count
         )
@@ -118,7 +111,7 @@ class _Comparison:
         """Count what has nothing to belong to."""
         for pair in self._pairing.rest():
             self._compare(pair)
-        if self._a and self._b and self.topic.fields and not all(map(is_decoded, self._decoders)):
+        if self.topic.fields and not self._payloads.are_decoded:
             self.topic.notes.append("compared as bytes: its schema cannot be decoded here")
 
     def _compare(self, pair: Matched) -> None:
@@ -132,38 +125,12 @@ class _Comparison:
             self._count(one, pair.number, pair.a)
 
     def _unequal(self, a: StreamMessage, b: StreamMessage) -> Iterator[Unequal]:
-        if self._same_schema and self._equal_bytes(a.payload, b.payload):
+        if self._payloads.equal(a.payload, b.payload):
             return
         try:
-            yield from self._rules.unequal(*self._decoded(a.payload, b.payload))
+            yield from self._rules.counting(self._payloads.differing(a.payload, b.payload))
         except UnreadableError as error:
             yield Unequal("payload", f"cannot be decoded: {error}", "")
-
-    def _equal_bytes(self, a: bytes, b: bytes) -> bool:
-        """Whether they are the same to the last bit, but for what the rules pass over."""
-        if a == b or self._strip is None:
-            return a == b
-        try:
-            return self._strip(a) == self._strip(b)
-        except UnreadableError:
-            return False
-
-    def _decoded(self, a: bytes, b: bytes) -> tuple[Value, Value]:
-        decoders = self._decoders
-        return decoders[0](a), decoders[1](b)
-
-    @cached_property
-    def _decoders(self) -> tuple[Decode, Decode]:
-        decoders = [decoder_of(one.stream) for one in (self._a, self._b) if one is not None]
-        if not all(map(is_decoded, decoders)):
-            decoders = [decoder for decoder in decoders if not is_decoded(decoder)] * 2
-        return decoders[0], decoders[1]
-
-    @cached_property
-    def _same_schema(self) -> bool:
-        """Whether equal bytes mean the same."""
-        a, b = (one.stream for one in (self._a, self._b) if one is not None)
-        return (a.type_name, a.encoding, a.schema) == (b.type_name, b.encoding, b.schema)
 
     def _count_alone(self, pair: Matched) -> None:
         message = pair.a or pair.b

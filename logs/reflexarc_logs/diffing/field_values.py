@@ -1,14 +1,13 @@
 """The fields in which two messages differ, and by how much."""
 
+import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
 from reflexarc_logs.diffing.diff_rules import FieldPatterns, FieldTolerance
-from reflexarc_logs.diffing.payloads import Value, leaves
-
-ABSENT = "absent"
+from reflexarc_logs.diffing.plain_values import Differing
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,28 +31,20 @@ class FieldRules:
     ignored: FieldPatterns
     tolerances: tuple[FieldTolerance, ...]
 
-    def unequal(self, a: Value, b: Value) -> Iterator[Unequal]:
-        """The fields that differ and count, in A's order, then those that only B has."""
-        ours, theirs = dict(leaves(a)), dict(leaves(b))
-        for path in (*ours, *(p for p in theirs if p not in ours)):
-            one = Unequal(path, ours.get(path, ABSENT), theirs.get(path, ABSENT))
-            if not (_same(one.a, one.b) or self.ignored.cover(path) or self._tolerates(one)):
+    def counting(self, found: Iterable[Differing]) -> Iterator[Unequal]:
+        """Those of the differences that count."""
+        for one in itertools.starmap(Unequal, found):
+            if not (self.ignored.cover(one.path) or self._tolerates(one)):
                 yield one
 
     def _tolerates(self, one: Unequal) -> bool:
-        apart = one.apart
-        return apart is not None and any(
+        if not self.tolerances or (apart := one.apart) is None:
+            return False
+        return any(
             apart <= t.absolute + t.relative * abs(one.a)
             for t in self.tolerances
             if t.fields.cover(one.path)
         )
-
-
-def _same(a: Any, b: Any) -> bool:
-    """Equal, and of one kind: 1 is not true, 0.0 is not -0.0, but one NaN is another."""
-    if isinstance(a, float) and isinstance(b, float):
-        return (a == b and math.copysign(1, a) == math.copysign(1, b)) or (a != a and b != b)
-    return isinstance(a, bool) == isinstance(b, bool) and bool(a == b)
 
 
 def _apart(a: Any, b: Any) -> float | None:

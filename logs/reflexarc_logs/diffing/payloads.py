@@ -5,7 +5,7 @@ nobody here can decode is compared as bytes.
 """
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from functools import lru_cache
 from typing import Any, TypeAlias
 
@@ -18,9 +18,10 @@ from google.protobuf.message import Message as ProtobufMessage
 from google.protobuf.message_factory import GetMessageClass
 
 from reflexarc_logs.diffing.message_file import Stream
+from reflexarc_logs.diffing.plain_values import Differing, Value
+from reflexarc_logs.diffing.plain_values import differing as plain_differing
+from reflexarc_logs.diffing.protobuf_walk import differing as protobuf_differing
 
-Value: TypeAlias = Any
-"""A dictionary, a list, or a plain value."""
 Decode: TypeAlias = Callable[[bytes], Value]
 
 BYTES_FIELD = "payload"
@@ -34,43 +35,81 @@ class UnreadableError(ValueError):
     """A payload that is not what its schema says."""
 
 
+class Payloads:
+    """The payloads of a stream in two files.
+
+    Args:
+        a: the stream in one file.
+        b: in the other one; what it carries may have changed.
+        is_ignored: whether a field is passed over.
+    """
+
+    def __init__(self, a: Stream, b: Stream, is_ignored: Callable[[str], bool]) -> None:
+        self._decoders = decoder_of(a), decoder_of(b)
+        self._is_one_kind = a.type_name == b.type_name and a[2:] == b[2:]
+        self._kind = _class_of(a) if self._is_one_kind else None
+        self._strip = None if self._kind is None else _stripping(self._kind, is_ignored)
+        self.are_decoded = _as_bytes not in self._decoders
+        """Whether fields are told apart; else they are compared as bytes."""
+        if not self.are_decoded:
+            self._decoders = _as_bytes, _as_bytes
+
+    def equal(self, a: bytes, b: bytes) -> bool:
+        """Whether two payloads are the same to the last bit, but for fields that are ignored."""
+        if a == b or self._strip is None:
+            return self._is_one_kind and a == b
+        try:
+            return self._strip(a) == self._strip(b)
+        except UnreadableError:
+            return False
+
+    def differing(self, a: bytes, b: bytes) -> Iterator[Differing]:
+        """Path and both values of each field that is not the same; ignored ones, too.
+
+        Raises:
+            UnreadableError: a payload is not what its schema says.
+        """
+        if self._kind is not None:
+            yield from protobuf_differing(_parsed(self._kind, a), _parsed(self._kind, b), _plain)
+        else:
+            yield from plain_differing(self._decoders[0](a), self._decoders[1](b))
+
+
 def decoder_of(stream: Stream) -> Decode:
     """How the payloads of a stream are decoded.
 
     Where the extra `ros2` is missing, or the schema is malformed, they are compared as bytes.
     """
-    kind = stream.schema_encoding or stream.encoding
     try:
-        if kind == "protobuf":
-            return _protobuf(stream)
+        if (kind := _class_of(stream)) is not None:
+            return lambda payload: _fields(_parsed(kind, payload))
         if stream.encoding == "json":
             return _json
-        if stream.encoding == "cdr" and kind == "ros2msg":
+        if stream.encoding == "cdr" and stream.schema_encoding == "ros2msg":
             return _cdr(stream)
     except (ImportError, UnreadableError):
         pass
     return _as_bytes
 
 
-def is_decoded(decode: Decode) -> bool:
-    """Whether fields are told apart."""
-    return decode is not _as_bytes
+def _class_of(stream: Stream) -> type[ProtobufMessage] | None:
+    """The class of its messages, if they are protobuf and it says which."""
+    if (stream.schema_encoding or stream.encoding) != "protobuf":
+        return None
+    try:
+        return _message_class(stream.schema, stream.type_name)
+    except UnreadableError:
+        return None
 
 
-def without_fields(
-    stream: Stream, is_ignored: Callable[[str], bool]
+def _stripping(
+    kind: type[ProtobufMessage], is_ignored: Callable[[str], bool]
 ) -> Callable[[bytes], bytes] | None:
     """What is left of a payload when the ignored fields are taken out of it, as bytes.
 
     It tells most pairs that agree apart from those that have to be walked, at a tenth of the cost.
-    None: nothing can be taken out of such payloads.
+    None: there is nothing to take out.
     """
-    if (stream.schema_encoding or stream.encoding) != "protobuf":
-        return None
-    try:
-        kind = _message_class(stream.schema, stream.type_name)
-    except UnreadableError:
-        return None
     descriptor: Descriptor = kind.DESCRIPTOR  # type: ignore[assignment]  # one of two stubs
     chains = tuple(_ignored_chains(descriptor, is_ignored, ()))
 
@@ -121,12 +160,6 @@ def _json(payload: bytes) -> Value:
         raise UnreadableError(str(error)) from None
 
 
-def _protobuf(stream: Stream) -> Decode:
-    kind = _message_class(stream.schema, stream.type_name)
-
-    return lambda payload: _fields(_parsed(kind, payload))
-
-
 @lru_cache(maxsize=256)
 def _message_class(descriptors: bytes, name: str) -> type[ProtobufMessage]:
     pool = DescriptorPool()
@@ -152,13 +185,15 @@ def _value(field: FieldDescriptor, value: Any) -> Value:
     inner = field.message_type
     if inner is not None and inner.GetOptions().map_entry:
         return {str(key): _plain(value[key]) for key in sorted(value)}
-    if isinstance(value, bytes | str) or not hasattr(value, "__len__"):
-        return _plain(value)
-    return [_plain(element) for element in value]
+    return _plain(value)
 
 
 def _plain(value: Any) -> Value:
-    return _fields(value) if isinstance(value, ProtobufMessage) else value
+    if isinstance(value, ProtobufMessage):
+        return _fields(value)
+    if isinstance(value, bytes | str) or not hasattr(value, "__len__"):
+        return value
+    return [_plain(element) for element in value]
 
 
 def _cdr(stream: Stream) -> Decode:
@@ -194,15 +229,3 @@ def _of_ros2(value: Any) -> Value:
     if names is None:
         return value
     return {name: _of_ros2(getattr(value, name)) for name in names if name != "__msgtype__"}
-
-
-def leaves(value: Value, path: str = "") -> Iterator[tuple[str, Any]]:
-    """Each plain value with its path, as `command.linear_mps` or `q_values[1]`."""
-    if isinstance(value, Mapping):
-        for name, inner in value.items():
-            yield from leaves(inner, f"{path}.{name}" if path else str(name))
-    elif isinstance(value, list):
-        for index, inner in enumerate(value):
-            yield from leaves(inner, f"{path}[{index}]")
-    else:
-        yield path, value
