@@ -26,7 +26,9 @@ from reflexarc.commands.learn.train import TrainCommand
 from reflexarc.commands.remember.cut import CutCommand
 from reflexarc.commands.remember.diff import DiffCommand
 from reflexarc.commands.remember.import_log import ImportCommand
+from reflexarc.commands.remember.incident import IncidentCommand
 from reflexarc.commands.remember.info import InfoCommand
+from reflexarc.commands.remember.mark import MarkCommand
 from reflexarc.commands.remember.play import PlayCommand
 from reflexarc.commands.remember.record import RecordCommand
 from reflexarc.commands.remember.recover import RecoverCommand
@@ -65,11 +67,13 @@ GROUPS: dict[str, tuple[type[CliCommand], ...]] = {
     ),
     "Logs": (
         RecordCommand,
+        MarkCommand,
         PlayCommand,
         ReplayCommand,
         RenderCommand,
         ImportCommand,
         CutCommand,
+        IncidentCommand,
         DiffCommand,
         RecoverCommand,
         InfoCommand,

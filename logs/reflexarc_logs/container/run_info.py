@@ -27,7 +27,9 @@ UNKNOWN_BACKEND = "unknown"
 """A listener on the bus cannot tell what computed a tick; its log is compared to the contract's
 `q_tolerance`."""
 
-RECORDERS = ("run", "record", "import")
+RECORDERS = ("run", "record", "import", "decide")
+LOOPS = ("run", "decide")
+"""Those whose log holds the loop's own inputs, in its own order."""
 
 FIRST_RULES = 1
 _RENAMED = {"seed": "policy_seed"}
@@ -53,7 +55,8 @@ class RunInfo:
     recorded_by: str = "run"
     """`run`: the loop handed over its own inputs, in the order in which it used them. `record`:
     a listener on the bus wrote what it heard, in its own order; ticks and inputs do not pair.
-    `import`: made of a file of another system; it has no ticks."""
+    `import`: made of a file of another system; it has no ticks. `decide`: the loop ran on another
+    log's sensors."""
     rules: int = FIRST_RULES
     """Version of the controller's rules; a log that names none is of the first. The recorder fills
     it in."""

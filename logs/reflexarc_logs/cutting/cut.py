@@ -4,7 +4,7 @@ The cut is made behind a tick in file order, never by log time: what a tick used
 it, whatever its time. The keyframe at its beginning is made by replaying all that is cut off.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -24,6 +24,7 @@ from reflexarc_runtime.messages_pb2 import Tick
 from reflexarc_runtime.policy.policy import LoadedPolicy
 
 UNFINISHED = ".cutting"
+NOTHING_SAID: Mapping[str, Mapping[str, str]] = {}
 CUT = "reflexarc.cut"
 """Metadata of a part: of which log, from which tick to which."""
 
@@ -41,13 +42,19 @@ class CutReport:
     notes: tuple[str, ...] = ()
 
 
-def cut(log: Log, span: TickSpan, out: Path | str) -> CutReport:
+def cut(
+    log: Log,
+    span: TickSpan,
+    out: Path | str,
+    said: Mapping[str, Mapping[str, str]] = NOTHING_SAID,
+) -> CutReport:
     """Write the ticks of a span, and all that stands between them, to a log of its own.
 
     Args:
         log: the whole log.
         span: which ticks.
         out: the log to be; it must not exist.
+        said: metadata of the part, by name, beside what the whole says about itself.
 
     Raises:
         LogError: the log cannot be read, or `out` cannot be written.
@@ -58,7 +65,7 @@ def cut(log: Log, span: TickSpan, out: Path | str) -> CutReport:
     known = None if policy is None else state_at_tick(log, policy, span.first)
     if known is not None:
         span = replace(span, first=max(span.first, known.state.index))
-    part = _Part(log, span, LogWriter(Path(out), UNFINISHED))
+    part = _Part(log, span, LogWriter(Path(out), UNFINISHED), said)
     try:
         part.write_head(known, policy)
         part.write_ticks()
@@ -75,8 +82,11 @@ def cut(log: Log, span: TickSpan, out: Path | str) -> CutReport:
 class _Part:
     """The part while it is written."""
 
-    def __init__(self, log: Log, span: TickSpan, file: LogWriter) -> None:
+    def __init__(
+        self, log: Log, span: TickSpan, file: LogWriter, said: Mapping[str, Mapping[str, str]]
+    ) -> None:
         self.file = file
+        self._said = said
         self.ticks = 0
         self.messages = 0
         self._log = log
@@ -89,10 +99,10 @@ class _Part:
 
     def write_head(self, known: KnownState | None, policy: LoadedPolicy | None) -> None:
         """Write what the log says about itself, and what the controller knew."""
-        for name, document in self._log.metadata.items():
-            self.file.describe(name, document)
         span = {"from": str(self._span.first), "to": str(self._span.end)}
-        self.file.describe(CUT, {"of": self._log.path.name, **span})
+        said = {CUT: {"of": self._log.path.name, **span}, **self._said}
+        for name, document in {**self._log.metadata, **said}.items():
+            self.file.describe(name, document)
         for name, data in self._log.attachments.items():
             self.file.attach(name, media_type_of(name), data)
         if known is None or policy is None:

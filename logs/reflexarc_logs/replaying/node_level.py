@@ -5,6 +5,7 @@ which tick. Where the log has a keyframe, what the controller knows is compared 
 never compared.
 """
 
+from reflexarc_logs.container.run_info import LOOPS
 from reflexarc_logs.reading.reader import Log
 from reflexarc_logs.replaying.beginning import begin, keep
 from reflexarc_logs.replaying.comparison import EqualityRules, LevelResult, Tally
@@ -48,7 +49,7 @@ def why_not(log: Log) -> str:
     """What keeps a log from being replayed at level `node`; empty if nothing does."""
     if log.run.recorded_by == "import":
         return "it was imported from another system; no loop of ours decided on it"
-    if log.run.recorded_by != "run":
+    if log.run.recorded_by not in LOOPS:
         return "it was recorded by a listener, whose order is not the loop's"
     if log.dropped:
         return f"{log.dropped} records or chunks are missing in its middle"

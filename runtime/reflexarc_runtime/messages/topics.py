@@ -75,6 +75,7 @@ ARM = Topic("arm", pb.Arm, (OPERATOR,), "event", Quality.CONTROL)
 HOLD_TO_RUN = Topic("hold_to_run", pb.HoldToRun, (OPERATOR,), "20 Hz", Quality.CONTROL)
 RELEASE = Topic("release", pb.Release, (RUNTIME_NODE, OPERATOR), "event", Quality.CONTROL)
 OVERRUN = Topic("overrun", pb.Overrun, (RUNTIME_NODE,), "event", Quality.CONTROL)
+MARK = Topic("mark", Log, (OPERATOR,), "event")
 LEASE = Topic("lease", pb.Lease, (BODY_NODE,), "10 Hz", Quality.CONTROL)
 KEYFRAME = Topic("keyframe", pb.Keyframe, (RECORDER_NODE,), "1 Hz")
 REJECTED = Topic("rejected", pb.Rejected, (RECORDER_NODE,), "event")
@@ -98,6 +99,7 @@ TOPICS: tuple[Topic, ...] = (
     HOLD_TO_RUN,
     RELEASE,
     OVERRUN,
+    MARK,
     LEASE,
     KEYFRAME,
     REJECTED,

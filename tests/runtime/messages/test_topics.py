@@ -15,6 +15,7 @@ def test_the_loop_records_what_others_say_beside_its_own_input_and_output() -> N
         "arm",
         "hold_to_run",
         "release",
+        "mark",
     }
 
 
