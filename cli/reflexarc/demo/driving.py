@@ -33,7 +33,8 @@ def drive(policy: Path, log: Path, *, seconds: float, rate_hz: float, seed: int)
             _watch(runtime, seconds)
             ran = finish(runtime)
         journey = finish(body, signal.SIGINT)
-    ran.pop("recording")
+    for what in ("recording", "parts"):
+        ran.pop(what)
     return DriveResult(**ran, distance_m=journey["distance_m"], contacts=journey["contacts"])
 
 

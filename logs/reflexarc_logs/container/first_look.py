@@ -99,7 +99,9 @@ def _size(path: Path) -> int:
 
 
 def _note(found: Survey, record: McapRecord) -> None:
-    if isinstance(record, Metadata):
+    if isinstance(record, Metadata) and record.name == END:
+        found.metadata[END] = record.metadata  # said again whenever more is missing
+    elif isinstance(record, Metadata):
         found.metadata.setdefault(record.name, record.metadata)
     elif isinstance(record, Attachment) and record.name in _ATTACHMENTS:
         found.attachments.setdefault(record.name, record.data)

@@ -6,6 +6,7 @@ where 1 MiB takes 4 to 14 ms, and a chunk is what a killed recording loses.
 """
 
 import contextlib
+import errno
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -31,7 +32,8 @@ SENDER = "reflexarc.sender"
 """Metadata of a channel: the identifier of whoever sent its messages, in hexadecimal."""
 NO_METADATA: Mapping[str, str] = {}
 
-
+_CANNOT_SYNC = (errno.EINVAL, errno.ENOTSUP, errno.ENOSYS)
+"""Not every file system can be told to sync."""
 _MEDIA_TYPES = {".onnx": "application/onnx", ".json": "application/json"}
 
 
@@ -109,16 +111,35 @@ class LogWriter:
         """Hand to the system all that was added: what a killed process does not lose."""
         self._writer.flush()  # type: ignore[no-untyped-call]  # mcap has no type for it
 
+    def sync(self) -> None:
+        """Hand to the disk all that was flushed; a disk that is gone says so only then.
+
+        Raises:
+            OSError: the disk did not take it.
+        """
+        try:
+            os.fsync(self._file.fileno())
+        except OSError as error:
+            if error.errno not in _CANNOT_SYNC:
+                raise
+
+    def fileno(self) -> int:
+        """Descriptor of the open file."""
+        return self._file.fileno()
+
     def finish(self) -> None:
         """Write the index, make the file durable and give it its name."""
-        self._writer.finish()  # type: ignore[no-untyped-call]  # mcap has no type for it
-        self._file.flush()
-        with contextlib.suppress(OSError):  # not every file system can be told to sync
-            os.fsync(self._file.fileno())
-        self._file.close()
+        self.end()
         if os.path.lexists(self.path):
             raise FileExistsError(17, "appeared during the recording", str(self.path))
         self.partial.rename(self.path)
+
+    def end(self) -> None:
+        """Write the index, make the file durable and close it; it keeps the name `partial`."""
+        self._writer.finish()  # type: ignore[no-untyped-call]  # mcap has no type for it
+        self._file.flush()
+        self.sync()
+        self._file.close()
 
     def abandon(self) -> None:
         """Close the file as it is; the `.partial` stays, for `recover`."""

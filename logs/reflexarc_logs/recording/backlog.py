@@ -26,6 +26,11 @@ class Backlog:
         self.ended = False
         """Everything up to the end has been taken."""
 
+    @property
+    def waiting(self) -> int:
+        """Records that wait, about."""
+        return self._queue.qsize()
+
     def put(self, entry: Entry) -> None:
         """Add a record, or count it as dropped; from any thread, without waiting."""
         size = _size(entry)
@@ -53,11 +58,6 @@ class Backlog:
         with self._lock:
             self._bytes -= _size(entry)
         return entry
-
-    def clear(self) -> None:
-        """Forget everything that waits."""
-        while not self._queue.empty():
-            self.take(0.0)
 
 
 def _size(entry: Entry) -> int:

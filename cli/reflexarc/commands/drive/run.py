@@ -13,6 +13,7 @@ from reflexarc.terminal.output import aside, console, facts, microseconds, plain
 from reflexarc.terminal.signals import StopFlag
 from reflexarc.wiring.bus_flags import Joining
 from reflexarc.wiring.guard_flags import GuardFlags
+from reflexarc.wiring.reserve import Reserve
 from reflexarc.wiring.scan_flags import ScanFlags
 from reflexarc.wiring.sense_flags import SenseFlags
 from reflexarc.wiring.watching import Watching
@@ -21,6 +22,7 @@ from reflexarc_runtime.contract.stopping import check_speed
 from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:
+    from reflexarc.wiring.recorders import Recording
     from reflexarc.wiring.waiting import Arrival, Waiting
     from reflexarc_runtime.bus import Bus, Publisher
     from reflexarc_runtime.controller import Controller
@@ -48,6 +50,7 @@ class RunCommand:
     free by the ranges that were measured; where the input tells none, it needs a range sensor
     beside it, --guard-ranges scan, or must be left out: --no-guard. SIGINT, SIGTERM, SIGQUIT and
     SIGHUP end in a safe command and a finished log. A loop that hangs is stopped by its watchdog.
+    Exit status 1: the recording failed, or a part of it is missing; the robot drove all the same.
 
     Examples:
       reflexarc run runs/reflex-0/policy.onnx
@@ -66,7 +69,8 @@ class RunCommand:
     lockstep: bool = False
     """One tick an input, on the input's own time."""
     record: Path | None = None
-    """Record everything to this MCAP file."""
+    """Record everything to this MCAP file; after a failure it goes on in NAME.part2.mcap."""
+    reserve: tyro.conf.OmitArgPrefixes[Reserve] = field(default_factory=Reserve)
     ticks: int | None = None
     """End after so many ticks; by default, at Ctrl-C."""
     fifo: int = 0
@@ -104,8 +108,11 @@ class RunCommand:
             self.joining.bus(RUNTIME_NODE, lockstep=self.lockstep) as bus,
         ):
             summary = self._loop(bus, controller, sink, run_id, policy, stop)
-        self._tell(summary, sink.state)
-        return 0
+        from reflexarc.wiring.recorders import recording_of
+
+        recording = recording_of(sink)
+        self._tell(summary, recording)
+        return int(recording.failed)
 
     def _tried_policy(self) -> "LoadedPolicy":
         """Load the policy, after a process of its own has."""
@@ -124,6 +131,7 @@ class RunCommand:
 
     def _check_flags(self) -> None:
         self.watching.check()
+        _ = self.reserve.size_bytes
         looks_at_scans = self.input == "scan" or self.guarding.guard_ranges == "scan"
         if self.sensing.scanner != ScanFlags() and not looks_at_scans:
             raise UsageError(
@@ -279,18 +287,14 @@ class RunCommand:
             lockstep=self.lockstep,
             guard=self.guarding.settings_for(policy.contract),
             senses=self.sensing.settings,
+            reserve_bytes=self.reserve.size_bytes,
         ) as recorder:
             yield recorder
 
-    def _recorded(self, state: str) -> str:
-        """The path of a finished recording and how much was dropped; else the recorder's state."""
-        if self.record is None or not state.startswith("off"):
-            return state
-        return f"{self.record}{state.removeprefix('off')}"
-
-    def _tell(self, summary: "Summary", recording: str) -> None:
+    def _tell(self, summary: "Summary", recording: "Recording") -> None:
         if self.json:
-            print_json({**_as_dict(summary), "recording": recording})
+            said = {"recording": recording.state, "parts": recording.parts}
+            print_json({**_as_dict(summary), **said})
             return
         console.print(
             facts(
@@ -302,7 +306,7 @@ class RunCommand:
                     f"max {microseconds(summary.lateness_max_ns)}",
                     "skipped slots": summary.skipped_slots,
                     "verdicts": ", ".join(f"{k} {v}" for k, v in summary.verdicts.items()),
-                    "recording": self._recorded(recording),
+                    "recording": recording.in_words,
                 }
             )
         )

@@ -12,14 +12,13 @@ import tyro
 from reflexarc.terminal.output import aside, console, facts, print_json
 from reflexarc.terminal.signals import StopFlag
 from reflexarc.wiring.bus_flags import Joining
+from reflexarc.wiring.reserve import Reserve
 from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:
-    from reflexarc_logs.recording.recorder import Recorder
+    from reflexarc.wiring.recorders import Recording
 
 POLL_S = 0.05
-STOPPED = "stopped"
-"""The state of a recording that failed begins with this word."""
 
 
 @dataclass(frozen=True)
@@ -27,8 +26,9 @@ class RecordCommand:
     """Record every stream of a robot on the bus, until Ctrl-C.
 
     The log holds what this process heard, in its own order; it replays at level `policy`. A log
-    that replays at level `node` too is made by `reflexarc run --record`. Exit status 1: the
-    recording failed, for example on a full disk.
+    that replays at level `node` too is made by `reflexarc run --record`. A recording that fails,
+    for example on a full disk, goes on in NAME.part2.mcap once it can. Exit status 1: it failed,
+    or a part of it is missing.
 
     Examples:
       reflexarc record
@@ -39,45 +39,47 @@ class RecordCommand:
     """Where to write; runs/<date and time>.mcap by default."""
     seconds: float | None = None
     """End after so many seconds; by default, at Ctrl-C."""
+    reserve: tyro.conf.OmitArgPrefixes[Reserve] = field(default_factory=Reserve)
     joining: Joining = field(default_factory=Joining)
     json: bool = False
     """Print one JSON object at the end."""
 
     def run(self) -> int:
         """Record until the end."""
-        from reflexarc.wiring.recorders import recorder_of_bus
+        from reflexarc.wiring.recorders import recorder_of_bus, recording_of
         from reflexarc.wiring.waiting import Arrival, Waiting, Wish
         from reflexarc_runtime.messages.topics import ON_THE_BUS, RECORDER_NODE
 
         if self.seconds is not None and not 0.0 < self.seconds < math.inf:
             raise UsageError(f"--seconds: expected a positive number, got {self.seconds}")
+        reserve_bytes = self.reserve.size_bytes
         path = self.out or _default_path()
         if self.out is None:
             path.parent.mkdir(exist_ok=True)
         with StopFlag() as stop, self.joining.bus(RECORDER_NODE) as bus:
             policy = bus.fetch_policy() or b""
-            with recorder_of_bus(path, policy, self.joining.robot) as recorder:
+            with recorder_of_bus(path, policy, self.joining.robot, reserve_bytes) as recorder:
                 came = Arrival(recorder.put)
                 bus.subscribe(ON_THE_BUS, came.hear)
                 aside.print(f"reflexarc record: {path} (Ctrl-C ends it)")
                 wish = Wish("reflexarc record", "messages", f"{bus.robot}/…")
                 with Waiting(bus, wish, came):
-                    self._wait(stop, recorder)
-        self._tell(path, recorder.state)
-        return int(recorder.state.startswith(STOPPED))
+                    self._wait(stop)
+        recording = recording_of(recorder)
+        self._tell(path, recording)
+        return int(recording.failed)
 
-    def _wait(self, stop: StopFlag, recorder: "Recorder") -> None:
+    def _wait(self, stop: StopFlag) -> None:
+        """Wait for the end; a recording that stopped may go on in a new part."""
         end_s = None if self.seconds is None else time.monotonic() + self.seconds
-        while not (stop() or recorder.state.startswith(STOPPED)) and (
-            end_s is None or time.monotonic() < end_s
-        ):
+        while not stop() and (end_s is None or time.monotonic() < end_s):
             time.sleep(POLL_S)
 
-    def _tell(self, path: Path, state: str) -> None:
+    def _tell(self, path: Path, recording: "Recording") -> None:
         if self.json:
-            print_json({"log": path, "state": state})
+            print_json({"log": path, "state": recording.state, "parts": recording.parts})
         else:
-            console.print(facts({"log": path, "recording": state}))
+            console.print(facts({"log": path, "recording": recording.in_words}))
 
 
 def _default_path() -> Path:

@@ -1,0 +1,183 @@
+"""One part of a recording: a log of its own, which begins with all that a log must hold."""
+
+import json
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from reflexarc_logs.container.rejected import LogEntry
+from reflexarc_logs.container.run_info import RUN, RunInfo
+from reflexarc_logs.container.writing import (
+    CONFIG_ATTACHMENT,
+    END,
+    PARTIAL,
+    POLICY_ATTACHMENT,
+    LogWriter,
+)
+from reflexarc_logs.recording.place import NoRoomError, Place
+from reflexarc_runtime.errors import LogError
+
+PART = "reflexarc.part"
+"""Metadata of every part but the first: its number, the first one's name, why it was begun."""
+PART_OF = "of"
+MAX_PARTS = 1000
+
+_SYNC_S = 1.0
+_SYNC_SHARE = 4.0
+"""A disk that takes long to sync is left alone for so many times as long."""
+
+
+@dataclass(frozen=True)
+class Head:
+    """What every part begins with.
+
+    Args:
+        run: what the log says about the run.
+        policy: attached as `policy.onnx`; empty where none is known.
+        config: attached as `config.json`.
+    """
+
+    run: RunInfo
+    policy: bytes
+    config: Mapping[str, Any]
+
+    def write(self, file: LogWriter, part: Mapping[str, str]) -> None:
+        """Write it."""
+        file.describe(RUN, self.run.to_metadata())
+        if part:
+            file.describe(PART, part)
+        if self.policy:
+            file.attach(POLICY_ATTACHMENT, "application/onnx", self.policy)
+        document = json.dumps(self.config, indent=2, sort_keys=True).encode()
+        file.attach(CONFIG_ATTACHMENT, "application/json", document)
+        file.flush()
+
+
+class Part:
+    """A log that is being written.
+
+    Args:
+        path: its name when it is finished.
+        head: what it begins with.
+        place: where it is.
+        part: what it says of itself, if it is not the first.
+
+    Raises:
+        LogError: it exists, cannot be written, or there is no room.
+    """
+
+    def __init__(
+        self, path: Path, head: Head, place: Place, part: Mapping[str, str] | None = None
+    ) -> None:
+        self.path = path
+        self._place = place
+        self._offset_ns = head.run.wall_offset_ns
+        self._is_finished = False
+        self._said: dict[str, str] = {}
+        self._file = LogWriter(path)
+        self._sync_due_s = time.monotonic() + _SYNC_S
+        try:
+            head.write(self._file, part or {})
+            place.check_room()
+        except OSError as error:
+            self._file.discard()
+            raise LogError(f"{path}: cannot be written: {error.strerror}") from None
+        except NoRoomError as error:
+            self._file.discard()
+            raise LogError(f"{path}: {error}; make room, or see --reserve-mb") from None
+        except BaseException:  # a configuration that is not JSON is the caller's mistake
+            self._file.discard()
+            raise
+
+    @property
+    def partial(self) -> Path:
+        """Its name until it is finished."""
+        return self._file.partial
+
+    @property
+    def place_now(self) -> Path:
+        """The name that it has now."""
+        return self.path if self._is_finished else self.partial
+
+    def write(self, entry: LogEntry) -> None:
+        """Write one entry."""
+        channel = self._file.channel(f"/{entry.key}", entry.kind, entry.sender)
+        log_ns = entry.received_ns + self._offset_ns
+        self._file.add(
+            channel,
+            entry.payload,
+            sequence=entry.sequence,
+            publish_ns=log_ns if entry.sent_ns is None else entry.sent_ns,
+            log_ns=log_ns,
+        )
+
+    def keep(self, missing: Mapping[str, int]) -> str:
+        """Bring all to the disk, and look whether it is still there.
+
+        Args:
+            missing: how much is missing in its middle, by kind.
+
+        Returns:
+            What will keep it from getting its name; empty if nothing will.
+
+        Raises:
+            OSError: the disk did not take it.
+            LostPlaceError: the file is no longer where it should be.
+            NoRoomError: less is free than the reserve.
+        """
+        self.say_missing(missing)
+        self._file.flush()
+        trouble = self._place.look(self.path, self.partial, self._file.fileno())
+        if time.monotonic() >= self._sync_due_s:
+            self._sync()
+        return trouble
+
+    def say_missing(self, missing: Mapping[str, int]) -> None:
+        """Write how much is missing, if that is more than was said: the end may never come."""
+        said = {kind: str(count) for kind, count in missing.items() if count}
+        if said != self._said:
+            self._file.describe(END, said)
+            self._said = said
+
+    def finish(self, missing: Mapping[str, int]) -> None:
+        """Finish the log and give it its name.
+
+        Raises:
+            OSError: the disk did not take it, or something of that name is there.
+        """
+        self.say_missing(missing)
+        self._file.finish()
+        self._is_finished = True
+
+    def end(self) -> None:
+        """Finish the log, which keeps the name of an unfinished one.
+
+        Raises:
+            OSError: the disk did not take it.
+        """
+        self._file.end()
+
+    def abandon(self) -> None:
+        """Close it as it is, for `recover`."""
+        self._file.abandon()
+
+    def _sync(self) -> None:
+        begin_s = time.monotonic()
+        self._file.sync()
+        end_s = time.monotonic()
+        self._sync_due_s = end_s + max(_SYNC_S, _SYNC_SHARE * (end_s - begin_s))
+
+
+def next_path(first: Path, number: int) -> tuple[Path, int] | None:
+    """The name of a part, and its number: the next one that nothing has; None: there are too many.
+
+    `drive.mcap` goes on in `drive.part2.mcap`.
+    """
+    for candidate in range(number, MAX_PARTS + 1):
+        path = first.with_name(f"{first.stem}.part{candidate}{first.suffix}")
+        partial = path.with_name(path.name + PARTIAL)
+        if not (path.is_symlink() or path.exists() or partial.exists()):
+            return path, candidate
+    return None
