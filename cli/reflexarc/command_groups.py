@@ -24,6 +24,7 @@ from reflexarc.commands.learn.export import ExportCommand
 from reflexarc.commands.learn.study import StudyCommand
 from reflexarc.commands.learn.train import TrainCommand
 from reflexarc.commands.remember.cut import CutCommand
+from reflexarc.commands.remember.decide import DecideCommand
 from reflexarc.commands.remember.diff import DiffCommand
 from reflexarc.commands.remember.import_log import ImportCommand
 from reflexarc.commands.remember.incident import IncidentCommand
@@ -74,6 +75,7 @@ GROUPS: dict[str, tuple[type[CliCommand], ...]] = {
         ImportCommand,
         CutCommand,
         IncidentCommand,
+        DecideCommand,
         DiffCommand,
         RecoverCommand,
         InfoCommand,

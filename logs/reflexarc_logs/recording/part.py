@@ -163,6 +163,10 @@ class Part:
         """Close it as it is, for `recover`."""
         self._file.abandon()
 
+    def discard(self) -> None:
+        """Close it and remove it."""
+        self._file.discard()
+
     def _sync(self) -> None:
         begin_s = time.monotonic()
         self._file.sync()
