@@ -90,76 +90,67 @@ _ONLINE_LEARNER = LearnerConfig(
 _PAPERS_EYE = replace(eye_of_today(), range_m=PAPER_RANGE_M, shading=Shading.COLOUR)
 _STEPS = 1 << 19
 
-PRESETS: Mapping[str, TrainConfig] = MappingProxyType(
-    {
-        "reflex": TrainConfig(
-            preset="reflex",
-            steps=_STEPS,
-            hold_s=HOLD_S,
-            least_lead=LEAST_LEAD,
-            network=_NETWORK,
-            learner=_CALM,
-        ),
-        "lidar": TrainConfig(
-            preset="lidar",
-            steps=_STEPS,
-            worlds=(TrainingWorld("site"),),
-            rate_hz=LIDAR_RATE_HZ,
-            max_input_age_s=LIDAR_AGE_S,
-            network=_NETWORK,
-            learner=_LEARNER,
-        ),
-        "rover-lidar": TrainConfig(
-            preset="rover-lidar",
-            steps=_STEPS,
-            worlds=(TrainingWorld("site"),),
-            motion="turning",
-            forward_mps=ROVER_MPS,
-            angular_radps=TURNING_RADPS,
-            rate_hz=LIDAR_RATE_HZ,
-            max_input_age_s=SLOW_LIDAR_AGE_S,
-            recovery_inputs=SLOW_RECOVERY,
-            network=_NETWORK,
-            learner=_LEARNER,
-        ),
-        "binocular": TrainConfig(
-            preset="binocular",
-            steps=_STEPS,
-            retina=replace(eye_of_today(), rays=8, eyes=2, baseline_m=BASELINE_M),
-            hold_s=HOLD_S,
-            least_lead=LEAST_LEAD,
-            network=_NETWORK,
-            learner=_CALM,
-        ),
-        "rover": TrainConfig(
-            preset="rover",
-            steps=_STEPS,
-            worlds=(TrainingWorld("rover"),),
-            motion="turning",
-            angular_radps=TURNING_RADPS,
-            hold_s=HOLD_S,
-            least_lead=LEAST_LEAD,
-            network=_NETWORK,
-            learner=_LEARNER,
-        ),
-        "reflex-online": TrainConfig(
-            preset="reflex-online",
-            steps=1 << 20,
-            hold_s=HOLD_S,
-            least_lead=LEAST_LEAD,
-            network=_ONLINE_NETWORK,
-            learner=_ONLINE_LEARNER,
-        ),
-        "online": TrainConfig(preset="online"),
-        "paper": TrainConfig(preset="paper", retina=_PAPERS_EYE),
-        "paper-literal": TrainConfig(
-            preset="paper-literal",
-            retina=_PAPERS_EYE,
-            network=NetworkConfig(output="linear"),
-            learner=LearnerConfig(online=OnlineConfig(step="literal")),
-        ),
-    }
+_REFLEX = TrainConfig(
+    preset="reflex",
+    steps=_STEPS,
+    hold_s=HOLD_S,
+    least_lead=LEAST_LEAD,
+    network=_NETWORK,
+    learner=_CALM,
 )
+_LIDAR = TrainConfig(
+    preset="lidar",
+    steps=_STEPS,
+    worlds=(TrainingWorld("site"),),
+    rate_hz=LIDAR_RATE_HZ,
+    max_input_age_s=LIDAR_AGE_S,
+    network=_NETWORK,
+    learner=_LEARNER,
+)
+_PAPER = TrainConfig(preset="paper", retina=_PAPERS_EYE)
+
+_ALL = (
+    _REFLEX,
+    _LIDAR,
+    replace(
+        _LIDAR,
+        preset="rover-lidar",
+        motion="turning",
+        forward_mps=ROVER_MPS,
+        angular_radps=TURNING_RADPS,
+        max_input_age_s=SLOW_LIDAR_AGE_S,
+        recovery_inputs=SLOW_RECOVERY,
+    ),
+    replace(
+        _REFLEX,
+        preset="binocular",
+        retina=replace(eye_of_today(), rays=8, eyes=2, baseline_m=BASELINE_M),
+    ),
+    replace(
+        _REFLEX,
+        preset="rover",
+        worlds=(TrainingWorld("rover"),),
+        motion="turning",
+        angular_radps=TURNING_RADPS,
+        learner=_LEARNER,
+    ),
+    replace(
+        _REFLEX,
+        preset="reflex-online",
+        steps=1 << 20,
+        network=_ONLINE_NETWORK,
+        learner=_ONLINE_LEARNER,
+    ),
+    TrainConfig(preset="online"),
+    _PAPER,
+    replace(
+        _PAPER,
+        preset="paper-literal",
+        network=NetworkConfig(output="linear"),
+        learner=LearnerConfig(online=OnlineConfig(step="literal")),
+    ),
+)
+PRESETS: Mapping[str, TrainConfig] = MappingProxyType({config.preset: config for config in _ALL})
 
 HELP: Mapping[str, str] = MappingProxyType(
     {
