@@ -115,8 +115,9 @@ class Pilot:
             sound = np.isfinite(values)
             if not sound.all():
                 agents = int((~sound.all(axis=1)).sum())
-                got = f"{np.asarray(values)[~sound][0]} for {agents} of {shape[0]} agents at step {self._slot}"
-                raise UsageError(f"{name}: expected finite numbers, got {got}; a robot stops there")
+                got = f"{np.asarray(values)[~sound][0]} for {agents} of {shape[0]} agents"
+                wrong = f"{name}: expected finite numbers, got {got} at step {self._slot}"
+                raise UsageError(f"{wrong}; a robot stops there")
 
     def _choose(self, q_values: QValues, winners: Actions) -> Actions:
         """`reflexarc_runtime.choice.choose`, for all agents at once."""
