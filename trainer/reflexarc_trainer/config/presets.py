@@ -188,8 +188,8 @@ HELP: Mapping[str, str] = MappingProxyType(
         ),
         "rover": (
             "For wheels: left and right turn the body at 2 rad/s, at a uniform 1 m/s, a disc of "
-            "0.2 m with inertia in the world `rover`. Reaches about 0.6 contacts per 100 m of path "
-            "in 520,000 transitions (0.50 to 0.65, four seeds), where a blind agent has 37. It "
+            "0.2 m with inertia in the world `rover`. Reaches about 0.3 contacts per 100 m of path "
+            "in 520,000 transitions (0.21 to 0.34, four seeds), where a blind agent has 33. It "
             "keeps clear and knows no direction: on the whole it gets nowhere along x."
         ),
         "reflex-online": (
