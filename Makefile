@@ -11,7 +11,7 @@ PYTEST_WORKERS ?= 3
 export OPENBLAS_NUM_THREADS ?= 1
 export OMP_WAIT_POLICY ?= passive
 
-.PHONY: help demo test tests-alone test-long test-quick test-numba test-arm check fmt wheel golden proto clean real-input worlds studies limits standing
+.PHONY: help demo test tests-alone test-long test-quick test-numba test-arm check fmt wheel golden proto clean real-input worlds figures studies limits standing
 
 help:            ## say what there is
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/'
@@ -71,6 +71,17 @@ real-input: $(STAMP) ## a reflex on real lidar logs: DATA="intel.log.gz …" (CA
 
 worlds: $(STAMP) ## check and draw every shipped world → docs/worlds.md and its pictures
 	$(BIN)/python docs/worlds_page.py
+
+# A drive in lockstep is the same on every machine; its robot has a name that no other drive has.
+figures: $(STAMP) ## draw the pictures that need no measuring (a minute) → docs/figures/
+	$(BIN)/reflexarc train
+	$(BIN)/reflexarc sim --seed 7 --lockstep --steps 600 --robot figures & \
+		trap "kill $$! 2>/dev/null || true" EXIT; \
+		$(BIN)/reflexarc run runs/reflex-0/policy.onnx --lockstep --ticks 600 --robot figures \
+		--record runs/drive.mcap
+	$(BIN)/reflexarc render runs/drive.mcap -o docs/figures/drive.png
+	$(BIN)/reflexarc render crossing -o docs/figures/crossing.gif --policy runs/reflex-0/policy.onnx --seed 1
+	$(BIN)/python docs/environment_picture.py
 
 studies: $(STAMP) ## run every shipped study (half an hour) → docs/studies/
 	for file in trainer/reflexarc_trainer/study/shipped/*.toml; do \

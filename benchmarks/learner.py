@@ -2,7 +2,9 @@
 
     python benchmarks/learner.py               updates a second, with and without the world
     python benchmarks/learner.py --compile     compilation: at the first time, and later
-    python benchmarks/learner.py --presets     presets × seeds: contacts per 100 m on test worlds
+    python benchmarks/learner.py --presets     presets × seeds: contacts per 100 m on test worlds,
+                                               beside an agent that never steers
+    ... --presets --names rover --seeds 4      of some
     ... --json                                 the same for a program
 
 After compilation; each figure the best of several repetitions, in wall-clock seconds. The online
@@ -22,7 +24,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from reflexarc_sim_bridge.evaluation.reference_field import STEPS as FIELD_STEPS
 from reflexarc_sim_bridge.evaluation.reference_field import measure
+from reflexarc_sim_bridge.evaluation.simple_policies import BlindPolicy
 from reflexarc_sim_bridge.native.decorators import fused_free
 from reflexarc_sim_bridge.native.threads import thread_count
 from reflexarc_sim_bridge.simulation.simulation import Simulation
@@ -31,6 +35,7 @@ from reflexarc_trainer.config.presets import PRESETS
 from reflexarc_trainer.config.train_config import NetworkConfig
 from reflexarc_trainer.policy.weights import NetworkPolicy, network_of
 from reflexarc_trainer.sarsa.forms import new_learner
+from reflexarc_trainer.sarsa.learner_interface import driven_m
 from reflexarc_trainer.sarsa.online.learner import new_learning, rules_for
 from reflexarc_trainer.sarsa.online.state import LearnerState, Rules, Scratch
 from reflexarc_trainer.sarsa.online.update import learn_step
@@ -159,31 +164,48 @@ def world_rate() -> float:
     return WORLD_AGENTS * WORLD_STEPS / best_s / 1e6
 
 
-def scores(steps: int | None, seeds: int, agents: int) -> list[dict[str, Any]]:
-    """Every preset with every seed; `steps` in place of the preset's own."""
+def scores(
+    steps: int | None, seeds: int, agents: int, names: list[str] | None = None
+) -> list[dict[str, Any]]:
+    """Presets with every seed; `steps` in place of the preset's own."""
     return [
-        score(dataclasses.replace(config, seed=seed, steps=steps or config.steps), agents)
-        for config in PRESETS.values()
+        score(
+            dataclasses.replace(PRESETS[name], seed=seed, steps=steps or PRESETS[name].steps),
+            agents,
+        )
+        for name in names or PRESETS
         for seed in range(seeds)
     ]
 
 
 def score(config: Any, agents: int) -> dict[str, Any]:
-    """One run: how long it learned, and what it makes on test worlds."""
+    """One run: how long it learned, and what it makes on test worlds, beside a blind agent.
+
+    Presets for the reference field are measured there, others in the world that they are meant
+    for, those that turn per metre of their path.
+    """
     learner = new_learner(config)
     start_s = time.perf_counter()
     learner.run(config.steps)
     seconds = time.perf_counter() - start_s
-    field = measure(NetworkPolicy(network_of(learner)), config.contract(), agents=agents)
+    policy = NetworkPolicy(network_of(learner))
+    rate, blind = (in_world(config, who, agents) for who in (policy, BlindPolicy()))
     return {
         "preset": config.preset,
         "seed": config.seed,
         "steps": learner.step,
         "seconds": round(seconds, 2),
-        "contacts_per_100m": round(field.contacts_per_100m, 2),
-        "low": round(field.low, 2),
-        "high": round(field.high, 2),
+        "contacts_per_100m": round(rate, 2),
+        "blind": round(blind, 2),
     }
+
+
+def in_world(config: Any, policy: Any, agents: int) -> float:
+    """Contacts per 100 m of progress along x; of bodies that turn, of the path."""
+    world = config.goal_world
+    field = measure(policy, config.contract(), agents=agents, world=world)
+    driven = driven_m(config, world.drawn(0).dt_s, agents * FIELD_STEPS, field.distance_m)
+    return 100.0 * field.contacts / driven
 
 
 def show(rows: list[dict[str, Any]]) -> None:
@@ -208,13 +230,14 @@ def main() -> None:
     parser.add_argument("--compile", action="store_true")
     parser.add_argument("--steps", type=int, help="of training, in place of the preset's own")
     parser.add_argument("--seeds", type=int, default=3)
+    parser.add_argument("--names", nargs="+", choices=list(PRESETS), help="of presets; else all")
     parser.add_argument("--agents", type=int, default=4096, help="of the measurement")
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
     if min(options.seeds, options.agents, options.steps or 1) < 1:
         parser.error("expected --seeds, --agents and --steps of 1 or more")
     if options.presets:
-        rows = scores(options.steps, options.seeds, options.agents)
+        rows = scores(options.steps, options.seeds, options.agents, options.names)
     else:
         rows = compilation() if options.compile else speeds()
     print(json.dumps(rows, indent=2)) if options.json else show(rows)

@@ -15,12 +15,10 @@ from typing import ClassVar
 
 import numpy as np
 
+from reflexarc_baselines.anchors.gap_follower import GapFollower
 from reflexarc_baselines.baseline import Fidelity, Floats, Origin, Sees, Span
-from reflexarc_baselines.rays import bearings_rad, distances_m
-from reflexarc_baselines.steering import steer
-from reflexarc_runtime.arrays import Actions, Mask, QValues, RetinaBatch
-from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
+from reflexarc_baselines.rays import bearings_rad
+from reflexarc_runtime.arrays import Mask
 
 _SOURCE = "F1TENTH course, Follow the Gap, after V. Sezer, M. Gokasan 2012"
 
@@ -38,7 +36,7 @@ def longest_run(is_free: Mask) -> tuple[Floats, Floats]:
 
 
 @dataclass(frozen=True)
-class BubbleGap:
+class BubbleGap(GapFollower):
     """Heads for the middle of the longest run of rays that are free."""
 
     ORIGIN: ClassVar[Origin] = Origin(_SOURCE, Fidelity.ADAPTED, Sees.RANGES)
@@ -54,16 +52,6 @@ class BubbleGap:
     """Rays that end nearer are not free."""
     dead_band_rad: float = 0.22
     """Bearing below which it stays on its way."""
-
-    @property
-    def contract(self) -> PolicyContract:
-        """The reference field's eye and motions."""
-        return reference_contract()
-
-    def decide(self, retinas: RetinaBatch) -> tuple[QValues, Actions]:
-        """See `Policy`."""
-        rays_m = distances_m(retinas, self.contract.retina)
-        return steer(self.heading_rad(rays_m), self.dead_band_rad)
 
     def heading_rad(self, distances_m: Floats) -> Floats:
         """Bearing of the run's middle, left positive; 0 if no ray is free: (n,)."""

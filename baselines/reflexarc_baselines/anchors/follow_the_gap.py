@@ -22,12 +22,9 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
+from reflexarc_baselines.anchors.gap_follower import GapFollower
 from reflexarc_baselines.baseline import Fidelity, Floats, Origin, Sees, Span
-from reflexarc_baselines.rays import bearings_rad, distances_m
-from reflexarc_baselines.steering import steer
-from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
-from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
+from reflexarc_baselines.rays import bearings_rad
 
 _SOURCE = (
     "V. Sezer, M. Gokasan, A novel obstacle avoidance algorithm: Follow the Gap Method, "
@@ -94,7 +91,7 @@ def _widest(lefts: Floats, lefts_m: Floats, rights: Floats, rights_m: Floats) ->
 
 
 @dataclass(frozen=True)
-class FollowTheGap:
+class FollowTheGap(GapFollower):
     """Heads for the middle of the widest gap."""
 
     ORIGIN: ClassVar[Origin] = Origin(_SOURCE, Fidelity.ADAPTED, Sees.RANGES)
@@ -113,16 +110,6 @@ class FollowTheGap:
     """What is farther away is no obstacle."""
     dead_band_rad: float = 0.349
     """Heading below which it stays on its way."""
-
-    @property
-    def contract(self) -> PolicyContract:
-        """The reference field's eye and motions."""
-        return reference_contract()
-
-    def decide(self, retinas: RetinaBatch) -> tuple[QValues, Actions]:
-        """See `Policy`."""
-        rays_m = distances_m(retinas, self.contract.retina)
-        return steer(self.heading_rad(rays_m), self.dead_band_rad)
 
     def heading_rad(self, distances_m: Floats) -> Floats:
         """φ, left positive; 0 where there is no gap: (n,)."""

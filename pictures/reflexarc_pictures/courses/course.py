@@ -7,38 +7,14 @@ Frame: x ahead to the right of a picture, y to the left upwards, metres.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol, TypeAlias
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from reflexarc_pictures.log_pictures.logged_poses import Floats
 from reflexarc_runtime.contract.contract import PolicyContract
-
-Rgb: TypeAlias = tuple[float, float, float]
-"""Red, green, blue, 0 to 1."""
-
-CIRCLE_CORNERS = 36
-
-
-class Area(NamedTuple):
-    """A rectangle of the plane (m)."""
-
-    low_x_m: float
-    high_x_m: float
-    low_y_m: float
-    high_y_m: float
-
-
-@dataclass(frozen=True)
-class Silhouette:
-    """The outline of one obstacle, seen from above."""
-
-    corners_m: Floats
-    """(corners, 2)."""
-    colour: Rgb
-    wake_m: tuple[float, float] = (0.0, 0.0)
-    """How far it moved within the last second: ahead, left."""
+from reflexarc_sim_bridge.worlds.silhouettes import Area, Silhouette
 
 
 class Scenery(Protocol):
@@ -109,16 +85,3 @@ def eye_of(contract: PolicyContract, bearings_rad: Floats) -> Eye:
     """The first eye of a contract, with these rays."""
     spec = contract.retina
     return Eye(bearings_rad, spec.range_m, spec.baseline_m / 2 if spec.eyes == 2 else 0.0)
-
-
-def circle(x_m: float, y_m: float, radius_m: float) -> Floats:
-    """Corners of a disc: (corners, 2)."""
-    angles = np.linspace(0.0, 2 * np.pi, CIRCLE_CORNERS, endpoint=False)
-    return np.array([x_m, y_m]) + radius_m * np.stack([np.cos(angles), np.sin(angles)], axis=1)
-
-
-def reaches_into(corners_m: Floats, area: Area) -> bool:
-    """Whether the bounding box of some corners overlaps an area."""
-    (low_x, low_y), (high_x, high_y) = corners_m.min(axis=0), corners_m.max(axis=0)
-    beside = low_x > area.high_x_m or high_x < area.low_x_m
-    return not (beside or low_y > area.high_y_m or high_y < area.low_y_m)

@@ -16,11 +16,12 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from reflexarc_pictures.courses.canvas import Canvas
-from reflexarc_pictures.courses.course import Area, Course
+from reflexarc_pictures.courses.course import Course
 from reflexarc_pictures.courses.retina_strip import RetinaStrip
 from reflexarc_pictures.courses.top_view import TopView
 from reflexarc_pictures.log_pictures.decision_strips import INK
 from reflexarc_runtime.errors import UsageError
+from reflexarc_sim_bridge.worlds.silhouettes import Area
 
 RATE_HZ = 10.0
 WIDTH_IN, HEIGHT_IN, DPI = 6.0, 5.4, 100

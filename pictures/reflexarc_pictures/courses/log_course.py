@@ -16,15 +16,7 @@ from foxglove_schemas_protobuf.SceneEntity_pb2 import SceneEntity
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 
 from reflexarc_logs.reading.reader import Log
-from reflexarc_pictures.courses.course import (
-    Area,
-    Course,
-    Silhouette,
-    Snapshot,
-    circle,
-    eye_of,
-    reaches_into,
-)
+from reflexarc_pictures.courses.course import Course, Snapshot, eye_of
 from reflexarc_pictures.log_pictures.decision_strips import BRIGHT
 from reflexarc_pictures.log_pictures.drive import JUMP_M
 from reflexarc_pictures.log_pictures.logged_poses import Floats, poses_of
@@ -36,6 +28,7 @@ from reflexarc_runtime.messages.topics import CONTACT, SCENE, TICK
 from reflexarc_runtime.messages_pb2 import Tick
 from reflexarc_runtime.policy.policy import load_contract
 from reflexarc_runtime.sensing.ray_values import FULL_SCALE, ray_bearing_rad
+from reflexarc_sim_bridge.worlds.silhouettes import Area, Silhouette, circle, reaches_into
 
 PERIOD_S = 0.1
 

@@ -7,11 +7,12 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from reflexarc_pictures.courses.canvas import Canvas
-from reflexarc_pictures.courses.course import Area, Course
+from reflexarc_pictures.courses.course import Course
 from reflexarc_pictures.courses.retina_strip import RetinaStrip
 from reflexarc_pictures.courses.top_view import TopView
 from reflexarc_pictures.log_pictures.decision_strips import INK
 from reflexarc_pictures.log_pictures.logged_poses import Floats
+from reflexarc_sim_bridge.worlds.silhouettes import Area
 
 WIDTH_IN, DPI = 8.0, 100
 BEHIND_M, AHEAD_M, ASIDE_M = 1.5, 6.0, 4.0

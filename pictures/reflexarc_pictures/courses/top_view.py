@@ -7,10 +7,11 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 
-from reflexarc_pictures.courses.course import Area, Course, Snapshot, circle
+from reflexarc_pictures.courses.course import Course, Snapshot
 from reflexarc_pictures.log_pictures.decision_strips import INK
 from reflexarc_pictures.log_pictures.drive import CONTACT_COLOUR
 from reflexarc_pictures.log_pictures.logged_poses import Floats
+from reflexarc_sim_bridge.worlds.silhouettes import Area, circle
 
 GROUND_COLOUR = "#f5f3ee"
 AGENT_COLOUR, BODY_COLOUR, RAY_COLOUR = "#c8402f", "#7a2318", "#c8402f"

@@ -5,7 +5,6 @@ from collections.abc import Callable
 import numpy as np
 
 from reflexarc_pictures.courses.course import Course, Snapshot, eye_of
-from reflexarc_pictures.courses.world_scenery import WorldScenery
 from reflexarc_pictures.log_pictures.decision_strips import BRIGHT
 from reflexarc_pictures.log_pictures.logged_poses import Floats
 from reflexarc_sim_bridge.evaluation.cover_profile import right_side_m
@@ -13,6 +12,7 @@ from reflexarc_sim_bridge.evaluation.driving.drive import start
 from reflexarc_sim_bridge.evaluation.driving.driver import Driver
 from reflexarc_sim_bridge.evaluation.protocol.contender import Contender
 from reflexarc_sim_bridge.simulation.simulation import Simulation
+from reflexarc_sim_bridge.simulation.world_scenery import WorldScenery
 from reflexarc_sim_bridge.worlds.world import AfterContact, Edges, World, WorldSource
 
 MOST_ACROSS_M = 40.0

@@ -12,13 +12,14 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image
 
-from reflexarc_pictures.courses.course import Area, Course, Silhouette, Snapshot
+from reflexarc_pictures.courses.course import Course, Snapshot
 from reflexarc_pictures.suite_page.markup import Markup, element, joined
 from reflexarc_pictures.suite_page.moment import Moment
 from reflexarc_pictures.suite_page.page_content import PageContent
 from reflexarc_pictures.suite_page.plot import label, svg
 from reflexarc_pictures.suite_page.tables import note, section
 from reflexarc_pictures.suite_page.told import MINUS, number
+from reflexarc_sim_bridge.worlds.silhouettes import Area, Silhouette
 
 _WIDTH, _STRIP_HEIGHT, _STRIP_GAP = 560.0, 84.0, 30.0
 _HALF_M = 4.0

@@ -4,11 +4,11 @@ import numpy as np
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 
 from reflexarc_logs.reading.reader import read_log
-from reflexarc_pictures.courses.course import Area
 from reflexarc_pictures.courses.log_course import course_of
 from reflexarc_sim_bridge.body.foxglove_messages import encode_scene
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.files import WORLDS
+from reflexarc_sim_bridge.worlds.silhouettes import Area
 from support.policies import exported
 from support.recordings import CONTRACT, drive, nominal
 from support.round_room import ROOM_M, message, pose

@@ -4,7 +4,9 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
+
+import tyro
 
 from reflexarc.terminal.output import aside, console, facts, print_json
 from reflexarc.terminal.signals import StopFlag
@@ -16,9 +18,26 @@ if TYPE_CHECKING:
     from reflexarc_trainer.run.history import Row
     from reflexarc_trainer.run.train import TrainResult
 
-_BODY = ("max_input_age", "radius", "deceleration", "delay")
-_HOLDS = ("hold", "margin", "lead")
-_GIVEN_ONCE = ("steps", "worlds", "init_from", "stop_at", *_BODY, *_HOLDS)
+_FIELDS = {
+    "steps": "steps",
+    "worlds": "worlds",
+    "rays": "retina.rays",
+    "max_input_age": "max_input_age_s",
+    "radius": "body.footprint.radius_m",
+    "deceleration": "body.deceleration_mps2",
+    "delay": "body.actuation_delay_s",
+    "hold": "hold_s",
+    "margin": "margin",
+    "lead": "least_lead",
+    "stop_at": "validation.stop_at",
+}
+"""Flag → the field of the configuration that it is short for."""
+_ONLY_BY_FLAG = {"preset": "--preset", "seed": "--seed", "init_from": "--init-from"}
+"""Fields that name the run's folder, or are made of a file."""
+_GIVEN_ONCE = {"init_from": "--init-from", "settings": "--set"} | {
+    name: "--" + name.replace("_", "-") for name in _FIELDS
+}
+"""What a resumed run does not take, and its flag."""
 
 
 @dataclass(frozen=True)
@@ -38,6 +57,9 @@ class TrainCommand:
       reflexarc train --preset lidar --radius 0.3 --deceleration 1 --delay 0.2
       reflexarc train --hold 0 --margin 0 --lead 0
       reflexarc train --worlds tier-05:1 tier-15:1 tier-25:2
+      reflexarc train --rays 32
+      reflexarc train --preset online --set learner.online.alpha=0.3 --set learner.gamma=0.8
+      reflexarc train --set 'network.hidden=[64, 64]' --set retina.shading=colour
       reflexarc train --worlds forest --init-from runs/reflex-0/policy-best.onnx --steps 100000
     """
 
@@ -53,6 +75,11 @@ class TrainCommand:
     worlds: tuple[str, ...] = ()
     """Worlds to learn in, one after another, names or files; NAME:SHARE for its share of the
     steps. The policy is measured in the last."""
+    rays: int | None = None
+    """Rays of each eye; the preset's by default. The network's first layer is as wide."""
+    settings: Annotated[tuple[str, ...], tyro.conf.arg(name="set"), tyro.conf.UseAppendAction] = ()
+    """FIELD=VALUE: any field of the configuration by its dotted name, as config.json has them and
+    studies set them; several times for several. A wrong name is told the nearest."""
     max_input_age: float | None = None
     """Age in seconds up to which the policy takes inputs: it learns with a sensor that sends so
     late and so seldom. For a lidar: two of its periods and a little, or three."""
@@ -115,47 +142,37 @@ class TrainCommand:
         """
         from dataclasses import replace
 
+        from reflexarc_trainer.config.field_settings import with_settings
         from reflexarc_trainer.config.presets import preset_named
-        from reflexarc_trainer.config.training_world import parse_training_world
 
         self._check_resume()
-        config = replace(preset_named(self.preset), seed=self.seed)
-        if self.steps is not None:
-            config = replace(config, steps=self.steps)
-        if self.worlds:
-            config = replace(config, worlds=tuple(map(parse_training_world, self.worlds)))
-        validation = replace(config.validation, stop_at=self.stop_at)
-        given = {"hold_s": self.hold, "margin": self.margin, "least_lead": self.lead}
-        holds = {name: value for name, value in given.items() if value is not None}
-        config = self._with_body(replace(config, validation=validation, **holds))  # type: ignore[arg-type]  # numbers
+        config = with_settings(replace(preset_named(self.preset), seed=self.seed), self._fields())
         warning = check_speed(config.contract(), allow=self.allow_fast)
         if warning:
             aside.print(f"reflexarc train: {warning}", soft_wrap=True)
         return config
 
-    def _with_body(self, config: "TrainConfig") -> "TrainConfig":
-        """The body and the sensor that the flags name, and otherwise those of the world."""
-        from dataclasses import replace
+    def _fields(self) -> dict[str, object]:
+        """The fields that flags and `--set` name, and their values as a TOML file has them."""
+        from reflexarc_trainer.config.setting_words import parse_settings
 
-        from reflexarc_runtime.contract.body_spec import Footprint
-
-        if self.max_input_age is not None:
-            config = replace(config, max_input_age_s=self.max_input_age)
-        if self.radius is self.deceleration is self.delay is None:
-            return config
-        body = config.contract().body
-        given = {
-            "footprint": None if self.radius is None else Footprint(radius_m=self.radius),
-            "deceleration_mps2": self.deceleration,
-            "actuation_delay_s": self.delay,
-        }
-        known = {name: value for name, value in given.items() if value is not None}
-        return replace(config, body=replace(body, **known))  # type: ignore[arg-type]  # each its own
+        given = {flag: getattr(self, flag) for flag in _FIELDS}
+        by_flag = {_FIELDS[f]: v for f, v in given.items() if v is not None and v != ()}
+        try:
+            by_set = parse_settings(self.settings)
+        except UsageError as error:
+            raise UsageError(f"--set: {error}") from None
+        for name in by_set:
+            if instead := _ONLY_BY_FLAG.get(name):
+                raise UsageError(f"--set {name}: cannot be set so; use {instead}")
+            if name in by_flag:
+                flag = next(_GIVEN_ONCE[flag] for flag, field in _FIELDS.items() if field == name)
+                raise UsageError(f"--set {name}: set by {flag}, too; leave one of them out")
+        return {name: list(v) if name == "worlds" else v for name, v in by_flag.items()} | by_set
 
     def _check_resume(self) -> None:
-        for name in _GIVEN_ONCE if self.resume else ():
+        for name, flag in _GIVEN_ONCE.items() if self.resume else ():
             if getattr(self, name) not in (None, ()):
-                flag = "--" + name.replace("_", "-")
                 raise UsageError(f"{flag}: a resumed run goes on as it was begun; leave it out")
 
     def _events(self, out: Path) -> AbstractContextManager["Callable[[Row], None] | None"]:

@@ -1,7 +1,9 @@
 """Chooses the actions of many simulated agents as a robot's controller would: with holds, margins
 and memories, and behind a guard where there is one.
 
-Every look of an agent is a good and fresh input, so the verdicts of a robot do not occur here.
+Every look of an agent is a good and fresh input, so the verdicts of a robot do not occur here. One
+could: a robot whose policy computes a NaN or an infinity stops, with the verdict `POLICY_FAULT`.
+Such a policy is refused here, whatever action it names beside.
 """
 
 from typing import TYPE_CHECKING, cast
@@ -12,6 +14,7 @@ import numpy.typing as npt
 from reflexarc_runtime.arrays import Actions, Mask, QValues, RetinaBatch
 from reflexarc_runtime.choice import outweighs, slots_of
 from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.errors import UsageError
 from reflexarc_runtime.policy.golden_check import start_of
 from reflexarc_sim_bridge.evaluation.driving.crowd_guard import CrowdGuard
 from reflexarc_sim_bridge.simulation.simulation import Simulation
@@ -55,8 +58,12 @@ class Pilot:
         """What each agent does now: (agents,), of (agents, frames, eyes, rays, channels).
 
         With a guard these are rows of its contract's actions, not of the policy's.
+
+        Raises:
+            UsageError: Q-values or memories that are no finite numbers, or of another shape.
         """
         q_values, winners = self._decide(stacks)
+        self._require_sound(q_values)
         actions = self._choose(q_values, winners) if self._chooses else winners
         self.wanted = actions
         if self._guard is not None:
@@ -97,6 +104,20 @@ class Pilot:
         remembering = cast("RememberingPolicy", self._policy)
         q_values, winners, self._memories = remembering.decide(stacks, self._memories)
         return q_values, winners
+
+    def _require_sound(self, q_values: QValues) -> None:
+        """Refuse what a robot would stop for."""
+        shape = (len(self.wanted), len(self._contract.actions))
+        if np.shape(q_values) != shape:
+            raise UsageError(f"Q-values: expected the shape {shape}, got {np.shape(q_values)}")
+        memories = () if self._memories is None else (self._memories,)
+        for name, values in (("Q-values", q_values), *(("memory", each) for each in memories)):
+            sound = np.isfinite(values)
+            if not sound.all():
+                agents = int((~sound.all(axis=1)).sum())
+                got = f"{np.asarray(values)[~sound][0]} for {agents} of {shape[0]} agents"
+                wrong = f"{name}: expected finite numbers, got {got} at step {self._slot}"
+                raise UsageError(f"{wrong}; a robot stops there")
 
     def _choose(self, q_values: QValues, winners: Actions) -> Actions:
         """`reflexarc_runtime.choice.choose`, for all agents at once."""

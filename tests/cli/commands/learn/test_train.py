@@ -10,6 +10,7 @@ from reflexarc.main import main
 from reflexarc.terminal.progress import said_of, show_progress
 from reflexarc_runtime.contract.body_spec import BodySpec, Footprint
 from reflexarc_runtime.errors import ReflexarcError, UsageError
+from reflexarc_runtime.policy.policy import load_policy
 from reflexarc_trainer.config.presets import HELP, LEAST_LEAD, preset_named
 from reflexarc_trainer.config.train_config import TrainConfig
 from reflexarc_trainer.run.train import TrainingProgress
@@ -69,10 +70,12 @@ def test_a_body_that_cannot_stand_before_what_it_sees_is_refused_until_a_flag_al
         {"worlds": ("plane",)},
         {"init_from": Path("p.onnx")},
         {"stop_at": 0.0},
+        {"rays": 8},
+        {"settings": ("steps=5",)},
     ],
 )
 def test_resumed_run_takes_no_flag_that_it_was_begun_with(flags: dict[str, object]) -> None:
-    name = next(iter(flags)).replace("_", "-")
+    name = next(iter(flags)).replace("_", "-").replace("settings", "set")
     with pytest.raises(UsageError, match=f"--{name}: a resumed run goes on as it was begun"):
         configured(TrainCommand(resume=True, **flags))  # type: ignore[arg-type]  # one flag each
 
@@ -110,3 +113,30 @@ def test_holds_are_the_presets_unless_given() -> None:
     assert (given.hold_s, given.margin, given.least_lead) == (0.0, 0.2, 0.0)
     with pytest.raises(UsageError, match="hold_s: expected"):
         configured(TrainCommand(hold=-0.1))
+
+
+def test_rays_and_any_other_field_are_set(tmp_path: Path) -> None:
+    """Given several times; the run's folder says what came of it, and the policy is so wide."""
+    words = ["--preset", "online", "--rays", "7", "--steps", "200", "--out", str(tmp_path)]
+    sets = ["--set", "learner.online.alpha=0.3", "--set", "retina.shading=colour"]
+    assert main(["train", *words, *sets, "--json"]) == 0
+    config = json.loads((tmp_path / "config.json").read_text())["config"]
+    assert (config["retina"]["rays"], config["retina"]["shading"]) == (7, "colour")
+    assert config["learner"]["online"]["alpha"] == 0.3
+    policy = load_policy(tmp_path / "policy.onnx", backend="numpy")
+    assert policy.contract.retina.shape == (1, 7, 1)
+
+
+@pytest.mark.parametrize(
+    ("flags", "complaint"),
+    [
+        ({"settings": ("seed=3",)}, "--set seed: cannot be set so; use --seed"),
+        ({"settings": ("steps=3",), "steps": 4}, "--set steps: set by --steps, too"),
+        ({"settings": ("retina.rays=3",), "rays": 4}, "--set retina.rays: set by --rays, too"),
+        ({"settings": ("gamma",)}, "--set: expected FIELD=VALUE"),
+        ({"rays": 0}, "retina.rays: expected 1 to 4096, got 0"),
+    ],
+)
+def test_settings_that_say_two_things_are_refused(flags: dict[str, object], complaint: str) -> None:
+    with pytest.raises(UsageError, match=complaint):
+        configured(TrainCommand(**flags))  # type: ignore[arg-type]  # those of the case

@@ -2,11 +2,11 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from reflexarc_pictures.courses.course import Area
-from reflexarc_pictures.courses.world_scenery import WorldScenery
 from reflexarc_sim_bridge.simulation.simulation import Simulation
+from reflexarc_sim_bridge.simulation.world_scenery import WorldScenery
 from reflexarc_sim_bridge.worlds.files import WORLDS
 from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
+from reflexarc_sim_bridge.worlds.silhouettes import Area
 
 
 def corners_around(simulation: Simulation, within_m: float) -> list[npt.NDArray[np.float64]]:

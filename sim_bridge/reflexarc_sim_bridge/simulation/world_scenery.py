@@ -7,14 +7,18 @@ those of the chunks under it, after the area is shifted back by as much as the l
 import math
 from collections.abc import Iterator
 
-from reflexarc_pictures.courses.course import Area, Rgb, Silhouette, circle, reaches_into
 from reflexarc_sim_bridge.simulation.scene import Outline, outlines_of_chunk
 from reflexarc_sim_bridge.simulation.simulation import Simulation
-from reflexarc_sim_bridge.worlds.layers import CHUNK_M, Drift, Motion
+from reflexarc_sim_bridge.worlds.layers import CHUNK_M
+from reflexarc_sim_bridge.worlds.silhouettes import (
+    Area,
+    Silhouette,
+    circle,
+    moved_m,
+    on_pale_ground,
+    reaches_into,
+)
 from reflexarc_sim_bridge.worlds.world import Edges
-
-SLATE: Rgb = (0.54, 0.64, 0.74)
-"""Drawn in place of white, the colour of most obstacles, which would not show on pale ground."""
 
 
 class WorldScenery:
@@ -28,7 +32,7 @@ class WorldScenery:
         self._chunks: dict[tuple[int, int], list[Outline]] = {}
 
     def within(self, area: Area, time_s: float) -> list[Silhouette]:
-        """See `Scenery.within`."""
+        """The obstacles that reach into an area at a time of the world (s)."""
         found = []
         for number, layer in enumerate(self._world.layers):
             now, before = moved_m(layer.motion, time_s), moved_m(layer.motion, time_s - 1.0)
@@ -54,16 +58,6 @@ class WorldScenery:
         return self._chunks[i, j]
 
 
-def moved_m(motion: Motion | None, time_s: float) -> tuple[float, float]:
-    """How far a layer has moved, ahead and left; the same formula as in the compiled simulator."""
-    if motion is None:
-        return 0.0, 0.0
-    if isinstance(motion, Drift):
-        return motion.ahead_mps * time_s, motion.left_mps * time_s
-    share = math.sin(2.0 * math.pi * time_s / motion.period_s)
-    return motion.ahead_m * share, motion.left_m * share
-
-
 def _around(area: Area, way_m: tuple[float, float], reach_m: float) -> Area:
     """The area, in a layer's frame, in which obstacles have their centres if they reach into it."""
     (x_m, y_m), (low_x, high_x, low_y, high_y) = way_m, area
@@ -82,16 +76,8 @@ def _silhouettes(
     """An obstacle seen from above, or the stripes of a striped one."""
     if outline.stripes:
         pieces = [(stripe.corners_m, stripe.colour) for stripe in outline.stripes]
-        return [Silhouette(at + way_m, _on_pale_ground(rgb), wake_m) for at, rgb in pieces]
+        return [Silhouette(at + way_m, on_pale_ground(rgb), wake_m) for at, rgb in pieces]
     corners_m = outline.corners_m
     if outline.is_disc:
         corners_m = circle(outline.x_m, outline.y_m, outline.radius_m)
-    return [Silhouette(corners_m + way_m, _on_pale_ground(outline.colour), wake_m)]
-
-
-def _on_pale_ground(colour: Rgb) -> Rgb:
-    """Greys become shades of slate; other colours stay."""
-    red, green, blue = colour
-    if red == green == blue:
-        return (red * SLATE[0], green * SLATE[1], blue * SLATE[2])
-    return colour
+    return [Silhouette(corners_m + way_m, on_pale_ground(outline.colour), wake_m)]
