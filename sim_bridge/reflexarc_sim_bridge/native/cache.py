@@ -193,3 +193,9 @@ def _forget_old_states(home: Path) -> None:
         states = sorted(home.glob(f"{_PREFIX}*"), key=lambda path: path.stat().st_mtime)
         for state in states[:-KEPT_STATES]:
             shutil.rmtree(state, ignore_errors=True)
+
+
+def has_compiled() -> bool:
+    """Whether anything was kept so far."""
+    folder = cache_folder()
+    return folder is not None and next(folder.rglob("*.nbc"), None) is not None

@@ -4,8 +4,8 @@ import dataclasses
 from collections.abc import Sequence
 from pathlib import Path
 
+from reflexarc_runtime.crew.lines_file import LinesFile, read_lines
 from reflexarc_runtime.errors import UsageError
-from reflexarc_sim_bridge.crew.lines_file import LinesFile, read_lines
 from reflexarc_trainer.study.unit import Result, Unit
 
 

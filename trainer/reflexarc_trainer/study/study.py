@@ -16,9 +16,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from reflexarc_runtime.crew.crew import Crew
+from reflexarc_runtime.crew.worker_process import Failure, Task
 from reflexarc_runtime.files import write_atomically
-from reflexarc_sim_bridge.crew.crew import Crew
-from reflexarc_sim_bridge.crew.worker_process import Failure, Task
+from reflexarc_sim_bridge.native.cache import has_compiled
 from reflexarc_trainer.study.definition import Study
 from reflexarc_trainer.study.figure import draw_study
 from reflexarc_trainer.study.page import write_page
@@ -135,7 +136,7 @@ def run_study(
         there, failures = dict(todo.there), list[str]()
         progress(StudyProgress(len(there), len(todo.units), None))
         tasks = [Task(unit.hash, unit.to_plain()) for unit in todo.pending]
-        with Crew(_WORKER, tasks, jobs) as crew:
+        with Crew(_WORKER, tasks, jobs, first_alone=not has_compiled()) as crew:
             for outcome in crew.outcomes(should_stop):
                 if isinstance(outcome, Failure):
                     failures.append(_failure_words(study, outcome))

@@ -5,7 +5,8 @@ from typing import Any
 
 import torch
 
-from reflexarc_sim_bridge.crew.worker import serve
+from reflexarc_runtime.crew.worker import serve
+from reflexarc_sim_bridge.native.threads import set_thread_count
 from reflexarc_trainer.study.measuring import measure
 from reflexarc_trainer.study.unit import Unit, code_key
 
@@ -13,6 +14,7 @@ from reflexarc_trainer.study.unit import Unit, code_key
 def main() -> None:
     """Do units until the input ends."""
     torch.set_num_threads(1)
+    set_thread_count(1)  # there is one worker per processor
     serve(_do, code_key())
 
 

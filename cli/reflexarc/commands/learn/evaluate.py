@@ -99,7 +99,7 @@ class EvaluateCommand:
         return self._run_suite(entrants) if self.suite else self._run_field(entrants)
 
     def _check(self) -> None:
-        from reflexarc_sim_bridge.crew.crew import MOST_JOBS
+        from reflexarc_runtime.crew.crew import MOST_JOBS
 
         if self.agents < 1 or self.steps < 1:
             raise UsageError(f"--agents, --steps: expected ≥ 1, got {self.agents}, {self.steps}")

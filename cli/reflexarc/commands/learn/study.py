@@ -64,7 +64,7 @@ class StudyCommand:
             raise UsageError(f"study: expected {wanted}, got {self.study or 'none'}; see --list")
         if self.list:
             return self._list()
-        from reflexarc_sim_bridge.crew.crew import MOST_JOBS
+        from reflexarc_runtime.crew.crew import MOST_JOBS
         from reflexarc_trainer.study.shipped import study_named
 
         if not 0 <= self.jobs <= MOST_JOBS:

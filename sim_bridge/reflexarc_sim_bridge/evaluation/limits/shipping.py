@@ -12,16 +12,17 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.crew.crew import Crew
+from reflexarc_runtime.crew.worker_process import Failure, Task
 from reflexarc_runtime.errors import UsageError
 from reflexarc_runtime.files import write_atomically
-from reflexarc_sim_bridge.crew.crew import Crew
-from reflexarc_sim_bridge.crew.worker_process import Failure, Task
 from reflexarc_sim_bridge.evaluation.limits import kept
 from reflexarc_sim_bridge.evaluation.limits.oracle import depends_on, oracle_sums
 from reflexarc_sim_bridge.evaluation.protocol.contender import Contender
 from reflexarc_sim_bridge.evaluation.protocol.setting import Setting
 from reflexarc_sim_bridge.evaluation.protocol.suite import Suite, SuiteCell, suite_named
 from reflexarc_sim_bridge.evaluation.simple_policies import BlindPolicy
+from reflexarc_sim_bridge.native.cache import has_compiled
 from reflexarc_sim_bridge.native.threads import thread_count
 from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
 
@@ -48,7 +49,7 @@ def computed(tasks: list[Task], jobs: int) -> Iterator[tuple[str, list[float]]]:
     Raises:
         UsageError: a unit cannot be computed.
     """
-    with Crew(_WORKER, tasks, jobs) as crew:
+    with Crew(_WORKER, tasks, jobs, first_alone=not has_compiled()) as crew:
         for outcome in crew.outcomes(lambda: False):
             if isinstance(outcome, Failure):
                 raise UsageError(f"unit {outcome.task.key}: {outcome.reason}")

@@ -2,14 +2,16 @@
 
 from typing import Any
 
-from reflexarc_sim_bridge.crew.worker import serve
+from reflexarc_runtime.crew.worker import serve
 from reflexarc_sim_bridge.evaluation.limits import kept
 from reflexarc_sim_bridge.evaluation.limits.shipping import compute, units_to_ship
+from reflexarc_sim_bridge.native.threads import set_thread_count
 
 
 def main() -> None:
     """Compute units until the input ends."""
     kept.shipped_figures = dict  # type: ignore[assignment]  # what ships is not asked
+    set_thread_count(1)  # there is one worker per processor
     serve(_do, "limits")
 
 

@@ -13,9 +13,9 @@ from typing import Any, Self
 
 from reflexarc_runtime.config.fill import fill
 from reflexarc_runtime.config.source import MappingSource
+from reflexarc_runtime.crew.crew import Crew
+from reflexarc_runtime.crew.worker_process import Failure, Task
 from reflexarc_runtime.errors import UsageError
-from reflexarc_sim_bridge.crew.crew import Crew
-from reflexarc_sim_bridge.crew.worker_process import Failure, Task
 from reflexarc_sim_bridge.evaluation.driving.paired_drive import PAIRED_WORLDS, Pair, drive_pair
 from reflexarc_sim_bridge.evaluation.protocol.contender import Contender
 from reflexarc_sim_bridge.evaluation.protocol.entrant import Entrant
@@ -28,6 +28,7 @@ from reflexarc_sim_bridge.evaluation.scoring.regression import (
     judge,
     look_at,
 )
+from reflexarc_sim_bridge.native.cache import has_compiled
 
 _WORKER = "reflexarc_sim_bridge.evaluation.running.compare_worker"
 
@@ -124,7 +125,7 @@ def _done(
     """The looks at each family, by its name."""
     looks = dict[str, list[Look]]()
     progress(0, len(tasks))
-    with Crew(_WORKER, tasks, jobs) as crew:
+    with Crew(_WORKER, tasks, jobs, first_alone=not has_compiled()) as crew:
         for outcome in crew.outcomes(lambda: False):
             if isinstance(outcome, Failure):
                 raise UsageError(f"{outcome.task.key}: {outcome.reason}")

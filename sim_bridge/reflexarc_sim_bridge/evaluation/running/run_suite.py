@@ -13,10 +13,10 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from reflexarc_runtime.crew.crew import Crew
+from reflexarc_runtime.crew.lines_file import LinesFile, read_lines
+from reflexarc_runtime.crew.worker_process import Failure, Task
 from reflexarc_runtime.errors import ReflexarcError, UsageError
-from reflexarc_sim_bridge.crew.crew import Crew
-from reflexarc_sim_bridge.crew.lines_file import LinesFile, read_lines
-from reflexarc_sim_bridge.crew.worker_process import Failure, Task
 from reflexarc_sim_bridge.evaluation.driving.decision_times import DecisionTimes, decision_times
 from reflexarc_sim_bridge.evaluation.protocol.agent_facts import agent_of
 from reflexarc_sim_bridge.evaluation.protocol.contender import Contender
@@ -32,6 +32,7 @@ from reflexarc_sim_bridge.evaluation.running.plan import (
     plan_suite,
     starters_of,
 )
+from reflexarc_sim_bridge.native.cache import has_compiled
 
 ROWS = "rows.jsonl"
 BOTH = (Setting.ROBOT, Setting.FIELD)
@@ -129,7 +130,7 @@ def _do_all(
     done = total - sum(job.weight for job in pending)
     options.progress(done, total)
     tasks = [_task(job) for job in sorted(pending, key=lambda job: -job.weight)]
-    with Crew(_WORKER, tasks, options.jobs) as crew:
+    with Crew(_WORKER, tasks, options.jobs, first_alone=not has_compiled()) as crew:
         for outcome in crew.outcomes(lambda: False):
             job = wanted[outcome.task.key]
             if isinstance(outcome, Failure):

@@ -3,13 +3,15 @@
 import sys
 from typing import Any
 
-from reflexarc_sim_bridge.crew.worker import serve
+from reflexarc_runtime.crew.worker import serve
 from reflexarc_sim_bridge.evaluation.running.doing import do_unit
 from reflexarc_sim_bridge.evaluation.running.suite_unit import SuiteUnit, evaluation_code
+from reflexarc_sim_bridge.native.threads import set_thread_count
 
 
 def main() -> None:
     """Do units until the input ends."""
+    set_thread_count(1)  # there is one worker per processor
     serve(_do, evaluation_code())
 
 

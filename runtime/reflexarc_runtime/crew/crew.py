@@ -1,17 +1,14 @@
 """A crew: worker processes that do tasks, replaced when they die.
 
-A task whose worker died is given to a second worker; if that one dies too, the task has failed. If
-the compilation cache is empty, the first task is done alone, as all workers would compile the same
-code at once.
+A task whose worker died is given to a second worker; if that one dies too, the task has failed.
 """
 
 import select
 from collections import Counter, deque
 from collections.abc import Callable, Iterator, Sequence
 
+from reflexarc_runtime.crew.worker_process import Done, Failure, Task, WorkerDied, WorkerProcess
 from reflexarc_runtime.errors import UsageError
-from reflexarc_sim_bridge.crew.worker_process import Done, Failure, Task, WorkerDied, WorkerProcess
-from reflexarc_sim_bridge.native.cache import cache_folder
 
 TRIES = 2
 """Workers that may die doing a task, before it has failed."""
@@ -30,12 +27,16 @@ class Crew:
         module: what the processes run: a module that calls `worker.serve`.
         tasks: to be done, in this order.
         jobs: number of processes, 1 or more.
+        first_alone: whether the first task is done before the others are begun, as all workers
+            would compile the same code at once.
     """
 
-    def __init__(self, module: str, tasks: Sequence[Task], jobs: int) -> None:
+    def __init__(
+        self, module: str, tasks: Sequence[Task], jobs: int, *, first_alone: bool = False
+    ) -> None:
         self._module = module
         self._pending, self._tries = deque(tasks), Counter[str]()
-        self._jobs = jobs if _has_compiled() else 1
+        self._jobs = 1 if first_alone else jobs
         self._wanted_jobs = jobs
         self._workers: list[WorkerProcess] = []
         self._stillborn = 0
@@ -102,8 +103,3 @@ class Crew:
             self._pending.appendleft(task)
             return None
         return Failure(task, f"{TRIES} processes died doing it; the last ended with {reason}")
-
-
-def _has_compiled() -> bool:
-    folder = cache_folder()
-    return folder is not None and next(folder.rglob("*.nbc"), None) is not None

@@ -1,9 +1,8 @@
 """The inside of a worker process: it reads tasks, does them, and answers.
 
 Standard input has one task per line, as JSON. Standard output has first `{"ready": …}`, then for
-each task `{"result": …}`, or `{"error": "…"}` if it cannot be done. The process computes on one
-thread. It exits immediately at the end of its input, even amid its work, and so never outlives the
-process that started it.
+each task `{"result": …}`, or `{"error": "…"}` if it cannot be done. It exits immediately at the
+end of its input, even amid its work, and so never outlives the process that started it.
 """
 
 import json
@@ -16,7 +15,6 @@ from queue import SimpleQueue
 from typing import Any, TextIO
 
 from reflexarc_runtime.errors import ReflexarcError
-from reflexarc_sim_bridge.native.threads import set_thread_count
 
 Doing = Callable[[dict[str, Any]], dict[str, Any]]
 
@@ -31,7 +29,6 @@ def serve(do: Doing, ready: str) -> None:
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches it too; its parent ends it
     answers = _take_standard_output()
-    set_thread_count(1)  # there is one worker per processor
     _answer(answers, {"ready": ready})
     for line in _lines_until_the_end():
         _answer(answers, _answer_to(line, do))

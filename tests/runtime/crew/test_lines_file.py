@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
+from reflexarc_runtime.crew.lines_file import LinesFile, read_lines
 from reflexarc_runtime.errors import UsageError
-from reflexarc_sim_bridge.crew.lines_file import LinesFile, read_lines
 
 
 def test_a_line_that_was_torn_is_skipped_and_cut_off_before_the_next_one(tmp_path: Path) -> None:
