@@ -26,5 +26,5 @@ def test_it_names_whom_it_is_about(
 
 
 def test_what_the_house_itself_refuses_stays_what_it_is() -> None:
-    with pytest.raises(WorldError, match="^world: no$"), foreign_code("mine"):
+    with pytest.raises(WorldError, match=r"^world: no$"), foreign_code("mine"):
         raise WorldError("world: no")
