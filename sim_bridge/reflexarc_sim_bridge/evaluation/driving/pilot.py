@@ -14,7 +14,7 @@ import numpy.typing as npt
 from reflexarc_runtime.arrays import Actions, Mask, QValues, RetinaBatch
 from reflexarc_runtime.choice import outweighs, slots_of
 from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_runtime.errors import UsageError
+from reflexarc_runtime.errors import PolicyError
 from reflexarc_runtime.policy.golden_check import start_of
 from reflexarc_sim_bridge.evaluation.driving.crowd_guard import CrowdGuard
 from reflexarc_sim_bridge.simulation.simulation import Simulation
@@ -60,7 +60,7 @@ class Pilot:
         With a guard these are rows of its contract's actions, not of the policy's.
 
         Raises:
-            UsageError: Q-values or memories that are no finite numbers, or of another shape.
+            PolicyError: Q-values or memories that are no finite numbers, or of another shape.
         """
         q_values, winners = self._decide(stacks)
         self._require_sound(q_values)
@@ -109,7 +109,7 @@ class Pilot:
         """Refuse what a robot would stop for."""
         shape = (len(self.wanted), len(self._contract.actions))
         if np.shape(q_values) != shape:
-            raise UsageError(f"Q-values: expected the shape {shape}, got {np.shape(q_values)}")
+            raise PolicyError(f"Q-values: expected the shape {shape}, got {np.shape(q_values)}")
         memories = () if self._memories is None else (self._memories,)
         for name, values in (("Q-values", q_values), *(("memory", each) for each in memories)):
             sound = np.isfinite(values)
@@ -117,7 +117,7 @@ class Pilot:
                 agents = int((~sound.all(axis=1)).sum())
                 got = f"{np.asarray(values)[~sound][0]} for {agents} of {shape[0]} agents"
                 wrong = f"{name}: expected finite numbers, got {got} at step {self._slot}"
-                raise UsageError(f"{wrong}; a robot stops there")
+                raise PolicyError(f"{wrong}; a robot stops there")
 
     def _choose(self, q_values: QValues, winners: Actions) -> Actions:
         """`reflexarc_runtime.choice.choose`, for all agents at once."""

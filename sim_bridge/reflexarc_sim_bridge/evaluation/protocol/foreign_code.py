@@ -3,21 +3,27 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from reflexarc_runtime.errors import ReflexarcError, UsageError, first_line
+from reflexarc_runtime.errors import PolicyError, ReflexarcError, UsageError, first_line
+
+_IT = "it"
+"""Where whoever hears the complaint knows whom it is about."""
 
 
 @contextmanager
-def foreign_code(name: str = "it") -> Iterator[None]:
+def foreign_code(name: str = _IT) -> Iterator[None]:
     """A context in which a contender's own code runs.
 
     Args:
         name: how a complaint names the contender.
 
     Raises:
-        UsageError: that code raised something, or tried to end the program.
+        UsageError: that code raised something, tried to end the program, or computed what is no
+            decision.
     """
     try:
         yield
+    except PolicyError as error:
+        raise UsageError(str(error) if name == _IT else f"{name}: {error}") from error
     except ReflexarcError:
         raise
     except (Exception, SystemExit) as error:

@@ -8,7 +8,7 @@ import pytest
 from reflexarc_runtime.arrays import Actions, Memories, QValues, RetinaBatch
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.state_spec import StateSpec
-from reflexarc_runtime.errors import UsageError
+from reflexarc_runtime.errors import PolicyError
 from reflexarc_sim_bridge.evaluation.driving.pilot import Pilot
 from reflexarc_sim_bridge.evaluation.reference_field import measure
 
@@ -77,14 +77,14 @@ class Saying:
 def test_what_a_robot_stops_for_is_not_measured_as_if_it_drove(value: float) -> None:
     """The action beside it is valid; a robot's controller says POLICY_FAULT all the same."""
     said = rf"Q-values: expected finite numbers, got {value} for 1 of 2 agents at step 0"
-    with pytest.raises(UsageError, match=said):
+    with pytest.raises(PolicyError, match=said):
         Pilot(Saying(0.0, value, 0.0), PolicyContract(), 2, 0.1).act(TWO)
-    with pytest.raises(UsageError, match="for 1 of 8 agents"):
+    with pytest.raises(PolicyError, match="for 1 of 8 agents"):
         measure(Saying(value, 0.0, 0.0), PolicyContract(), agents=8, steps=2, discard=0)
 
 
 def test_another_number_of_q_values_is_refused() -> None:
-    with pytest.raises(UsageError, match=r"expected the shape \(2, 3\), got \(2, 2\)"):
+    with pytest.raises(PolicyError, match=r"expected the shape \(2, 3\), got \(2, 2\)"):
         Pilot(Saying(0.0, 0.0), PolicyContract(), 2, 0.1).act(TWO)
 
 
@@ -97,5 +97,5 @@ def test_a_memory_that_is_no_number_is_refused() -> None:
             return q_values, winners, np.full_like(memories, np.nan)
 
     pilot = Pilot(Forgetting(), replace(PolicyContract(), state=StateSpec(1)), 2, 0.1)
-    with pytest.raises(UsageError, match="memory: expected finite numbers, got nan for 2 of 2"):
+    with pytest.raises(PolicyError, match="memory: expected finite numbers, got nan for 2 of 2"):
         pilot.act(TWO)
