@@ -3,18 +3,20 @@ from rosbags.typesys import Stores, get_typestore
 
 from reflexarc_runtime.errors import UsageError
 from reflexarc_runtime.messages.wire import Stamp, pack_stamp
-from reflexarc_sim_bridge.body.ros2.key_expressions import (
-    BEST_EFFORT,
+from reflexarc_runtime.ros2.ros_types import (
     LASER_SCAN,
     ODOMETRY,
-    RELIABLE,
     TF_MESSAGE,
     TWIST,
     TWIST_STAMPED,
+    RosType,
+)
+from reflexarc_sim_bridge.body.ros2.key_expressions import (
+    BEST_EFFORT,
+    RELIABLE,
     Endpoint,
     Port,
     RosNode,
-    RosType,
     check_topic,
     dds_name,
     rmw_endpoint_token,

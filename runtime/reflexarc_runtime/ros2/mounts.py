@@ -9,7 +9,7 @@ import logging
 from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform
 from foxglove_schemas_protobuf.Pose_pb2 import Pose
 
-from reflexarc_runtime.loop.throttle import SECOND_NS
+from reflexarc_runtime.ros2.cdr import SECOND_NS
 from reflexarc_runtime.sensing.mounting import Mount, mount_of
 
 BASE = "base_link"

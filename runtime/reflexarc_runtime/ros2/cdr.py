@@ -7,7 +7,7 @@ from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, get_typestore
 
 from reflexarc_runtime.messages.wire import MAX_PAYLOAD_BYTES
-from reflexarc_sim_bridge.body.ros2.key_expressions import RosType
+from reflexarc_runtime.ros2.ros_types import RosType
 
 LITTLE_ENDIAN_CDR = b"\x00\x01"
 """First bytes of the encapsulation (DDS-XTYPES 1.3, 7.6.3.1.2); two of options follow."""
