@@ -17,6 +17,7 @@ from foxglove_schemas_protobuf.LaserScan_pb2 import LaserScan
 
 from reflexarc_runtime.messages.codec import timestamp
 from reflexarc_runtime.ros2.cdr import UnusableMessageError, read_cdr, stamp_ns
+from reflexarc_runtime.ros2.mounts import BASE
 from reflexarc_runtime.ros2.ros_types import LASER_SCAN
 from reflexarc_runtime.sensing.mounting import CENTRED, Mount, Sector, mounted, pose_of, without
 from reflexarc_runtime.sensing.range_meaning import RangeMeaning
@@ -86,11 +87,15 @@ def decode_scan(
     )
 
 
-def encode_scan(scan: RosScan) -> bytes:
-    """A scan as `foxglove.LaserScan`; intensities are left out, as no retina uses them."""
+def encode_scan(scan: RosScan, base: str = BASE) -> bytes:
+    """A scan as `foxglove.LaserScan`; intensities are left out, as no retina uses them.
+
+    Its pose is the scanner's on the robot, so its frame is the robot's own: a viewer that knew the
+    scanner's frame as well would move the scan twice.
+    """
     message = LaserScan(
         timestamp=timestamp(scan.stamp_ns),
-        frame_id=scan.frame_id,
+        frame_id=scan.frame_id if scan.mount == CENTRED else base,
         start_angle=scan.sweep.start_rad,
         end_angle=scan.sweep.end_rad,
         ranges=scan.sweep.ranges_m,

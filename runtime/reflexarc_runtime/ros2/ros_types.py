@@ -40,3 +40,11 @@ TF_MESSAGE = RosType(
     "tf2_msgs/msg/TFMessage",
     "RIHS01_e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087",
 )
+IMAGE = RosType(
+    "sensor_msgs/msg/Image",
+    "RIHS01_d31d41a9a4c4bc8eae9be757b0beed306564f7526c88ea6a4588fb9582527d47",
+)
+COMPRESSED_IMAGE = RosType(
+    "sensor_msgs/msg/CompressedImage",
+    "RIHS01_15640771531571185e2efc8a100baf923961a4d15d5569652e6cb6691e8e371a",
+)
