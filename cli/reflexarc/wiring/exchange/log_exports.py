@@ -21,5 +21,23 @@ def _to_bag(log: Path, out: Path) -> Mapping[str, object]:
     return asdict(export_bag(read_log(log), out))
 
 
-EXPORTS: Mapping[str, Callable[[Path, Path], Mapping[str, object]]] = {"ros2bag": _to_bag}
+def _to_parquet(log: Path, out: Path) -> Mapping[str, object]:
+    from reflexarc_logs.reading.reader import read_log
+    from reflexarc_logs.tables.parquet_table import write_parquet
+
+    return {"log": log, "table": out, "ticks": write_parquet(read_log(log), out)}
+
+
+def _to_csv(log: Path, out: Path) -> Mapping[str, object]:
+    from reflexarc_logs.reading.reader import read_log
+    from reflexarc_logs.tables.csv_table import write_csv
+
+    return {"log": log, "table": out, "ticks": write_csv(read_log(log), out)}
+
+
+EXPORTS: Mapping[str, Callable[[Path, Path], Mapping[str, object]]] = {
+    "ros2bag": _to_bag,
+    "parquet": _to_parquet,
+    "csv": _to_csv,
+}
 """By the word that stands in front of the log."""

@@ -59,3 +59,10 @@ def test_what_cannot_be_exported_is_said(
 ) -> None:
     assert main(["export", *words, "-o", str(tmp_path / "out")]) == 2
     assert complaint in capsys.readouterr().err
+
+
+def test_a_log_becomes_a_table(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "out.csv"
+    assert main(["export", "csv", str(NOMINAL), "-o", str(out), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["ticks"] == 301
+    assert out.read_text().startswith("tick,slot,time_ns,")
