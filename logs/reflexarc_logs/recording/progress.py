@@ -2,8 +2,9 @@
 
 import time
 
-BEHIND_S = 1.0
-"""Being behind for so long is worth a word. A disk that hangs shows so, too."""
+BEHIND_S = 0.5
+"""Being behind for so long is worth a word; a disk that hangs shows so, too. With the period of a
+flush and that of the status it is said within two seconds."""
 
 
 class Progress:
