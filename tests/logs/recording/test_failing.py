@@ -143,6 +143,17 @@ def test_a_file_that_is_lost_is_said_and_the_status_is_not_on(words, tmp_path):
     assert recorder.parts == ()
 
 
+def test_another_file_in_its_place_never_becomes_the_log(tmp_path, monkeypatch):
+    monkeypatch.setattr(recorder_module, "FLUSH_PERIOD_S", 60.0)  # only the end looks
+    partial = tmp_path / "a.mcap.partial"
+    with recorder_at(tmp_path / "a.mcap") as recorder:
+        partial.unlink()
+        partial.write_bytes(b"somebody else's")
+    assert recorder.state == "stopped: the file was deleted"
+    assert not (tmp_path / "a.mcap").exists()
+    assert partial.read_bytes() == b"somebody else's"
+
+
 def test_a_file_whose_folder_was_renamed_is_a_whole_log_there(tmp_path):
     path = tmp_path / "runs" / "a.mcap"
     path.parent.mkdir()
@@ -152,10 +163,13 @@ def test_a_file_whose_folder_was_renamed_is_a_whole_log_there(tmp_path):
     assert survey(tmp_path / "before" / "a.mcap.partial").complete
 
 
-def test_a_name_that_somebody_takes_is_said_and_the_log_keeps_the_other_one(tmp_path):
+def test_a_name_that_somebody_takes_is_said_and_the_log_keeps_the_other_one(tmp_path, caplog):
     with recorder_at(tmp_path / "a.mcap") as recorder:
         (tmp_path / "a.mcap").write_bytes(b"precious")
         until(lambda: recorder.state == "on, another file got the name a.mcap")
+        until(lambda: "got the name a.mcap: it will stay unfinished" in caplog.text)
+        time.sleep(0.05)
+    assert caplog.text.count("unfinished") == 1  # it was looked at several times
     assert recorder.failed
     assert recorder.state.startswith("stopped: ")
     assert (tmp_path / "a.mcap").read_bytes() == b"precious"
@@ -223,7 +237,7 @@ def test_a_disk_that_hangs_is_said_and_is_not_waited_for_without_end(tmp_path, d
     hanging.release()
 
 
-def test_what_was_dropped_is_in_the_log_before_its_end(tmp_path, monkeypatch):
+def test_what_was_dropped_is_said_and_is_in_the_log_before_its_end(tmp_path, monkeypatch, caplog):
     monkeypatch.setattr(recorder_module, "Backlog", lambda: Backlog(max_records=0))
     with recorder_at(tmp_path / "a.mcap") as recorder:
         recorder.put(next(iter(nominal(1)[1])))
@@ -233,6 +247,7 @@ def test_what_was_dropped_is_in_the_log_before_its_end(tmp_path, monkeypatch):
         cut.write_bytes((tmp_path / "a.mcap.partial").read_bytes())
         recorder.put(next(iter(nominal(1)[1])))
     assert survey(cut, salvage=True).dropped == 1
+    assert "the disk is too slow: 1 records dropped" in caplog.text
     assert read_log(tmp_path / "a.mcap").dropped == 2
     assert recorder.failed
 
