@@ -25,7 +25,8 @@ PART = "reflexarc.part"
 PART_OF = "of"
 MAX_PARTS = 1000
 
-_SYNC_S = 1.0
+_SYNC_S = 0.9
+"""A little less than two periods of a flush, so that it is done at every second one."""
 _SYNC_SHARE = 4.0
 """A disk that takes long to sync is left alone for so many times as long."""
 

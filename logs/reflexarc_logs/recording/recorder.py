@@ -195,9 +195,12 @@ class Recorder:
                 flush_due_s = time.monotonic() + FLUSH_PERIOD_S
 
     def _take(self, timeout_s: float) -> Entry | None:
-        self._progress.step(is_idle=not self._backlog.waiting)
+        if not self._backlog.waiting:
+            self._progress.rest()
         held, self._held = self._held, None
-        return held or self._backlog.take(timeout_s)
+        entry = held or self._backlog.take(timeout_s)
+        self._progress.work()
+        return entry
 
     def _write(self, part: Part, entry: Entry) -> None:
         granted = self._budgets.granted(self._intake.sort(entry), time.monotonic())
