@@ -17,9 +17,11 @@ from reflexarc_logs.reading.recover import recover
 from reflexarc_logs.recording import recorder as recorder_module
 from reflexarc_logs.recording import series as series_module
 from reflexarc_logs.recording.backlog import Backlog
-from reflexarc_logs.recording.part import PART, next_path
+from reflexarc_logs.recording.part import PART, Head, next_path
 from reflexarc_logs.recording.recorder import Recorder
+from reflexarc_logs.recording.series import Series
 from reflexarc_logs.replaying.replay import replay
+from reflexarc_runtime.errors import LogError
 from support.bad_disks import Disks, Hanging, full_after
 from support.policies import exported
 from support.recordings import CONTRACT, RUN, WALL_OFFSET_NS, drive, nominal
@@ -177,7 +179,9 @@ def test_a_name_that_somebody_takes_is_said_and_the_log_keeps_the_other_one(tmp_
     assert survey(tmp_path / "a.mcap.partial").complete
 
 
-def test_a_reserve_ends_the_part_as_a_finished_log(tmp_path, monkeypatch):
+@pytest.fixture
+def free(monkeypatch) -> dict[str, int]:
+    """How many blocks are free on a disk of 5000, of 4 KiB each."""
     free = {"blocks": 1000}
 
     def disk(_: object) -> os.statvfs_result:
@@ -185,6 +189,58 @@ def test_a_reserve_ends_the_part_as_a_finished_log(tmp_path, monkeypatch):
 
     monkeypatch.setattr(os, "fstatvfs", disk)
     monkeypatch.setattr(os, "statvfs", disk)
+    return free
+
+
+def test_a_disk_with_less_than_the_reserve_is_refused_and_nothing_is_left(tmp_path, free):
+    free["blocks"] = 499
+    with pytest.raises(
+        LogError, match=r"2\.0 MiB shall stay free; make room, or see --reserve-mb$"
+    ):
+        recorder_at(tmp_path / "a.mcap")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_new_part_waits_for_twice_the_reserve(tmp_path, free):
+    message = nominal(1)[1][0]
+    with recorder_at(tmp_path / "a.mcap", replace(RUN, recorded_by="record")) as recorder:
+        free["blocks"] = 499
+        until(lambda: recorder.state.startswith("stopped"))
+        free["blocks"] = 999
+        for _ in range(5):
+            recorder.put(message)
+            time.sleep(0.02)
+        assert recorder.state.startswith("stopped")
+        free["blocks"] = 1000
+        recorder.put(message)
+        until(lambda: recorder.state.startswith("on, again in a.part2.mcap"))
+    assert survey(tmp_path / "a.part2.mcap").metadata[PART]["lost"] == "5"
+    assert len(list(read_log(tmp_path / "a.part2.mcap").records())) == 1
+
+
+def test_parts_that_do_not_last_are_begun_ever_more_rarely(tmp_path, monkeypatch):
+    now = {"s": 100.0}
+    monkeypatch.setattr(time, "monotonic", lambda: now["s"])
+    monkeypatch.setattr(series_module, "RETRY_S", 1.0)
+    series = Series(tmp_path / "a.mcap", Head(RUN, b"", {}), 0)
+    waits = []
+    for _ in range(8):
+        series.current.abandon()
+        series.failed()
+        begun_s = now["s"]
+        while series.begin("a fault", 0) is None:
+            now["s"] += 1.0
+        waits.append(now["s"] - begun_s)
+    assert waits == [1, 2, 4, 8, 16, 32, 60, 60]
+    now["s"] += 10.0  # this one lasted
+    series.current.abandon()
+    series.failed()
+    now["s"] += 1.0
+    assert series.begin("a fault", 0) is not None
+    series.current.abandon()
+
+
+def test_a_reserve_ends_the_part_as_a_finished_log(tmp_path, free):
     with recorder_at(tmp_path / "a.mcap") as recorder:
         free["blocks"] = 499
         until(lambda: recorder.state != "on")
