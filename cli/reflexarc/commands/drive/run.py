@@ -293,7 +293,7 @@ class RunCommand:
 
     def _tell(self, summary: "Summary", recording: "Recording") -> None:
         if self.json:
-            said = {"recording": recording.state, "parts": recording.parts}
+            said = {"recording": recording.in_words, "parts": recording.parts}
             print_json({**_as_dict(summary), **said})
             return
         console.print(
