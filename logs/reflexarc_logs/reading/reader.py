@@ -18,13 +18,10 @@ from google.protobuf.message import Message as ProtobufMessage
 from mcap.records import Channel, Chunk, McapRecord, Schema
 from mcap.records import Message as McapMessage
 
+from reflexarc_logs.container.chunks import Allowance, unpack
 from reflexarc_logs.container.first_look import Survey, survey
-from reflexarc_logs.container.record_stream import (
-    DamagedError,
-    TruncatedError,
-    stream_records,
-    unpack,
-)
+from reflexarc_logs.container.frames import DamagedError, NotReadHereError, TruncatedError
+from reflexarc_logs.container.record_stream import stream_records
 from reflexarc_logs.container.run_info import RunInfo
 from reflexarc_logs.container.writing import CONFIG_ATTACHMENT, POLICY_ATTACHMENT, SENDER
 from reflexarc_runtime.errors import LogError
@@ -60,7 +57,7 @@ class Log:
     path: Path
     run: RunInfo
     attachments: Mapping[str, bytes]
-    """`policy.onnx` and `config.json`, where the log has them."""
+    """`policy.onnx`, `config.json` and what other tools attached; read when they are asked for."""
     complete: bool
     """Whether the log was finished; a truncated one ends at its last intact record."""
     metadata: Mapping[str, Mapping[str, str]]
@@ -147,10 +144,11 @@ class Log:
 
     def mcap_records(self) -> Iterator[McapRecord]:
         """Every record, chunks unpacked; ends quietly where a truncated log is no longer intact."""
+        allowance = Allowance.of(self.size)
         try:
             for located in stream_records(self.path, self.intact_size):
                 if isinstance(located.record, Chunk):
-                    yield from unpack(located.record)
+                    yield from unpack(located.record, allowance)
                 else:
                     yield located.record
         except TruncatedError:
@@ -158,6 +156,8 @@ class Log:
         except DamagedError as error:
             if self.complete:
                 raise LogError(f"{self.path}: damaged: {error}; `reflexarc recover` it") from None
+        except NotReadHereError as error:
+            raise LogError(f"{self.path}: {error}") from None
         except OSError as error:
             raise LogError(f"{self.path}: cannot be read: {error.strerror}") from None
 
