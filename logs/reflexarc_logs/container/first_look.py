@@ -95,6 +95,17 @@ def survey(path: Path) -> Survey:
             damaged, or so large in a part that it is not read.
     """
     found = look(path)
+    refuse(found)
+    return found
+
+
+def refuse(found: Survey) -> None:
+    """Refuse what is no log of reflexarc, and what is damaged; one that is only cut off will do.
+
+    Raises:
+        LogError: why.
+    """
+    path = found.path
     if not found.is_mcap:
         raise LogError(f"{path}: expected an MCAP file, got another kind of file")
     if not found.is_ours:
@@ -103,7 +114,6 @@ def survey(path: Path) -> Survey:
         raise LogError(f"{path}: {found.refusal}")
     if found.damage and not found.is_cut:
         raise LogError(f"{path}: damaged: {found.damage}; `reflexarc recover` saves the rest")
-    return found
 
 
 def look(path: Path) -> Survey:

@@ -144,15 +144,8 @@ class Log:
 
     def mcap_records(self) -> Iterator[McapRecord]:
         """Every record, chunks unpacked; ends quietly where a truncated log is no longer intact."""
-        allowance = Allowance.of(self.size)
         try:
-            for located in stream_records(self.path, self.intact_size):
-                if isinstance(located.record, Chunk):
-                    yield from unpack(located.record, allowance)
-                else:
-                    yield located.record
-        except TruncatedError:
-            return  # the end of the intact part
+            yield from whole_records(self.path, self.intact_size, self.size)
         except DamagedError as error:
             if self.complete:
                 raise LogError(f"{self.path}: damaged: {error}; `reflexarc recover` it") from None
@@ -178,7 +171,26 @@ def read_log(path: Path | str, *, allow_truncated: bool = False) -> Log:
             f"{path}: expected a finished log, got a truncated one ({found.damage}); "
             f"`reflexarc recover {path} -o FIXED.mcap` saves what is there"
         )
-    return _log(Path(path), found)
+    return open_log(found)
+
+
+def whole_records(path: Path, end: int, size: int) -> Iterator[McapRecord]:
+    """The records of any MCAP file up to a place, chunks unpacked; size: of the whole file.
+
+    Raises:
+        DamagedError: bytes that are not what they should be.
+        NotReadHereError: what the format allows and is not read.
+        OSError: it cannot be read.
+    """
+    allowance = Allowance.of(size)
+    try:
+        for located in stream_records(path, end):
+            if isinstance(located.record, Chunk):
+                yield from unpack(located.record, allowance)
+            else:
+                yield located.record
+    except TruncatedError:
+        return  # the end of the intact part
 
 
 def decode(log: Log, record: Record, kind: type[M]) -> M:
@@ -247,9 +259,14 @@ def _sender(channel: Channel) -> bytes:
         return NO_SENDER
 
 
-def _log(path: Path, found: Survey) -> Log:
+def open_log(found: Survey) -> Log:
+    """The log of which this is the first look.
+
+    Raises:
+        LogError: what it says of its run is malformed.
+    """
     return Log(
-        path=path,
+        path=found.path,
         run=found.run,
         attachments=found.attachments,
         complete=found.complete,
