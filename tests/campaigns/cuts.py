@@ -64,7 +64,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
         for log in given.logs:
             original = read_original(log)
-            for mutant in _mutants(original.data, given.cuts, given.flips, given.seed):
+            for mutant in mutants(original.data, given.cuts, given.flips, given.seed):
                 fault, status = judged(original, mutant, Path(folder))
                 tried, wrong = tried + 1, wrong + bool(fault)
                 statuses[status] += 1
@@ -123,7 +123,8 @@ def _difference(original: Original, intact: Counter[Known], recovered: Recovered
     missing = original.everything - got
     if missing and recovered.exit_status == 0:
         return f"{missing.total()} records missing, status 0"
-    known, messages = sum(recovered.lost_by_topic.values()), sum(1 for m in missing if m[0] >= 0)
+    known = sum(recovered.lost_by_topic.values())
+    messages = sum(count for record, count in missing.items() if record[0] >= 0)
     return f"{known} said to be lost, {messages} are" if known > messages else ""
 
 
@@ -148,7 +149,8 @@ def _spared(mutant: Mutant, start: int, end: int) -> bool:
     return end <= mutant.first or start >= mutant.end
 
 
-def _mutants(data: bytes, cuts: int, flips: int, seed: int) -> Iterator[Mutant]:
+def mutants(data: bytes, cuts: int, flips: int, seed: int) -> Iterator[Mutant]:
+    """A log cut, and with bits flipped, at places drawn from the seed."""
     dice = random.Random(seed)
     for _ in range(cuts):
         size = dice.randrange(1, len(data))

@@ -1,6 +1,6 @@
 """What `recover` saved and what it did not, in words."""
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 
 from rich.table import Table
 
@@ -9,6 +9,7 @@ from reflexarc_logs.reading.losses import Loss, Place
 from reflexarc_logs.reading.recover import Recovered
 
 NOTHING = "nothing"
+MOST_TOLD = 5
 
 
 def describe_recovery(recovered: Recovered) -> Table:
@@ -44,7 +45,10 @@ def _name(place: Place) -> str:
     return place.value if place is Place.BEHIND else f"lost, {place.value}"
 
 
-def _told(losses: Iterable[Loss]) -> str:
+def _told(losses: Sequence[Loss]) -> str:
+    if len(losses) > MOST_TOLD:
+        size = kibibytes(sum(loss.bytes for loss in losses))
+        return f"{len(losses)} parts, {size}; --json lists them"
     return "; ".join(map(_one, losses)) or NOTHING
 
 

@@ -1,7 +1,8 @@
 """Unpacks the chunks of an MCAP file within bounds of memory and time.
 
 A chunk may unpack to 128 MiB; all chunks of a file together to 1 GiB and a hundred times its size.
-That is the difference between a log and a bomb: 4 KB of zstd are 128 MiB of zeros.
+They may hold half a million records, and one for every eight bytes of the file. That is the
+difference between a log and a bomb: 4 KB of zstd are 128 MiB of zeros.
 """
 
 import struct
@@ -25,7 +26,9 @@ from reflexarc_logs.container.frames import (
 
 LEAST_ALLOWED_BYTES = 1 << 30
 MOST_TIMES = 100
-LEAST_ALLOWED_RECORDS = 4_000_000
+LEAST_ALLOWED_RECORDS = 500_000
+BYTES_A_RECORD = 8
+"""A message takes more of a file, however well it is compressed: its times are its own."""
 COMPRESSIONS = ("", "zstd", "lz4")
 """All that the format names; an empty one: none."""
 
@@ -44,7 +47,8 @@ class Allowance:
     def of(cls, file_bytes: int) -> "Allowance":
         """The allowance of a file of this size."""
         return cls(
-            LEAST_ALLOWED_BYTES + MOST_TIMES * file_bytes, LEAST_ALLOWED_RECORDS + file_bytes
+            LEAST_ALLOWED_BYTES + MOST_TIMES * file_bytes,
+            LEAST_ALLOWED_RECORDS + file_bytes // BYTES_A_RECORD,
         )
 
     def take_bytes(self, count: int) -> None:
@@ -65,7 +69,9 @@ class Allowance:
         """
         self.left_records -= count
         if self.left_records < 0:
-            raise NotReadHereError("chunks that unpack to more records than the file has bytes")
+            raise NotReadHereError(
+                f"chunks that unpack to a record for every {BYTES_A_RECORD} bytes of the file"
+            )
 
 
 def content_of(chunk: Chunk, allowance: Allowance) -> bytes:

@@ -15,11 +15,15 @@ class FileBytes:
     def __init__(self, file: BinaryIO) -> None:
         self.file = file
         self.size = os.fstat(file.fileno()).st_size
+        self.bytes_read = 0
+        """What all looks at it have cost."""
 
     def at(self, offset: int, count: int) -> bytes:
         """The bytes at a place; fewer at the end of the file."""
         self.file.seek(offset)
-        return self.file.read(max(min(count, self.size - offset, _MOST_AT_ONCE_BYTES), 0))
+        data = self.file.read(max(min(count, self.size - offset, _MOST_AT_ONCE_BYTES), 0))
+        self.bytes_read += len(data)
+        return data
 
     def source(self, offset: int) -> "Source":
         """What can be read from a place on."""
@@ -29,6 +33,8 @@ class FileBytes:
         """Offsets at which a pattern matches that is at most `length` bytes long, in order."""
         for offset in range(start, self.size, _BLOCK_BYTES):
             block = self.at(offset, _BLOCK_BYTES + length - 1)
+            if block.count(0) == len(block):
+                continue  # a hole, where nothing begins
             for match in pattern.finditer(block):
                 if match.start() < _BLOCK_BYTES:
                     yield offset + match.start()
@@ -42,7 +48,9 @@ class Source:
         self._offset = offset
 
     def read(self, count: int, /) -> bytes:
-        """The next bytes; fewer at the end of the file."""
+        """The next bytes; none, if there are not so many."""
+        if count > self._data.size - self._offset:
+            return b""
         taken = self._data.at(self._offset, count)
         self._offset += len(taken)
         return taken

@@ -177,7 +177,7 @@ def _frame(reader: FrameReader, file: BinaryIO) -> Frame:
         return reader.frame()
     except DamagedError:
         end = start + reader.left + (reader.position - start)
-        if any(any(block) for block in blocks(file, start, end)):
+        if any(block.count(0) < len(block) for block in blocks(file, start, end)):
             raise
         raise TruncatedError from None
 

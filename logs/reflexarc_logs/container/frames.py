@@ -69,11 +69,16 @@ class FrameReader:
         file: an open file; nobody else may move its position meanwhile.
         end: where to stop.
         start: where to begin.
+
+    Raises:
+        TruncatedError: the file ends before it begins.
     """
 
     def __init__(self, file: BinaryIO, end: int, start: int = 0) -> None:
         self._file = file
-        self._end = end
+        self._end = min(end, os.fstat(file.fileno()).st_size)
+        if start > self._end:
+            raise TruncatedError
         self.position = start
         self.crc = 0
         file.seek(start)

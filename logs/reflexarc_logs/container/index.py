@@ -19,6 +19,7 @@ from reflexarc_logs.container.frames import (
     DamagedError,
     Frame,
     FrameReader,
+    NotReadHereError,
     TruncatedError,
     crc_of,
 )
@@ -67,14 +68,21 @@ def read_index(path: Path, data_end: int | None = None) -> Index | None:
     """
     try:
         with path.open("rb") as file:
-            size = path.stat().st_size
-            start, end = _place(file, size, data_end)
-            index = Index(is_shifted=data_end is not None)
-            for record, fields in _records(file, start, end):
-                _note(index, record, fields)
-            return index
-    except (DamagedError, TruncatedError, OSError, struct.error):
+            return index_in(file, path.stat().st_size, data_end)
+    except OSError:
         return None
+
+
+def index_in(file: BinaryIO, size: int, data_end: int | None = None) -> Index | None:
+    """The index of an open file of this size; see `read_index`."""
+    try:
+        start, end = _place(file, size, data_end)
+        index = Index(is_shifted=data_end is not None)
+        for record, fields in _records(file, start, end):
+            _note(index, record, fields)
+    except (DamagedError, TruncatedError, NotReadHereError, struct.error):
+        return None
+    return index
 
 
 def message_index_at(file: BinaryIO, offset: int, size: int) -> MessageIndex:

@@ -7,6 +7,7 @@ from reflexarc_logs.container.chunks import Allowance, content_of, records_in
 from reflexarc_logs.container.fields import decoded
 from reflexarc_logs.container.file_bytes import FileBytes
 from reflexarc_logs.container.frames import HEAD, DamagedError, Frame, NotReadHereError
+from reflexarc_logs.container.index import index_in
 from reflexarc_logs.container.raw_log import bytes_of
 from reflexarc_logs.reading.salvage import Salvage, fields_of
 
@@ -26,13 +27,15 @@ def defined_later(data: FileBytes) -> dict[tuple[int, int], bytes]:
     """The fields of every schema and channel in a file, by kind and number; the first counts."""
     found: dict[tuple[int, int], bytes] = {}
     allowance = Allowance.of(data.size)
-    for frame in Salvage(data, is_whole=False, chunks=None).walk():
+    salvage = Salvage(data, is_whole=False, chunks=None)
+    for frame in salvage.walk():
         if isinstance(frame, Frame):
             try:
                 _collect(found, data, frame, allowance)
             except (DamagedError, NotReadHereError):
                 continue
-    return found
+    index = index_in(data.file, data.size, salvage.end)
+    return found if index is None else {**index.raw, **found}
 
 
 def _collect(

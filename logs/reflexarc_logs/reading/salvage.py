@@ -40,6 +40,9 @@ _CHAIN = 3
 """So many records in a row are no accident."""
 _SEARCHED_TIMES = 4
 _LEAST_SEARCHED_BYTES = 64 << 20
+_LOOK_BYTES = 4096
+"""What a look at one place is counted as: a file in which every byte looks like a beginning ends
+the search, and what its index knows is taken."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,9 +198,12 @@ class Salvage:
         for at in self.data.search(_HEAD_LIKE, start, HEAD.size):
             if self._effort_bytes < 0:
                 break
+            before = self.data.bytes_read
             if self._is_anchor(at):
                 return at
-        return self.data.size
+            self._effort_bytes -= _LOOK_BYTES + self.data.bytes_read - before
+        known = (at for at in self.chunks or () if at >= start)
+        return min(known, default=self.data.size) if self._effort_bytes < 0 else self.data.size
 
     def _is_anchor(self, at: int) -> bool:
         head = self._head(at)
