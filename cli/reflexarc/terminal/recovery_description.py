@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from rich.table import Table
 
 from reflexarc.terminal.output import facts, kibibytes, plain
-from reflexarc_logs.reading.losses import Loss, Place
+from reflexarc_logs.reading.losses import LostPart, Place
 from reflexarc_logs.reading.recover import Recovered
 
 NOTHING = "nothing"
@@ -45,14 +45,14 @@ def _name(place: Place) -> str:
     return place.value if place is Place.BEHIND else f"lost, {place.value}"
 
 
-def _told(losses: Sequence[Loss]) -> str:
+def _told(losses: Sequence[LostPart]) -> str:
     if len(losses) > MOST_TOLD:
         size = kibibytes(sum(loss.bytes for loss in losses))
         return f"{len(losses)} parts, {size}; --json lists them"
     return "; ".join(map(_one, losses)) or NOTHING
 
 
-def _one(loss: Loss) -> str:
+def _one(loss: LostPart) -> str:
     count = "an unknown number of messages" if loss.messages is None else _messages(loss.messages)
     size = f", {kibibytes(loss.bytes)}" if loss.bytes else ""
     if loss.place is Place.BEHIND:

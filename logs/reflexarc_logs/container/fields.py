@@ -53,7 +53,7 @@ _READERS: Mapping[int, Callable[[ReadDataStream], McapRecord]] = {
 }
 
 
-class Source(Protocol):
+class FieldSource(Protocol):
     """Where fields are read from."""
 
     def read(self, count: int, /) -> Any:
@@ -63,7 +63,7 @@ class Source(Protocol):
 class _Exact:
     """A source that has what it is asked for, or raises."""
 
-    def __init__(self, source: Source) -> None:
+    def __init__(self, source: FieldSource) -> None:
         self._source = source
 
     def read(self, count: int) -> bytes:
@@ -99,7 +99,7 @@ def decoded(opcode: int, fields: bytes) -> McapRecord | None:
     return None if opcode not in _READERS else read_fields(opcode, _Bytes(fields))[0]
 
 
-def read_fields(opcode: int, source: Source) -> tuple[McapRecord, int]:
+def read_fields(opcode: int, source: FieldSource) -> tuple[McapRecord, int]:
     """A record, and how many bytes its own fields take; a message's cannot be told.
 
     Raises:

@@ -25,9 +25,9 @@ class FileBytes:
         self.bytes_read += len(data)
         return data
 
-    def source(self, offset: int) -> "Source":
+    def source(self, offset: int) -> "ForwardBytes":
         """What can be read from a place on."""
-        return Source(self, offset)
+        return ForwardBytes(self, offset)
 
     def search(self, pattern: re.Pattern[bytes], start: int, length: int) -> Iterator[int]:
         """Offsets at which a pattern matches that is at most `length` bytes long, in order."""
@@ -40,7 +40,7 @@ class FileBytes:
                     yield offset + match.start()
 
 
-class Source:
+class ForwardBytes:
     """Reads forward from a place."""
 
     def __init__(self, data: FileBytes, offset: int) -> None:

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from mcap.opcode import Opcode
-from mcap.records import McapRecord
+from mcap.records import Chunk, McapRecord
 
+from reflexarc_logs.container.chunks import Allowance, unpack
 from reflexarc_logs.container.fields import decoded
-from reflexarc_logs.container.frames import FrameReader
+from reflexarc_logs.container.frames import FrameReader, TruncatedError
 
 _DATA = (
     Opcode.HEADER,
@@ -57,3 +58,22 @@ def stream_records(path: Path, limit: int | None = None) -> Iterator[Located]:
                 yield Located(record, frame.end)
             if frame.opcode == Opcode.DATA_END:
                 return
+
+
+def whole_records(path: Path, end: int, size: int) -> Iterator[McapRecord]:
+    """The records of any MCAP file up to a place, chunks unpacked; size: of the whole file.
+
+    Raises:
+        DamagedError: bytes that are not what they should be.
+        NotReadHereError: what the format allows and is not read.
+        OSError: it cannot be read.
+    """
+    allowance = Allowance.of(size)
+    try:
+        for located in stream_records(path, end):
+            if isinstance(located.record, Chunk):
+                yield from unpack(located.record, allowance)
+            else:
+                yield located.record
+    except TruncatedError:
+        return  # the end of the intact part

@@ -19,7 +19,7 @@ class Place(StrEnum):
 
 
 @dataclass(frozen=True)
-class Loss:
+class LostPart:
     """One part of the file that was not saved."""
 
     place: Place
@@ -90,7 +90,7 @@ class LossAccount:
         saved: Mapping[int, int],
         expected: Mapping[int, int] | None,
         topics: Mapping[int, str],
-    ) -> tuple[Loss, ...]:
+    ) -> tuple[LostPart, ...]:
         """All losses, now that it is known what was saved.
 
         Args:
@@ -123,7 +123,7 @@ class LossAccount:
                 lost.counts = {}
 
 
-def by_topic(losses: Iterable[Loss]) -> dict[str, int]:
+def by_topic(losses: Iterable[LostPart]) -> dict[str, int]:
     """How many messages of each topic are known to be lost."""
     lost: Counter[str] = Counter()
     for loss in losses:
@@ -131,12 +131,12 @@ def by_topic(losses: Iterable[Loss]) -> dict[str, int]:
     return dict(sorted(lost.items()))
 
 
-def _told(lost: _Lost, total: int, topics: Mapping[int, str]) -> Loss:
+def _told(lost: _Lost, total: int, topics: Mapping[int, str]) -> LostPart:
     counts: Counter[str] = Counter()
     for channel, messages in (lost.counts or {}).items():
         counts[topics.get(channel, f"channel {channel}")] += messages
     held = None if lost.counts is None else counts.total()
-    return Loss(_place(lost, total), lost.what, lost.bytes, held, dict(counts))
+    return LostPart(_place(lost, total), lost.what, lost.bytes, held, dict(counts))
 
 
 def _place(lost: _Lost, total: int) -> Place:

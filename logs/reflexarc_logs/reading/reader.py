@@ -15,13 +15,12 @@ from google.protobuf.descriptor_pb2 import FileDescriptorSet
 from google.protobuf.descriptor_pool import DescriptorPool
 from google.protobuf.message import DecodeError
 from google.protobuf.message import Message as ProtobufMessage
-from mcap.records import Channel, Chunk, McapRecord, Schema
+from mcap.records import Channel, McapRecord, Schema
 from mcap.records import Message as McapMessage
 
-from reflexarc_logs.container.chunks import Allowance, unpack
 from reflexarc_logs.container.first_look import Survey, survey
-from reflexarc_logs.container.frames import DamagedError, NotReadHereError, TruncatedError
-from reflexarc_logs.container.record_stream import stream_records
+from reflexarc_logs.container.frames import DamagedError, NotReadHereError
+from reflexarc_logs.container.record_stream import whole_records
 from reflexarc_logs.container.run_info import RunInfo
 from reflexarc_logs.container.writing import CONFIG_ATTACHMENT, POLICY_ATTACHMENT, SENDER
 from reflexarc_runtime.errors import LogError
@@ -172,25 +171,6 @@ def read_log(path: Path | str, *, allow_truncated: bool = False) -> Log:
             f"`reflexarc recover {path} -o FIXED.mcap` saves what is there"
         )
     return open_log(found)
-
-
-def whole_records(path: Path, end: int, size: int) -> Iterator[McapRecord]:
-    """The records of any MCAP file up to a place, chunks unpacked; size: of the whole file.
-
-    Raises:
-        DamagedError: bytes that are not what they should be.
-        NotReadHereError: what the format allows and is not read.
-        OSError: it cannot be read.
-    """
-    allowance = Allowance.of(size)
-    try:
-        for located in stream_records(path, end):
-            if isinstance(located.record, Chunk):
-                yield from unpack(located.record, allowance)
-            else:
-                yield located.record
-    except TruncatedError:
-        return  # the end of the intact part
 
 
 def decode(log: Log, record: Record, kind: type[M]) -> M:

@@ -16,7 +16,7 @@ from reflexarc_logs.container.frames import NotReadHereError
 from reflexarc_logs.container.index import Index, read_index
 from reflexarc_logs.container.raw_log import RawLog
 from reflexarc_logs.container.writing import END
-from reflexarc_logs.reading.losses import Loss, LossAccount, Place, by_topic
+from reflexarc_logs.reading.losses import LossAccount, LostPart, Place, by_topic
 from reflexarc_logs.reading.rescue import Rescue
 from reflexarc_logs.reading.salvage import Salvage
 from reflexarc_runtime.errors import LogError
@@ -34,7 +34,7 @@ class Recovered:
     is_ours: bool
     """Whether reflexarc recorded it; the records of any other system are kept as well."""
     messages: int
-    losses: tuple[Loss, ...]
+    losses: tuple[LostPart, ...]
     """In the order of the file."""
     lost_by_topic: Mapping[str, int]
     """Messages that are known to be lost."""
@@ -105,7 +105,7 @@ def _recovered(file: BinaryIO, found: Survey, index: Index | None, target: RawLo
         if index.totals == target.totals:
             is_explained |= index.is_shifted
             account.drop_what_was_index()
-    if not rescue.ends_in_gap:
+    if not rescue.ends_in_hole:
         _add_the_end(salvage, found, account)
     losses = account.losses(target.counts, counts, rescue.topics)
     inside = (Place.BEGINNING, Place.MIDDLE, Place.UNKNOWN)

@@ -24,7 +24,7 @@ from reflexarc_logs.container.run_info import RUN
 from reflexarc_logs.container.writing import PROFILE
 from reflexarc_logs.reading.losses import LossAccount, Place
 from reflexarc_logs.reading.nameless import defined_later, stand_in
-from reflexarc_logs.reading.salvage import Found, Gap, fields_of
+from reflexarc_logs.reading.salvage import Found, Hole, fields_of
 
 _LIBRARY = "reflexarc recover"
 
@@ -47,7 +47,7 @@ class Rescue:
     records: int = 0
     """How many were saved, the header aside."""
     is_ours: bool = False
-    ends_in_gap: bool = False
+    ends_in_hole: bool = False
     """Whether the file does not end with a whole record."""
     index_differs: bool = False
     """Whether an index behind a chunk is not what it should be; it is made anew."""
@@ -68,9 +68,9 @@ class Rescue:
             self._indexed = frozenset(c.chunk_start_offset for c in indexed)
 
     def take(self, found: Found) -> None:
-        """Copy a record; or account for a gap, or for a record that is not intact."""
-        if isinstance(found, Gap):
-            self._lose_gap(found)
+        """Copy a record; or account for a hole, or for a record that is not intact."""
+        if isinstance(found, Hole):
+            self._lose_hole(found)
             return
         try:
             self._copy(found)
@@ -79,12 +79,12 @@ class Rescue:
         except NotReadHereError as error:
             self._lose(str(error), found.size)
 
-    def _lose_gap(self, gap: Gap) -> None:
+    def _lose_hole(self, hole: Hole) -> None:
         what, place = "bytes that are no record", None
-        if gap.end == self.data.size:
+        if hole.end == self.data.size:
             what, place = "it is cut off in the middle of a record", Place.END
-            self.ends_in_gap = True
-        self.account.add(what, gap.end - gap.start, self.file.counts.total(), place)
+            self.ends_in_hole = True
+        self.account.add(what, hole.end - hole.start, self.file.counts.total(), place)
 
     def _lose(self, what: str, size: int) -> None:
         self.account.add(what, size, self.file.counts.total())

@@ -2,7 +2,7 @@
 
 Where a record's kind or length was changed, its own fields still tell where it ends. Where they do
 not, the next thing that proves itself is searched for: a chunk or an attachment whose CRC fits, or
-a chain of records. What is skipped on the way is a gap.
+a chain of records. What is skipped on the way is a hole.
 """
 
 import re
@@ -46,14 +46,14 @@ the search, and what its index knows is taken."""
 
 
 @dataclass(frozen=True, slots=True)
-class Gap:
+class Hole:
     """A part of the file that is no record."""
 
     start: int
     end: int
 
 
-Found: TypeAlias = Frame | Gap
+Found: TypeAlias = Frame | Hole
 
 
 @dataclass
@@ -80,15 +80,15 @@ class Salvage:
         self._effort_bytes = _SEARCHED_TIMES * self.data.size + _LEAST_SEARCHED_BYTES
 
     def walk(self) -> Iterator[Found]:
-        """Records and gaps in the order of the file."""
+        """Records and holes in the order of the file."""
         self.end = self._beginning()
         if self.end > len(MAGIC):
-            yield Gap(0, self.end)
+            yield Hole(0, self.end)
         while self.end < self.data.size and not self.has_ended:
             frame = self._record(self.end)
             if frame is None:
                 start, self.end = self.end, self._next_anchor(self.end + 1)
-                yield Gap(start, self.end)
+                yield Hole(start, self.end)
                 continue
             self.has_ended = frame.opcode == Opcode.DATA_END
             self._unchunked |= frame.opcode == Opcode.MESSAGE

@@ -14,9 +14,10 @@ from mcap.records import Channel, McapRecord, Message, Schema
 from reflexarc_logs.container.first_look import Survey, look, refuse
 from reflexarc_logs.container.frames import DamagedError, NotReadHereError, TruncatedError
 from reflexarc_logs.container.index import Index, read_index
+from reflexarc_logs.container.record_stream import whole_records
 from reflexarc_logs.container.run_info import RunInfo
 from reflexarc_logs.reading.index_counts import counts_by_index, last_chunk_of, records_of_channels
-from reflexarc_logs.reading.reader import Log, open_log, read_log, whole_records
+from reflexarc_logs.reading.reader import Log, open_log, read_log
 from reflexarc_logs.reading.topic_counts import StreamCounts, TopicCount, TopicSummary
 from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.errors import LogError

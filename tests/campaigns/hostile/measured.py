@@ -29,7 +29,8 @@ if not pid:
 signal.signal(signal.SIGALRM, lambda *_: os.kill(pid, signal.SIGKILL))
 signal.alarm(int(float(sys.argv[1])))
 _, status, used = os.wait4(pid, 0)
-row = [os.waitstatus_to_exitcode(status), time.monotonic() - began_s, used.ru_maxrss * 1024]
+took_s, cpu_s = time.monotonic() - began_s, used.ru_utime + used.ru_stime
+row = [os.waitstatus_to_exitcode(status), took_s, cpu_s, used.ru_maxrss * 1024]
 os.write(3, json.dumps(row).encode())
 """
 
@@ -41,6 +42,8 @@ class Measured:
     status: int
     """Negative: the signal that ended it."""
     took_s: float
+    cpu_s: float
+    """Of the processor: what it would take on a machine that does nothing else."""
     peak_bytes: int
     out: str
     complaint: str
@@ -53,7 +56,7 @@ class Measured:
             "a traceback": "Traceback" in self.out + self.complaint,
             f"status {self.status}": self.status not in (0, 1, 2),
             f"{len(lines)} lines": self.status == 2 and len(lines) != 1,
-            "slow": self.took_s > MOST_S,
+            "slow": self.took_s > MOST_S and self.cpu_s > MOST_S,
             "large": self.peak_bytes > MOST_BYTES,
         }
         return [word for word, is_so in wrong.items() if is_so]
@@ -74,6 +77,6 @@ def measured(words: Sequence[str], folder: Path) -> Measured:
             cwd=folder,
             check=True,
         )
-    status, took_s, peak_bytes = json.loads(figures.read_text())
+    status, took_s, cpu_s, peak_bytes = json.loads(figures.read_text())
     texts = [path.read_text(errors="replace") for path in (out, complaint)]
-    return Measured(status, took_s, peak_bytes, *texts)
+    return Measured(status, took_s, cpu_s, peak_bytes, *texts)
