@@ -21,9 +21,17 @@ def _listed(file: str, topics: dict[str, tuple[str, int]]) -> Trial:
     return trial
 
 
+def _imported(stage: Stage) -> Outcome:
+    """There is a way to make a log of ours of it."""
+    out = stage.scratch / "scans.mcap"
+    said = stage.reflexarc("import", "ros2bag", stage.inputs / "rosbag2-laserscan.mcap", "-o", out)
+    return Outcome(said.status == 0 and out.exists(), said.complaint.strip()[-150:])
+
+
 TALKER = {"/rosout": ("rcl_interfaces/msg/Log", 10), "/topic": ("std_msgs/msg/String", 10)}
 SCANS = {"/scan": ("sensor_msgs/msg/LaserScan", 20)}
 CASES: tuple[Case, ...] = (
     Case("foreign-mcap", "a bag of ROS 2", "its topics", _listed("rosbag2-talker.mcap", TALKER)),
     Case("foreign-mcap", "a bag of scans", "its topics", _listed("rosbag2-laserscan.mcap", SCANS)),
+    Case("foreign-mcap", "a bag of scans: import", "a log with its 20 scans", _imported),
 )
