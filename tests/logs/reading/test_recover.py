@@ -149,10 +149,10 @@ def test_a_recovery_that_fails_leaves_nothing_behind(log_path, tmp_path, monkeyp
     def no_room(*_: object, **__: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("reflexarc_logs.container.writing.LogWriter.add", no_room)
+    monkeypatch.setattr("reflexarc_logs.container.raw_log.RawLog.chunk", no_room)
     with pytest.raises(LogError, match="cannot be written: No space left on device"):
         recover(log_path, tmp_path / "fixed.mcap")
-    monkeypatch.setattr("reflexarc_logs.container.writing.LogWriter.add", lambda *_, **__: 1 / 0)
+    monkeypatch.setattr("reflexarc_logs.container.raw_log.RawLog.chunk", lambda *_, **__: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         recover(log_path, tmp_path / "fixed.mcap")
     assert not list(tmp_path.iterdir())

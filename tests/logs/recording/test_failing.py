@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from reflexarc_logs.container import writing as log_file
-from reflexarc_logs.container.first_look import survey
+from reflexarc_logs.container.first_look import look
 from reflexarc_logs.reading.reader import read_log
 from reflexarc_logs.reading.recover import recover
 from reflexarc_logs.recording import recorder as recorder_module
@@ -302,7 +302,7 @@ def test_what_was_dropped_is_said_and_is_in_the_log_before_its_end(tmp_path, mon
         cut = tmp_path / "cut.mcap.partial"
         cut.write_bytes((tmp_path / "a.mcap.partial").read_bytes())
         recorder.put(next(iter(nominal(1)[1])))
-    assert survey(cut, salvage=True).dropped == 1
+    assert look(cut).dropped == 1
     assert "the disk is too slow: 1 records dropped" in caplog.text
     assert read_log(tmp_path / "a.mcap").dropped == 2
     assert recorder.failed
