@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from reflexarc_logs.replaying.comparison import ReplayReport
+    from reflexarc_logs.replaying.report import ReplayReport
 
 SUFFIX = ".mcap"
 INI = "reflexarc_logs"
