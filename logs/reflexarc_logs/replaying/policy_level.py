@@ -172,7 +172,7 @@ class PolicyLevel:
         action = decision.action
         was = decision.winner if self.has_winner else action
         flip = None
-        if was != winner and was >= 0:
+        if was != winner and (was >= 0 or self.has_winner):
             tolerance = self.tally.rules.tolerance
             flip = find_flip(decision.index, decision.q_values, was, winner, tolerance)
             name = "winner" if self.has_winner else "action"
