@@ -93,8 +93,10 @@ class Tally:
         else:
             self.more_flips += 1
 
-    def result(self, not_compared: tuple[str, ...] = ()) -> LevelResult:
-        """The counts so far."""
+    def result(
+        self, not_compared: tuple[str, ...] = (), given: tuple[str, ...] = ()
+    ) -> LevelResult:
+        """The counts so far; and see `LevelResult`."""
         return LevelResult(
             level=self.level,
             ticks=self.ticks,
@@ -102,6 +104,7 @@ class Tally:
             identical=self.identical,
             fields_compared=self.fields_compared,
             not_compared=not_compared,
+            given=given,
             first=self.first,
             flips=tuple(self.flips),
             more_flips=self.more_flips,

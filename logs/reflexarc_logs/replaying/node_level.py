@@ -14,6 +14,9 @@ from reflexarc_logs.replaying.walk import Walk
 from reflexarc_runtime.messages.topics import REJECTED, SENSORS
 from reflexarc_runtime.policy.policy import LoadedPolicy
 
+GIVEN = ("slot", "now_ns")
+"""When a tick was is no decision: of its time only the ages that follow from it are compared."""
+
 
 def replay_node(
     log: Log, policy: LoadedPolicy, rules: EqualityRules, robot: str = ""
@@ -38,7 +41,7 @@ def replay_node(
     for event in events:
         walk.take(event)
     notes = [*filter(None, [beginning.note]), *walk.end()]
-    return tally.result(walk.stepping.fields.not_compared), notes
+    return tally.result(walk.stepping.fields.not_compared, GIVEN), notes
 
 
 def why_not(log: Log) -> str:

@@ -22,7 +22,7 @@ from reflexarc_logs.replaying.comparison import (
     is_at_the_edge,
 )
 from reflexarc_logs.replaying.message_fields import Difference, message_type
-from reflexarc_logs.replaying.recorded_holds import RecordedHolds
+from reflexarc_logs.replaying.recorded_holds import ASKED_VALUES, RecordedHolds
 from reflexarc_logs.replaying.report import LevelResult
 from reflexarc_logs.replaying.stepping import WARM_UP_NS
 from reflexarc_runtime.arrays import Memories, QValues, RetinaBatch
@@ -38,6 +38,9 @@ BATCH_BYTES = 8 << 20
 """Retinas that go through the policy at once."""
 BATCH_TICKS = 256
 """And ticks, each of which is held meanwhile: a few KiB, however small its retina."""
+
+GIVEN = ("slot", "retina", "state")
+"""What the policy was asked, and when."""
 
 _OK = Verdict.OK.value
 
@@ -81,7 +84,7 @@ def replay_policy(
     else:
         for batch in _batches(asked, policy.contract):
             level.compare(batch)
-    return tally.result()
+    return tally.result(given=GIVEN)
 
 
 def _has_winner(log: Log) -> bool:
@@ -172,7 +175,7 @@ class PolicyLevel:
         action = decision.action
         was = decision.winner if self.has_winner else action
         flip = None
-        if was != winner and (was >= 0 or self.has_winner):
+        if was != winner and (was >= 0 or self._has_to_win(decision)):
             tolerance = self.tally.rules.tolerance
             flip = find_flip(decision.index, decision.q_values, was, winner, tolerance)
             name = "winner" if self.has_winner else "action"
@@ -181,6 +184,10 @@ class PolicyLevel:
         if self.has_winner and one.is_hold_known and decision.verdict == _OK:
             differences += self._action_differences(one, values, winner)
         self.tally.add(decision.index, 2 + self.has_winner, differences, flip)
+
+    def _has_to_win(self, decision: Decision) -> bool:
+        """Whether some action was preferred: none is where the policy failed."""
+        return self.has_winner and decision.verdict in ASKED_VALUES
 
     def _action_differences(self, one: Asked, values: QValues, winner: int) -> list[Difference]:
         contract, slot, now = self.policy.contract, one.decision.slot, winner

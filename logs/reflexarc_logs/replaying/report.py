@@ -48,6 +48,8 @@ class LevelResult:
     fields_compared: int
     not_compared: tuple[str, ...] = ()
     """Fields that only the log or only this package knows."""
+    given: tuple[str, ...] = ()
+    """Fields that are taken from the log as they stand: nothing in it tells them a second time."""
     warming_up: int = 0
     """Ticks at which a candidate with a memory was asked, and that do not count yet."""
     first: Divergence | None = None

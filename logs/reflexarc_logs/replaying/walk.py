@@ -152,6 +152,7 @@ class Walk:
         if taken and not _lacks_one(before, taken) and self._only_counts_differ(found):
             stepping.count(tick, found, self._tally)
         else:
+            stepping.state = before  # what was made of too little is not known
             self._leave_out(tick)
 
     def _only_counts_differ(self, found: Comparison) -> bool:
