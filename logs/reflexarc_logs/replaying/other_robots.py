@@ -12,8 +12,8 @@ from mcap.records import Attachment, Metadata
 from reflexarc_logs.container.run_info import RUN, UNKNOWN_BACKEND, RunInfo
 from reflexarc_logs.container.writing import POLICY_ATTACHMENT
 from reflexarc_logs.reading.reader import Log
-from reflexarc_logs.replaying.account import Account
 from reflexarc_logs.replaying.asked_policy import attached_policy
+from reflexarc_logs.replaying.log_account import LogAccount
 from reflexarc_logs.replaying.robot_replay import Level, RobotFindings, replay_robot, rules_for
 from reflexarc_runtime.errors import LogError, ReflexarcError
 from reflexarc_runtime.messages.topics import TICK
@@ -35,7 +35,7 @@ class _Told:
 
 
 def replay_others(
-    account: Account, policy: LoadedPolicy, level: Level | None, *, is_candidate: bool
+    account: LogAccount, policy: LoadedPolicy, level: Level | None, *, is_candidate: bool
 ) -> Iterator[RobotFindings]:
     """Replay every robot of a log but the one that it names.
 
@@ -63,7 +63,7 @@ def replay_others(
             yield RobotFindings([], notes=[f"{robot}: {ticks} ticks were not compared: {error}"])
 
 
-def _ticks_of_others(account: Account) -> dict[str, int]:
+def _ticks_of_others(account: LogAccount) -> dict[str, int]:
     """Ticks by robot."""
     own, ending = account.log.topic(TICK.name), f"/{TICK.name}"
     return {
@@ -113,7 +113,7 @@ def _replayed(
     robot, reason = view.run.robot, "the log does not say how its loop ran"
     if level == "node" and not knows_run:
         raise LogError(reason)
-    account = Account(view, counts_all=False)
+    account = LogAccount(view, counts_all=False)
     possible: Level | None = level if knows_run else "policy"
     found = replay_robot(account, policy, rules_for(view, policy), possible, robot)
     if level is None and not knows_run:

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import get_args
 
 from reflexarc_logs.reading.reader import Log, read_log
-from reflexarc_logs.replaying.account import Account
 from reflexarc_logs.replaying.asked_policy import asked_policy
+from reflexarc_logs.replaying.log_account import LogAccount
 from reflexarc_logs.replaying.other_robots import replay_others
 from reflexarc_logs.replaying.report import ReplayReport
 from reflexarc_logs.replaying.robot_replay import Level, merged, replay_robot, rules_for
@@ -47,7 +47,7 @@ def replay(
     chosen = asked_policy(source, policy, backend)
     source.tick_descriptor()  # a log without ticks says so before any level begins
     rules = rules_for(source, chosen)
-    account = Account(source)
+    account = LogAccount(source)
     found = replay_robot(account, chosen, rules, level)
     others = replay_others(account, chosen, level, is_candidate=policy is not None)
     notes = [] if source.complete else ["the log is truncated: its intact part was replayed"]

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
 from reflexarc_logs.reading.reader import Log
-from reflexarc_logs.replaying.account import Account
 from reflexarc_logs.replaying.comparison import EqualityRules
+from reflexarc_logs.replaying.log_account import LogAccount
 from reflexarc_logs.replaying.loop_events import NoLoopError
 from reflexarc_logs.replaying.node_level import replay_node, why_not
 from reflexarc_logs.replaying.policy_level import replay_policy
@@ -52,7 +52,7 @@ def rules_for(log: Log, policy: LoadedPolicy) -> EqualityRules:
 
 
 def replay_robot(
-    account: Account,
+    account: LogAccount,
     policy: LoadedPolicy,
     rules: EqualityRules,
     level: Level | None,
@@ -90,7 +90,7 @@ def replay_robot(
 
 def _add_node_level(
     found: RobotFindings,
-    account: Account,
+    account: LogAccount,
     policy: LoadedPolicy,
     rules: EqualityRules,
     other: str,

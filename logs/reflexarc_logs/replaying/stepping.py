@@ -60,7 +60,7 @@ def controller_of(log: Log, policy: LoadedPolicy) -> Controller:
     return Controller(policy, contract, sense, policy.policy_hash, rules, guard)
 
 
-class Comparison(NamedTuple):
+class TickComparison(NamedTuple):
     """How a tick that was decided again differs."""
 
     differences: list[Difference]
@@ -129,15 +129,15 @@ class Stepping:
         """Decide a tick again, and compare it."""
         self.count(tick, self.decide(tick), tally)
 
-    def decide(self, tick: pb.Tick) -> Comparison:
+    def decide(self, tick: pb.Tick) -> TickComparison:
         """Decide a tick again; how it differs."""
         recorded = tick.decision
         replayed = decision_to_protobuf(self.step(recorded))
         differences = [*self.surprises, *self.fields.differences(recorded, replayed)]
         self.surprises = []
-        return Comparison(differences, self._flip(recorded, replayed))
+        return TickComparison(differences, self._flip(recorded, replayed))
 
-    def count(self, tick: pb.Tick, comparison: Comparison, tally: Tally) -> None:
+    def count(self, tick: pb.Tick, comparison: TickComparison, tally: Tally) -> None:
         """Count a tick that was decided again."""
         tally.ticks += 1
         if self._warms_up(tick.decision):

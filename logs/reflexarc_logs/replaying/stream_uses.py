@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from reflexarc_logs.replaying.account import Account
+from reflexarc_logs.replaying.log_account import LogAccount
 from reflexarc_logs.replaying.loop_events import beside_the_sensor
 from reflexarc_logs.replaying.report import StreamUse
 from reflexarc_runtime.messages.topics import COMMAND, KEYFRAME, REJECTED, SENSORS, TICK
@@ -10,7 +10,9 @@ from reflexarc_runtime.messages.topics import COMMAND, KEYFRAME, REJECTED, SENSO
 COMPARED, INPUT, NOT_COMPARED = "compared", "input", "not compared"
 
 
-def stream_uses(account: Account, compared: list[str], stepped: list[str]) -> Iterator[StreamUse]:
+def stream_uses(
+    account: LogAccount, compared: list[str], stepped: list[str]
+) -> Iterator[StreamUse]:
     """Every topic of a log, sorted.
 
     Args:

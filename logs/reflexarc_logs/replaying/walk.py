@@ -18,7 +18,7 @@ from reflexarc_logs.replaying.beginning import (
 )
 from reflexarc_logs.replaying.comparison import EqualityRules, Tally
 from reflexarc_logs.replaying.loop_events import LoopEvent
-from reflexarc_logs.replaying.stepping import Comparison, Stepping
+from reflexarc_logs.replaying.stepping import Stepping, TickComparison
 from reflexarc_logs.replaying.tick_order import is_tick
 from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.controller_state import State
@@ -155,7 +155,7 @@ class Walk:
             stepping.state = before  # what was made of too little is not known
             self._leave_out(tick)
 
-    def _only_counts_differ(self, found: Comparison) -> bool:
+    def _only_counts_differ(self, found: TickComparison) -> bool:
         counting = self.stepping.rules.judge(*found)
         return [difference.path for difference in counting] == ["inputs"]
 

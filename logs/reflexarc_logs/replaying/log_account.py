@@ -20,7 +20,7 @@ MOST_LOOPS = 16
 """Loops whose ticks are followed one by one; more are counted as one."""
 
 
-class Account:
+class LogAccount:
     """What stands in a log beside what is compared.
 
     Args:
