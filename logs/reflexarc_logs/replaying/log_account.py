@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from google.protobuf.message import DecodeError
 
 from reflexarc_logs.reading.reader import Log, Record, decode
+from reflexarc_logs.replaying.recorded_holds import ASKED_VALUES
 from reflexarc_logs.replaying.report import CommandsResult
 from reflexarc_logs.replaying.sent_commands import SentCommands
 from reflexarc_logs.replaying.tick_order import TickOrder
@@ -34,6 +35,8 @@ class LogAccount:
         """Messages by topic and schema."""
         self.other_policies: Counter[str] = Counter()
         """Ticks that name another policy than the log does, by its hash."""
+        self.without_values = 0
+        """Ticks whose verdict says that the policy answered, and that hold no answer."""
         self._orders: dict[bytes, TickOrder] = {}
         self._shift_ns = 0
         """How far the arrival of the first tick is from its own time."""
@@ -85,6 +88,8 @@ class LogAccount:
             yield from (whose + note for note in order.notes())
         for other, ticks in self.other_policies.most_common(MOST_LOOPS):
             yield f"{ticks} ticks name another policy than the log ({other[:12]}): not compared"
+        if self.without_values:
+            yield f"{self.without_values} ticks hold no Q-values, though the policy was asked"
         yield from _command_notes(self.commands(), self.ticks_seen)
 
     def _saw(self, decision: Decision, record: Record) -> None:
@@ -95,6 +100,8 @@ class LogAccount:
         if order is None:
             order = self._orders[sender] = TickOrder()
         order.saw(decision)
+        if not decision.q_values and decision.verdict in ASKED_VALUES:
+            self.without_values += 1
         self._note_shift(record.log_ns - self._offset_ns - decision.now_ns)
         self._commands.told(decision, record.sender)
 

@@ -62,7 +62,7 @@ def replay(
         levels=tuple(found.levels),
         notes=(*notes, *found.notes),
         commands=tuple(found.commands),
-        streams=tuple(stream_uses(account, found.robots, found.stepped)),
+        streams=tuple(stream_uses(account, found)),
     )
 
 

@@ -28,6 +28,8 @@ class RobotFindings:
     notes: list[str] = field(default_factory=list)
     stepped: list[str] = field(default_factory=list)
     """Robots whose loop was replayed at level node."""
+    keyed: list[str] = field(default_factory=list)
+    """Those among them whose keyframes were compared; another policy knows other things."""
 
 
 def merged(findings: Iterable[RobotFindings]) -> RobotFindings:
@@ -39,6 +41,7 @@ def merged(findings: Iterable[RobotFindings]) -> RobotFindings:
         total.commands += found.commands
         total.notes += found.notes
         total.stepped += found.stepped
+        total.keyed += found.keyed
     return total
 
 
@@ -104,3 +107,4 @@ def _add_node_level(
     found.notes += notes
     if result.compared:
         found.stepped.append(log.run.robot)
+        found.keyed += [log.run.robot] * rules.same_policy

@@ -5,29 +5,28 @@ from collections.abc import Iterator
 from reflexarc_logs.replaying.log_account import LogAccount
 from reflexarc_logs.replaying.loop_events import beside_the_sensor
 from reflexarc_logs.replaying.report import StreamUse
+from reflexarc_logs.replaying.robot_replay import RobotFindings
 from reflexarc_runtime.messages.topics import COMMAND, KEYFRAME, REJECTED, SENSORS, TICK
 
 COMPARED, INPUT, NOT_COMPARED = "compared", "input", "not compared"
 
 
-def stream_uses(
-    account: LogAccount, compared: list[str], stepped: list[str]
-) -> Iterator[StreamUse]:
+def stream_uses(account: LogAccount, found: RobotFindings) -> Iterator[StreamUse]:
     """Every topic of a log, sorted.
 
     Args:
         account: of the whole log.
-        compared: robots whose ticks and commands were compared.
-        stepped: robots whose loop was replayed at level node.
+        found: in the replay of its robots.
     """
     log = account.log
     used = {
         f"/{robot}/{topic.name}": (topic.schema, COMPARED)
-        for robot in compared
+        for robot in found.robots
         for topic in (TICK, COMMAND)
     }
-    for robot in stepped:
+    for robot in found.keyed:
         used[f"/{robot}/{KEYFRAME.name}"] = KEYFRAME.schema, COMPARED
+    for robot in found.stepped:
         for topic in (SENSORS[log.run.input], *beside_the_sensor(log), REJECTED):
             used[f"/{robot}/{topic.name}"] = topic.schema, INPUT
     for (name, schema), messages in sorted(account.streams.items()):

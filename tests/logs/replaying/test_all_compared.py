@@ -11,11 +11,12 @@ from reflexarc_logs.replaying.replay import replay
 from reflexarc_logs.replaying.report import ReplayReport
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp, protobuf_encoding
-from reflexarc_runtime.messages_pb2 import Command, Tick
+from reflexarc_runtime.messages_pb2 import Command, Decision, Tick
+from reflexarc_runtime.policy.policy import load_policy
 from support.merging import merge
 from support.policies import exported
 from support.recordings import CONTRACT, START_NS, drive, nominal
-from support.rewriting import rewrite
+from support.rewriting import edit_decisions, rewrite
 
 COMMAND = "/robot0/command"
 
@@ -288,3 +289,21 @@ def test_what_the_log_gives_and_nothing_tells_twice_is_named(log_path):
     policy, node = replay(log_path).levels
     assert policy.given == ("slot", "retina", "state")
     assert node.given == ("slot", "now_ns")
+
+
+def test_keyframes_are_not_compared_with_what_another_policy_knows(log_path):
+    report = replay(log_path, policy=load_policy(exported(CONTRACT, seed=9)))
+    assert uses(report)["/robot0/keyframe"] == "not compared"
+    assert uses(report)["/robot0/retina"] == "input"
+
+
+def test_ticks_without_the_values_that_they_must_have_are_said(log_path, tmp_path):
+    def without(decision: Decision) -> None:
+        if decision.index == 30:
+            del decision.q_values[:]
+
+    report = replay(
+        rewrite(log_path, tmp_path / "log.mcap", edit_decisions(without)), level="policy"
+    )
+    assert report.levels[0].compared == 57
+    assert report.notes == ("1 ticks hold no Q-values, though the policy was asked",)
