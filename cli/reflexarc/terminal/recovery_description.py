@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from rich.table import Table
 
 from reflexarc.terminal.output import facts, kibibytes, plain
-from reflexarc_logs.reading.losses import LostPart, Place
+from reflexarc_logs.reading.losses import LossPlace, LostPart
 from reflexarc_logs.reading.recover import Recovered
 
 NOTHING = "nothing"
@@ -31,9 +31,9 @@ def _lost(recovered: Recovered) -> dict[str, str]:
     if not recovered.losses:
         return {"lost": NOTHING}
     rows = {}
-    for place in Place:
+    for place in LossPlace:
         here = [loss for loss in recovered.losses if loss.place is place]
-        if here or place is not Place.UNKNOWN:
+        if here or place is not LossPlace.UNKNOWN:
             rows[_name(place)] = _told(here)
     if recovered.lost_by_topic:
         topics = recovered.lost_by_topic.items()
@@ -41,8 +41,8 @@ def _lost(recovered: Recovered) -> dict[str, str]:
     return rows
 
 
-def _name(place: Place) -> str:
-    return place.value if place is Place.BEHIND else f"lost, {place.value}"
+def _name(place: LossPlace) -> str:
+    return place.value if place is LossPlace.BEHIND else f"lost, {place.value}"
 
 
 def _told(losses: Sequence[LostPart]) -> str:
@@ -55,7 +55,7 @@ def _told(losses: Sequence[LostPart]) -> str:
 def _one(loss: LostPart) -> str:
     count = "an unknown number of messages" if loss.messages is None else _messages(loss.messages)
     size = f", {kibibytes(loss.bytes)}" if loss.bytes else ""
-    if loss.place is Place.BEHIND:
+    if loss.place is LossPlace.BEHIND:
         return f"{plain(loss.what)}{size}"
     return f"{count}: {plain(loss.what)}{size}"
 

@@ -38,8 +38,17 @@ class Attached:
         return self.data + self.size + CRC_BYTES
 
 
+MOST_OF_A_NAME = 64
+"""Attachments of one name that are told apart; a log has one for each robot that was merged."""
+
+
+def nth_name(name: str, number: int) -> str:
+    """What the second, third … attachment of a name is called here."""
+    return name if number == 1 else f"{name}#{number}"
+
+
 class Attachments(Mapping[str, bytes]):
-    """Name → bytes, which are read anew each time; the first of a name counts."""
+    """Name → bytes, which are read anew each time. The second of a name is `NAME#2`."""
 
     def __init__(self, path: Path, places: Mapping[str, Attached]) -> None:
         self._path = path

@@ -11,7 +11,13 @@ from typing import BinaryIO
 from mcap.opcode import Opcode
 from mcap.records import DataEnd, Header, Metadata
 
-from reflexarc_logs.container.attachments import Attached, Attachments, attached_at
+from reflexarc_logs.container.attachments import (
+    MOST_OF_A_NAME,
+    Attached,
+    Attachments,
+    attached_at,
+    nth_name,
+)
 from reflexarc_logs.container.fields import decoded
 from reflexarc_logs.container.frames import (
     DATA_END_BYTES,
@@ -194,9 +200,15 @@ def _passed(found: Survey, reader: FrameReader, file: BinaryIO, frame: Frame) ->
     if frame.opcode == Opcode.ATTACHMENT:
         attached = attached_at(file, frame)
         file.seek(reader.position)
-        found.places.setdefault(attached.name, attached)
+        found.places.setdefault(_name_for(attached.name, found.places), attached)
     reader.read_through(frame)
     return b""
+
+
+def _name_for(name: str, places: Mapping[str, Attached]) -> str:
+    """The name of one more attachment: the second policy of a merged log is `policy.onnx#2`."""
+    names = (nth_name(name, number) for number in range(1, MOST_OF_A_NAME + 1))
+    return next((one for one in names if one not in places), name)
 
 
 def _end_data(found: Survey, frame: Frame, crc: int, fields: bytes) -> None:

@@ -14,8 +14,8 @@ from reflexarc_logs.container.copying import MessageCopier
 from reflexarc_logs.container.writing import LogWriter, media_type_of
 from reflexarc_logs.cutting.span import TickSpan
 from reflexarc_logs.reading.reader import Log
+from reflexarc_logs.replaying.asked_policy import attached_policy
 from reflexarc_logs.replaying.node_level import why_not
-from reflexarc_logs.replaying.replay import attached_policy
 from reflexarc_logs.replaying.state_at_tick import KnownState, state_at_tick
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.keyframe import encode_state

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 
-class Place(StrEnum):
+class LossPlace(StrEnum):
     """Where in the file something is missing, as its messages tell."""
 
     BEGINNING = "beginning"
@@ -22,7 +22,7 @@ class Place(StrEnum):
 class LostPart:
     """One part of the file that was not saved."""
 
-    place: Place
+    place: LossPlace
     what: str
     """In words: "a damaged chunk"."""
     bytes: int
@@ -39,7 +39,7 @@ class _Lost:
     what: str
     bytes: int
     saved_before: int
-    place: Place | None
+    place: LossPlace | None
     counts: dict[int, int] | None = None
     """Messages by channel, as the index behind a damaged chunk says."""
     is_open: bool = True
@@ -57,7 +57,7 @@ class LossAccount:
         what: str,
         size: int,
         saved: int,
-        place: Place | None = None,
+        place: LossPlace | None = None,
         counts: dict[int, int] | None = None,
     ) -> None:
         """Note a loss; `saved` messages stand before it, and it held these, if that is known."""
@@ -117,7 +117,7 @@ class LossAccount:
         if len(silent) == 1:
             silent[0].counts = dict(rest)
         elif rest and not silent:
-            self.add("missing, by its own statistics", 0, 0, Place.UNKNOWN, dict(rest))
+            self.add("missing, by its own statistics", 0, 0, LossPlace.UNKNOWN, dict(rest))
         elif not rest:
             for lost in silent:
                 lost.counts = {}
@@ -139,9 +139,9 @@ def _told(lost: _Lost, total: int, topics: Mapping[int, str]) -> LostPart:
     return LostPart(_place(lost, total), lost.what, lost.bytes, held, dict(counts))
 
 
-def _place(lost: _Lost, total: int) -> Place:
+def _place(lost: _Lost, total: int) -> LossPlace:
     if lost.place is not None:
         return lost.place
     if lost.saved_before == total:
-        return Place.END if total else Place.BEGINNING
-    return Place.MIDDLE if lost.saved_before else Place.BEGINNING
+        return LossPlace.END if total else LossPlace.BEGINNING
+    return LossPlace.MIDDLE if lost.saved_before else LossPlace.BEGINNING

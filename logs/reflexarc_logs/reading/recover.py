@@ -16,7 +16,7 @@ from reflexarc_logs.container.frames import NotReadHereError
 from reflexarc_logs.container.index import Index, read_index
 from reflexarc_logs.container.raw_log import RawLog
 from reflexarc_logs.container.writing import END
-from reflexarc_logs.reading.losses import LossAccount, LostPart, Place, by_topic
+from reflexarc_logs.reading.losses import LossAccount, LossPlace, LostPart, by_topic
 from reflexarc_logs.reading.rescue import Rescue
 from reflexarc_logs.reading.salvage import Salvage
 from reflexarc_runtime.errors import LogError
@@ -108,7 +108,7 @@ def _recovered(file: BinaryIO, found: Survey, index: Index | None, target: RawLo
     if not rescue.ends_in_hole:
         _add_the_end(salvage, found, account)
     losses = account.losses(target.counts, counts, rescue.topics)
-    inside = (Place.BEGINNING, Place.MIDDLE, Place.UNKNOWN)
+    inside = (LossPlace.BEGINNING, LossPlace.MIDDLE, LossPlace.UNKNOWN)
     missing = sum(loss.place in inside and loss.messages != 0 for loss in losses)
     if missing:
         target.describe(END, {"damaged_chunks": str(missing)})
@@ -129,10 +129,10 @@ def _recovered(file: BinaryIO, found: Survey, index: Index | None, target: RawLo
 def _add_the_end(salvage: Salvage, found: Survey, account: LossAccount) -> None:
     """Note what is missing at the end of the file, or stands behind it."""
     if not salvage.has_ended:
-        account.add("the end: it was never finished, or is cut off", 0, 0, Place.END)
+        account.add("the end: it was never finished, or is cut off", 0, 0, LossPlace.END)
     elif found.behind:
         what = "another log" if found.is_log_behind else "bytes that belong to no log"
-        account.add(f"{what}, not read", found.behind, 0, Place.BEHIND)
+        account.add(f"{what}, not read", found.behind, 0, LossPlace.BEHIND)
 
 
 def _doubt(found: Survey, salvage: Salvage) -> str:

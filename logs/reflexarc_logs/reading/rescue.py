@@ -22,7 +22,7 @@ from reflexarc_logs.container.index import Index
 from reflexarc_logs.container.raw_log import ChunkContent, RawLog, index_fields
 from reflexarc_logs.container.run_info import RUN
 from reflexarc_logs.container.writing import PROFILE
-from reflexarc_logs.reading.losses import LossAccount, Place
+from reflexarc_logs.reading.losses import LossAccount, LossPlace
 from reflexarc_logs.reading.nameless import defined_later, stand_in
 from reflexarc_logs.reading.salvage import Found, Hole, fields_of
 
@@ -82,7 +82,7 @@ class Rescue:
     def _lose_hole(self, hole: Hole) -> None:
         what, place = "bytes that are no record", None
         if hole.end == self.data.size:
-            what, place = "it is cut off in the middle of a record", Place.END
+            what, place = "it is cut off in the middle of a record", LossPlace.END
             self.ends_in_hole = True
         self.account.add(what, hole.end - hole.start, self.file.counts.total(), place)
 

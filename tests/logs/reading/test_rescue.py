@@ -20,7 +20,7 @@ from mcap.records import (
 from mcap.stream_reader import StreamReader
 
 from campaigns.cuts import judged, mutants, read_original
-from reflexarc_logs.reading.losses import Place
+from reflexarc_logs.reading.losses import LossPlace
 from reflexarc_logs.reading.reader import read_log
 from reflexarc_logs.reading.recover import Recovered, recover
 from reflexarc_runtime.errors import LogError
@@ -84,7 +84,7 @@ def test_a_lost_beginning_is_said_and_the_rest_is_saved(log_path: Path, tmp_path
     whole = list(read_log(log_path).records())
     start = read_original(log_path).parts[-40][0] - 100
     saved = recovered(tmp_path, log_path.read_bytes()[start:])
-    assert saved.losses[0].place is Place.BEGINNING
+    assert saved.losses[0].place is LossPlace.BEGINNING
     assert 0 < saved.messages < len(whole)
     assert saved.exit_status == 1
     topics = {r.topic for r in data_of(saved.path) if isinstance(r, Channel)}
@@ -103,7 +103,7 @@ def test_messages_whose_channel_is_lost_keep_their_place_under_a_made_up_name(tm
 def test_a_log_behind_the_end_is_counted(log_path: Path, tmp_path: Path):
     data = log_path.read_bytes()
     (loss,) = recovered(tmp_path, data + data).losses
-    assert (loss.place, loss.bytes) == (Place.BEHIND, len(data))
+    assert (loss.place, loss.bytes) == (LossPlace.BEHIND, len(data))
     assert "another log" in loss.what
 
 

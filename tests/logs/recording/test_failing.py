@@ -79,7 +79,7 @@ def test_a_disk_that_fails_ends_a_part_and_the_next_begins_with_a_keyframe(
     assert "the recording goes on" in caplog.text
     second = tmp_path / "a.part2.mcap"
     assert sorted(tmp_path.iterdir()) == [tmp_path / "a.mcap.partial", second]
-    said = survey(second).metadata[PART]
+    said = look(second).metadata[PART]
     assert (said["part"], said["of"], said["after"]) == ("2", "a.mcap", os.strerror(number))
     report = replay(second)
     assert report.exit_status == 0
@@ -162,7 +162,7 @@ def test_a_file_whose_folder_was_renamed_is_a_whole_log_there(tmp_path):
     with recorder_at(path) as recorder:
         path.parent.rename(tmp_path / "before")
         until(lambda: recorder.state != "on")
-    assert survey(tmp_path / "before" / "a.mcap.partial").complete
+    assert look(tmp_path / "before" / "a.mcap.partial").complete
 
 
 def test_a_name_that_somebody_takes_is_said_and_the_log_keeps_the_other_one(tmp_path, caplog):
@@ -176,7 +176,7 @@ def test_a_name_that_somebody_takes_is_said_and_the_log_keeps_the_other_one(tmp_
     assert recorder.state.startswith("stopped: ")
     assert (tmp_path / "a.mcap").read_bytes() == b"precious"
     assert recorder.parts == (tmp_path / "a.mcap.partial",)
-    assert survey(tmp_path / "a.mcap.partial").complete
+    assert look(tmp_path / "a.mcap.partial").complete
 
 
 @pytest.fixture
@@ -214,7 +214,7 @@ def test_a_new_part_waits_for_twice_the_reserve(tmp_path, free):
         free["blocks"] = 1000
         recorder.put(message)
         until(lambda: recorder.state.startswith("on, again in a.part2.mcap"))
-    assert survey(tmp_path / "a.part2.mcap").metadata[PART]["lost"] == "5"
+    assert look(tmp_path / "a.part2.mcap").metadata[PART]["lost"] == "5"
     assert len(list(read_log(tmp_path / "a.part2.mcap").records())) == 1
 
 
@@ -250,7 +250,7 @@ def test_a_reserve_ends_the_part_as_a_finished_log(tmp_path, free):
         until(lambda: (tmp_path / "a.mcap").exists())
     assert recorder.failed
     assert recorder.parts == (tmp_path / "a.mcap",)
-    assert survey(tmp_path / "a.mcap").complete
+    assert look(tmp_path / "a.mcap").complete
 
 
 @pytest.mark.parametrize("number", [errno.EIO, errno.ENOSPC, errno.EDQUOT])
