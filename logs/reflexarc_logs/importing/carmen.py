@@ -28,7 +28,7 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_logs.importing.carmen_angles import Fan, Params, fan_of_words
-from reflexarc_logs.importing.carmen_lines import LaserLine, Settings, kind_of, rank
+from reflexarc_logs.importing.carmen_lines import LaserLine, LaserSettings, kind_of, rank
 from reflexarc_logs.importing.carmen_poses import places_of
 from reflexarc_logs.importing.number_words import read_numbers
 from reflexarc_logs.importing.scan_line import (
@@ -167,7 +167,7 @@ def _is_a_copy(odometry: bytes) -> bool:
     return not odometry.split()[-3].strip(b"0.")
 
 
-def _farthest_m(settings: Settings) -> float:
+def _farthest_m(settings: LaserSettings) -> float:
     (farthest_m,) = finite([settings.farthest])
     return min(farthest_m, NO_RETURN_M) if farthest_m > 0.0 else NO_RETURN_M
 

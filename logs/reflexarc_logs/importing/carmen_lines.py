@@ -22,7 +22,7 @@ _SETTINGS = 7
 _MOST_DIGITS = 6
 
 
-class Settings(NamedTuple):
+class LaserSettings(NamedTuple):
     """How a scanner was set up, by the present messages."""
 
     start: bytes
@@ -38,7 +38,7 @@ class LaserLine(NamedTuple):
     places: Sequence[bytes]
     """Six words of the laser's pose and the robot's; none if the message has no poses."""
     time: bytes | None
-    settings: Settings | None = None
+    settings: LaserSettings | None = None
     """None for the old messages."""
 
 
@@ -80,14 +80,14 @@ def _robot(words: list[bytes]) -> LaserLine:
     return LaserLine(ranges, rest[:_POSES], _time(rest, _POSES + _MOTION), settings)
 
 
-def _present(words: list[bytes], behind: int) -> tuple[Settings, list[bytes], list[bytes]]:
-    """Settings, ranges, and what follows the remission values of a present message."""
+def _present(words: list[bytes], behind: int) -> tuple[LaserSettings, list[bytes], list[bytes]]:
+    """LaserSettings, ranges, and what follows the remission values of a present message."""
     _, _, start, fov, resolution, farthest, *_ = [*words, b"", b"", b"", b"", b"", b""]
     ranges, rest = _counted(words[1 + _SETTINGS :])
     _check_beams(len(ranges))
     if len(rest) not in (behind, behind + _TIMES):
         _, rest = _counted(rest)
-    return Settings(start, fov, resolution, farthest), ranges, rest
+    return LaserSettings(start, fov, resolution, farthest), ranges, rest
 
 
 def _counted(words: list[bytes]) -> tuple[list[bytes], list[bytes]]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 
+from reflexarc_runtime.files import is_lfs_pointer
 from reflexarc_sim_bridge.body.camera.formats import jpeg, png
 from reflexarc_sim_bridge.body.camera.formats.facts import Facts, UnreadableImageError
 from reflexarc_sim_bridge.body.camera.formats.jpeg import facts_of_jpeg
@@ -41,7 +42,7 @@ def refuse_stand_in(data: bytes) -> None:
     """
     if not data:
         raise UnreadableImageError("is empty")
-    if data.startswith(b"version https://git-lfs"):
+    if is_lfs_pointer(data):
         raise UnreadableImageError("is a Git LFS pointer, not the file itself: git lfs pull")
     if data.startswith(b"/annex/objects/"):
         raise UnreadableImageError("is a git-annex pointer, not the file itself: git annex get")
