@@ -49,6 +49,8 @@ _ODOMETRY = b"ODOM"
 _KEYWORD = re.compile(rb"[A-Z][A-Z0-9_]{1,31}(?=\s|$)")
 """What the logger writes: IMU, NMEAGGA, SONAR, MARKER, and what others added."""
 _OTHERS = "other messages"
+_FEW = 0.5
+"""A laser with less than this share of the scans of another one is not the file's."""
 
 
 class Carmen:
@@ -67,8 +69,10 @@ class Carmen:
 
     def foresee(self, lines: list[bytes]) -> None:
         """See `LineReader.foresee`: which of several lasers is read."""
-        keywords = {line[:11].split(None, 1)[0] for line in lines if b"LASER" in line[:11]}
-        self._laser = min(filter(kind_of, keywords), key=rank, default=b"")
+        counts = Counter(filter(None, (_whole_scan(line) for line in lines)))
+        enough = max(counts.values(), default=0) * _FEW
+        lasers = [keyword for keyword, count in counts.items() if count >= enough]
+        self._laser = min(lasers, key=rank, default=b"")
 
     def sweep(self, line: bytes) -> Sweep | None:
         """See `LineReader.sweep`."""
@@ -158,6 +162,18 @@ class Carmen:
             self._passed_over[word if known else _OTHERS] += 1
         elif line.strip():
             raise BrokenLineError("unknown keyword")
+
+
+def _whole_scan(line: bytes) -> bytes | None:
+    """The keyword of a line that is a scan and not broken; None for any other."""
+    if b"LASER" not in line[:10]:
+        return None
+    words = line.split()
+    take_apart = kind_of(words[0])
+    try:
+        return None if take_apart is None or take_apart(words) is None else words[0]
+    except BrokenLineError:
+        return None
 
 
 def _is_a_copy(odometry: bytes) -> bool:

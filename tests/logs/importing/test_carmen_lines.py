@@ -101,6 +101,13 @@ def test_one_laser_is_read_where_a_file_has_several(tmp_path: Path):
     assert places(log, "pose") == [(1.0, 2.0)]
 
 
+def test_a_laser_of_broken_lines_is_not_the_files(tmp_path: Path):
+    broken = robot_laser("9 1 2 3 0")
+    said, _ = imported(tmp_path, broken * 5 + flaser() * 4 + robot_laser())
+    assert said.scans == 4
+    assert said.passed_over == {"ROBOTLASER1": 6}
+
+
 def test_a_rear_laser_alone_is_read_and_named(tmp_path: Path):
     said, log = imported(tmp_path, flaser().replace("FLASER", "RLASER"))
     assert list(scans(log)[0].ranges) == [1.5, 2.5, 3.5]

@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 from reflexarc_runtime.files import is_lfs_pointer
 from reflexarc_sim_bridge.body.camera.formats import jpeg, png
+from reflexarc_sim_bridge.body.camera.formats.bmp import facts_of_bmp
 from reflexarc_sim_bridge.body.camera.formats.facts import Facts, UnreadableImageError
 from reflexarc_sim_bridge.body.camera.formats.jpeg import facts_of_jpeg
 from reflexarc_sim_bridge.body.camera.formats.png import facts_of_png
@@ -56,6 +57,6 @@ def _reader_of(data: bytes) -> Callable[[bytes], Facts] | None:
         (jpeg.SIGNATURE,): facts_of_jpeg,
         TIFF_STARTS: facts_of_tiff,
         _PNM_STARTS: facts_of_pnm,
-        (b"BM",): lambda _: Facts(pads_colours=True),  # its fourth byte is reserved
+        (b"BM",): facts_of_bmp,
     }
     return next((reader for starts, reader in by_start.items() if data.startswith(starts)), None)
