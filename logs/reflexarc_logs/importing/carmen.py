@@ -27,7 +27,7 @@ from collections import Counter
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_logs.importing.carmen_angles import Fan, Params, fan_of_words
+from reflexarc_logs.importing.carmen_angles import LaserParams, SweepAngles, fan_of_words
 from reflexarc_logs.importing.carmen_lines import LaserLine, LaserSettings, kind_of, rank
 from reflexarc_logs.importing.carmen_poses import places_of
 from reflexarc_logs.importing.number_words import read_numbers
@@ -65,7 +65,7 @@ class Carmen:
         self._odometry_lines = 0
         self._newest_odometry = b""
         self._laser = b""
-        self._params = Params()
+        self._params = LaserParams()
 
     def foresee(self, lines: list[bytes]) -> None:
         """See `LineReader.foresee`: which of several lasers is read."""
@@ -125,7 +125,7 @@ class Carmen:
             places.mount,
         )
 
-    def _how_it_measured(self, keyword: bytes, line: LaserLine) -> tuple[Fan, float]:
+    def _how_it_measured(self, keyword: bytes, line: LaserLine) -> tuple[SweepAngles, float]:
         """The bearings of a line's beams, and the distance that means "no return"."""
         beams, settings = len(line.ranges), line.settings
         if settings is None:

@@ -32,14 +32,14 @@ _OTHERS_DEG, _TURN_DEG = 180.0, 360.0
 _TELLING = re.compile(rb"PARAM\s+\S*(front|rear)_laser_(fov|resolution)\s+(\S+)")
 
 
-class Fan(NamedTuple):
+class SweepAngles(NamedTuple):
     """Bearings of the first beam, on the right, and of the last one."""
 
     start_rad: float
     end_rad: float
 
 
-class Params:
+class LaserParams:
     """What the PARAM lines of a file have said so far of the lasers of the old messages."""
 
     def __init__(self) -> None:
@@ -58,7 +58,7 @@ class Params:
         if value > 0.0:
             self._values[laser, field] = value
 
-    def fan(self, beams: int, laser: bytes) -> Fan:
+    def fan(self, beams: int, laser: bytes) -> SweepAngles:
         """The bearings of an old message's beams.
 
         Args:
@@ -74,7 +74,7 @@ class Params:
         return _checked(_old_fan(beams, fov, step_deg))
 
 
-def fan_of_words(beams: int, start: bytes, fov: bytes, step: bytes) -> Fan:
+def fan_of_words(beams: int, start: bytes, fov: bytes, step: bytes) -> SweepAngles:
     """The bearings of a present message's beams, by its own three numbers in radians.
 
     The resolution decides, as in the toolkit; where it agrees with the field of view, that is the
@@ -89,10 +89,10 @@ def fan_of_words(beams: int, start: bytes, fov: bytes, step: bytes) -> Fan:
         span_rad = fov_rad
     elif abs(span_rad + step_rad - fov_rad) < 0.5 * step_rad:
         span_rad = fov_rad * (beams - 1) / beams  # the last beam was left out
-    return _checked(Fan(start_rad, start_rad + span_rad))
+    return _checked(SweepAngles(start_rad, start_rad + span_rad))
 
 
-def _old_fan(beams: int, fov_deg: float | None, step_deg: float | None) -> Fan:
+def _old_fan(beams: int, fov_deg: float | None, step_deg: float | None) -> SweepAngles:
     """Begin at the right edge of the field of view and go on by steps that fit it."""
     mode_deg, mode_step_deg = _SICK_MODES_DEG.get(beams, (math.inf, 0.0))
     if math.isfinite(mode_deg) and (fov_deg is None or abs(fov_deg - mode_deg) <= mode_step_deg):
@@ -105,10 +105,10 @@ def _old_fan(beams: int, fov_deg: float | None, step_deg: float | None) -> Fan:
     else:
         fov_deg, step = _OTHERS_DEG, _OTHERS_DEG / (beams - 1)
     right_deg = -fov_deg / 2
-    return Fan(math.radians(right_deg), math.radians(right_deg + (beams - 1) * step))
+    return SweepAngles(math.radians(right_deg), math.radians(right_deg + (beams - 1) * step))
 
 
-def _checked(fan: Fan) -> Fan:
+def _checked(fan: SweepAngles) -> SweepAngles:
     if not 0.0 < fan.end_rad - fan.start_rad <= MOST_RAD or abs(fan.start_rad) > MOST_RAD:
         raise BrokenLineError("angles of no scanner")
     return fan

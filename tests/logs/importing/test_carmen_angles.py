@@ -4,13 +4,13 @@ import math
 
 import pytest
 
-from reflexarc_logs.importing.carmen_angles import Params, fan_of_words
+from reflexarc_logs.importing.carmen_angles import LaserParams, fan_of_words
 from reflexarc_logs.importing.scan_line import BrokenLineError
 
 
 def degrees_of(beams: int, *params: str, laser: bytes = b"front") -> tuple[float, float, float]:
     """Right edge, left edge, and from beam to beam."""
-    said = Params()
+    said = LaserParams()
     for line in params:
         said.note(f"PARAM laser_{line} nohost 0\n".encode())
     start_rad, end_rad = said.fan(beams, laser)
