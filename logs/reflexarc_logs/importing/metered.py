@@ -9,7 +9,7 @@ from reflexarc_runtime.errors import LogError
 if TYPE_CHECKING:
     from _typeshed import WriteableBuffer
 
-FREE_BYTES = 1 << 24
+FREE_BYTES = 1 << 23
 """As much may come out of any packed file."""
 MOST_PACKED = 100
 """Lidar logs shrink to a tenth, those of a robot at rest to a fortieth; blank lines to 1/1000."""

@@ -26,7 +26,8 @@ _GZIP_MAGIC = b"\x1f\x8b"
 _UTF8_MARK = b"\xef\xbb\xbf"
 _UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")
 _LOOKED_AT_BYTES = 4096
-_BUFFER_BYTES = 1 << 18
+_BUFFER_BYTES, _PACKED_BYTES = 1 << 18, 1 << 15
+"""Read at once; of a packed file less, so that its size is known before much comes out of it."""
 _BLOCK_BYTES = 1 << 16
 """Some dozens of scans, or some hundreds of other lines."""
 
@@ -55,12 +56,12 @@ def text_blocks(path: Path) -> Iterator[list[bytes]]:
 @contextmanager
 def _opened(path: Path) -> Iterator["io.BufferedReader[Any]"]:
     raw = Metered(io.FileIO(path))
-    with io.BufferedReader(raw, _BUFFER_BYTES) as file:
+    with io.BufferedReader(raw, _PACKED_BYTES) as file:
         if file.peek(len(_GZIP_MAGIC)).startswith(_GZIP_MAGIC):
             with gzip.GzipFile(fileobj=file) as unpacked:
                 yield io.BufferedReader(Unpacked(path, unpacked, raw), _BUFFER_BYTES)
         else:
-            yield file
+            yield io.BufferedReader(file, _BUFFER_BYTES)
 
 
 def _check_text(path: Path, head: bytes) -> None:
