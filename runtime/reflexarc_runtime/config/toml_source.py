@@ -8,6 +8,7 @@ from typing import Any
 from reflexarc_runtime.config.key_path import KeyPath, dotted, without_indices
 from reflexarc_runtime.config.toml_lines import key_lines, line_of
 from reflexarc_runtime.errors import ReflexarcError, UsageError
+from reflexarc_runtime.files import is_lfs_pointer
 
 MAX_BYTES = 64 * 1024
 """The largest file that is read; those of people have a few KiB."""
@@ -33,6 +34,8 @@ def read_text(path: Path, name: str, error: type[ReflexarcError] = UsageError) -
         raise error(f"{name}: cannot be read: {reason.strerror}; give a TOML file") from None
     except ValueError:  # a NUL in the name
         raise error(f"{name!r}: expected the name of a TOML file") from None
+    if is_lfs_pointer(content):
+        raise error(f"{name}: is a Git LFS pointer, not the file itself: git lfs pull")
     if len(content) > MAX_BYTES:
         raise error(f"{name}: expected at most {MAX_BYTES // 1024} KiB of TOML, got more")
     try:

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 class ImportCommand:
     """Import a lidar log of another system: CARMEN (Radish) or CoreSLAM, plain or gzip.
 
-    The log holds scans, corrected poses and odometry, as far as the file has them. Malformed lines
-    are counted and left out; distances that the sensor could not measure stay unknown. Recorded
-    times are kept only on request and only if they grow, because in many logs they do not.
+    The log holds scans, poses and odometry of one laser, as far as the file has them. Malformed
+    lines are counted and left out; distances that the sensor could not measure stay unknown.
+    Recorded times are kept only on request and only if they grow, because in many logs they do not.
 
     Examples:
       reflexarc import carmen intel.log.gz -o runs/intel.mcap
