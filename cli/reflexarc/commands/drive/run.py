@@ -172,7 +172,7 @@ class RunCommand:
         waiting = self._waiting(bus, controller, came)
         # The watchdog ends first: what it watches has ended, and the others take a moment to.
         with notices, waiting, watching as watch:
-            words = f"{self.policy} on {self.backend}; {said}; watchdog {watch.state}"
+            words = f"{plain(str(self.policy))} on {self.backend}; {said}; watchdog {watch.state}"
             aside.print(f"reflexarc run: {words}", soft_wrap=True)
             node = self._node(controller, inbox, outlets, sink, run_id, bus.sender, watch, notices)
             return node.run(stop, self.ticks)
@@ -290,7 +290,7 @@ class RunCommand:
 
     def _tell(self, summary: "Summary", recording: str) -> None:
         if self.json:
-            print_json({**_as_dict(summary), "recording": recording})
+            print_json({**_as_dict(summary), "recording": self._recorded(recording)})
             return
         console.print(
             facts(

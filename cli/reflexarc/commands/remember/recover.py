@@ -7,6 +7,7 @@ from typing import Annotated
 import tyro
 
 from reflexarc.terminal.output import aside, console, facts, kibibytes, print_json
+from reflexarc_runtime.words import pasteable
 
 
 @dataclass(frozen=True)
@@ -41,5 +42,5 @@ class RecoverCommand:
                 }
             )
         )
-        aside.print(f"try: reflexarc replay {self.out}")
+        aside.print(f"try: {pasteable('reflexarc', 'replay', self.out)}", soft_wrap=True)
         return 0

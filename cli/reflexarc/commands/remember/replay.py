@@ -6,7 +6,7 @@ from typing import Literal
 
 import tyro
 
-from reflexarc.terminal.output import console, print_json
+from reflexarc.terminal.output import console, plain, print_json
 
 
 @dataclass(frozen=True)
@@ -42,5 +42,5 @@ class ReplayCommand:
         if self.json:
             print_json(report.as_dict())
         else:
-            console.print("\n".join(report.lines()), soft_wrap=True)
+            console.print("\n".join(map(plain, report.lines())), soft_wrap=True)
         return report.exit_status
