@@ -28,7 +28,7 @@ from reflexarc.terminal.complaint import in_one_line
 from reflexarc.terminal.output import console
 from reflexarc.terminal.plain_console import accept_every_word, to_nowhere
 from reflexarc_runtime.errors import ReflexarcError
-from reflexarc_runtime.words import plain, shown
+from reflexarc_runtime.words.shown import plain, shown
 
 BAD_INPUT = 2
 

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from reflexarc_pictures.log_pictures.decision_strips import INK
 from reflexarc_pictures.log_pictures.drive import OBSTACLE_COLOUR
 from reflexarc_runtime.files import whole_file
-from reflexarc_runtime.words import plain
+from reflexarc_runtime.words.shown import plain
 from reflexarc_sim_bridge.evaluation.cover_profile import are_covered, right_side_m
 from reflexarc_sim_bridge.evaluation.fairness import FLATNESS, WorldReport
 from reflexarc_sim_bridge.worlds.world import World, WorldSource

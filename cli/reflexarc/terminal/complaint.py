@@ -15,6 +15,8 @@ _NO_VALUE = re.compile(
     r"Error parsing (?P<flag>\S+): no type matching (?P<wanted>.+?) could be instantiated from "
     r"\[(?P<got>.*)\]\. Got errors:"
 )
+_MISPLACED = re.compile(r" \(applied to reflexarc[^)]*\)| Arguments are applied to the directly .*")
+"""Tyro says it after each word; there are no subcommands of subcommands."""
 _SIMILAR = re.compile(r"Perhaps you meant:|Arguments similar to")
 _SAID_ELSEWHERE = "For full helptext", "Argument helptext"
 _FLAG = re.compile(r"(?<![\w-])--[a-z][\w-]*")
@@ -31,7 +33,7 @@ def in_one_line(complaint: str, command: str) -> str:
         command: the first word that was given; its own help is named where tyro names all help.
     """
     first, *others = _sections(complaint) or [complaint.split()]
-    more = [said for section in others if (said := _more(section, command))]
+    more = filter(None, [*map(_further, others), _similar(others, command)])
     is_command = "Available subcommands" not in complaint and not command.startswith("-")
     asked = f"reflexarc {command} --help" if is_command else "reflexarc --help"
     return "; ".join([_wrong(" ".join(first)), *more, f"see `{asked}`"])
@@ -54,19 +56,22 @@ def _framed(complaint: str) -> Iterator[str]:
 
 
 def _wrong(said: str) -> str:
+    said = _MISPLACED.sub("", said)
     found = _NO_VALUE.match(said)
     if found is not None:
         return f"{found['flag']}: expected {found['wanted'].strip('{}')}, got {found['got']}"
     return _begun_small(said.rstrip(".").replace(" Expected 1 values", " Expected one"))
 
 
-def _more(section: _Section, command: str) -> str:
-    """A further section; of similar flags, the names of those that this command has."""
-    if _SIMILAR.match(section[0]) is None:
-        return _begun_small(" ".join(section))
+def _further(section: _Section) -> str:
+    return "" if _SIMILAR.match(section[0]) else _begun_small(" ".join(section))
+
+
+def _similar(sections: list[_Section], command: str) -> str:
+    """The flags of this command that are like those that were given."""
     flags: dict[str, None] = {}
     heard: list[str] = []
-    for line in section[1:]:
+    for line in (line for each in sections if _SIMILAR.match(each[0]) for line in each):
         if line.startswith("-"):
             heard = _FLAG.findall(line)
         elif line == f"in reflexarc {command} --help":

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from rich.table import Table
 
-from reflexarc_runtime.words import plain
+from reflexarc_runtime.words.shown import plain
 
 if TYPE_CHECKING:
     from reflexarc_sim_bridge.evaluation.reference_field import FieldScore

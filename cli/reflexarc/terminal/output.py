@@ -12,7 +12,7 @@ from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, T
 from rich.table import Table
 
 from reflexarc.terminal.plain_console import PlainConsole
-from reflexarc_runtime.words import plain
+from reflexarc_runtime.words.shown import plain
 
 __all__ = [
     "aside",

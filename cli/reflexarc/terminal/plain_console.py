@@ -15,7 +15,7 @@ from typing import Any
 from rich.console import Console
 from rich.text import Text
 
-from reflexarc_runtime.words import shown
+from reflexarc_runtime.words.shown import shown
 
 _FEWEST, _MOST = 20, 10_000
 """Columns, or lines, within which a table can be shown."""
@@ -27,8 +27,8 @@ _ASCII = str.maketrans("µ–−×·…≥≤→²₂ελ“”", 'u--x.~><>22el
 class PlainConsole(Console):
     """A Rich console on which words are neither markup nor orders to the terminal."""
 
-    def __init__(self, *, stderr: bool = False) -> None:
-        super().__init__(stderr=stderr, highlight=False, markup=False, emoji=False)
+    def __init__(self, **how: Any) -> None:
+        super().__init__(highlight=False, markup=False, emoji=False, **how)
 
     def render_str(self, text: str, **how: Any) -> Text:
         """The words as they are shown, in prints, tables and titles alike."""

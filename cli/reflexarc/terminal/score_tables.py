@@ -7,7 +7,7 @@ from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
 from reflexarc.terminal.field_tables import interval_words
-from reflexarc_runtime.words import plain
+from reflexarc_runtime.words.shown import plain
 
 if TYPE_CHECKING:
     from reflexarc_sim_bridge.evaluation.protocol.results import ResultRow, Results

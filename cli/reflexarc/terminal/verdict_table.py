@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
-from reflexarc_runtime.words import plain
+from reflexarc_runtime.words.shown import plain
 
 if TYPE_CHECKING:
     from reflexarc_sim_bridge.evaluation.scoring.regression import FamilyVerdict

@@ -31,7 +31,7 @@ from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages.topics import TICK
 from reflexarc_runtime.messages.wire import NO_SENDER, SENDER_BYTES
 from reflexarc_runtime.messages_pb2 import Tick
-from reflexarc_runtime.words import pasteable
+from reflexarc_runtime.words.suggestion import pasteable
 
 M = TypeVar("M", bound=ProtobufMessage)
 

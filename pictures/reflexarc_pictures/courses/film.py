@@ -21,7 +21,7 @@ from reflexarc_pictures.courses.retina_strip import RetinaStrip
 from reflexarc_pictures.courses.top_view import TopView
 from reflexarc_pictures.log_pictures.decision_strips import INK
 from reflexarc_runtime.errors import UsageError
-from reflexarc_runtime.words import plain
+from reflexarc_runtime.words.shown import plain
 
 RATE_HZ = 10.0
 WIDTH_IN, HEIGHT_IN, DPI = 6.0, 5.4, 100

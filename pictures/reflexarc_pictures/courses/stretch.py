@@ -12,7 +12,7 @@ from reflexarc_pictures.courses.retina_strip import RetinaStrip
 from reflexarc_pictures.courses.top_view import TopView
 from reflexarc_pictures.log_pictures.decision_strips import INK
 from reflexarc_pictures.log_pictures.logged_poses import Floats
-from reflexarc_runtime.words import plain
+from reflexarc_runtime.words.shown import plain
 
 WIDTH_IN, DPI = 8.0, 100
 BEHIND_M, AHEAD_M, ASIDE_M = 1.5, 6.0, 4.0

@@ -17,7 +17,7 @@ from reflexarc_pictures.log_pictures.decision_strips import (
     draw_q_values,
     draw_retinas,
 )
-from reflexarc_runtime.words import plain
+from reflexarc_runtime.words.shown import plain
 
 WIDE = 1.6
 """A map at least so many times wider than high is above its strips, not beside them."""

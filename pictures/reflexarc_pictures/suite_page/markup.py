@@ -8,7 +8,7 @@ import html
 from collections.abc import Iterable
 from typing import TypeAlias
 
-from reflexarc_runtime.words import shown
+from reflexarc_runtime.words.shown import shown
 
 _EMPTY = frozenset({"meta", "circle", "image", "line", "path", "polygon", "polyline", "rect"})
 """Elements without content."""

@@ -10,7 +10,7 @@ import tyro
 from reflexarc.terminal.output import aside, console, plain, print_json
 from reflexarc.terminal.signals import StopFlag
 from reflexarc_runtime.errors import UsageError
-from reflexarc_runtime.words import pasteable
+from reflexarc_runtime.words.suggestion import pasteable
 
 if TYPE_CHECKING:
     from rich.table import Table

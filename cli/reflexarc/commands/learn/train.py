@@ -10,7 +10,7 @@ from reflexarc.terminal.output import aside, console, facts, print_json
 from reflexarc.terminal.signals import StopFlag
 from reflexarc_runtime.contract.stopping import check_speed
 from reflexarc_runtime.errors import UsageError
-from reflexarc_runtime.words import pasteable
+from reflexarc_runtime.words.suggestion import pasteable
 
 if TYPE_CHECKING:
     from reflexarc_trainer.config.train_config import TrainConfig

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import tyro
 
 from reflexarc.terminal.output import aside, console, facts, print_json
-from reflexarc_runtime.words import pasteable
+from reflexarc_runtime.words.suggestion import pasteable
 
 if TYPE_CHECKING:
     from reflexarc_logs.importing.lidar_import import ImportReport

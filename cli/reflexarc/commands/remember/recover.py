@@ -7,7 +7,7 @@ from typing import Annotated
 import tyro
 
 from reflexarc.terminal.output import aside, console, facts, kibibytes, print_json
-from reflexarc_runtime.words import pasteable
+from reflexarc_runtime.words.suggestion import pasteable
 
 
 @dataclass(frozen=True)
