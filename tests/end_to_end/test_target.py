@@ -1,5 +1,6 @@
 """What a target machine has: no torch, and the wheel without extras."""
 
+import json
 import os
 import re
 import shutil
@@ -112,16 +113,36 @@ def test_a_runtime_speaks_to_this_machine_alone_and_writes_its_log_alone(
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root may make a mount namespace")
-def test_neither_shared_memory_nor_locked_memory_is_needed(policy: Path, port: int):
+@pytest.mark.parametrize("by_file", [False, True])
+def test_neither_shared_memory_nor_locked_memory_is_needed(
+    policy: Path, port: int, tmp_path: Path, by_file: bool
+):
+    file = tmp_path / "zenoh.json5"
+    file.write_text(f'{{listen: {{endpoints: ["tcp/127.0.0.1:{port}"]}}}}')
     script = 'mount -t tmpfs -o ro tmpfs /dev/shm && ulimit -l 0 && exec "$@"'
     own = ["unshare", "--mount", "setpriv", "--bounding-set=-ipc_lock", "sh", "-c", script, "sh"]
-    words = ["run", policy, "--port", port, "--ticks", 5]
+    where = ["--zenoh", file] if by_file else ["--port", port]
+    words = ["run", policy, *where, "--ticks", 5]
     done = subprocess.run(
         [*own, sys.executable, "-m", "reflexarc", *map(str, words)], capture_output=True, text=True
     )
     if "unshare failed" in done.stderr:
         pytest.skip("no namespace can be made here")
     assert done.returncode == 0, done.stderr
+
+
+def test_a_program_is_told_where_the_recording_is(policy: Path, port: int, tmp_path: Path):
+    words = ["run", policy, "--port", port, "--ticks", 3, "--record", "[red] µ.mcap", "--json"]
+    done = subprocess.run(
+        [sys.executable, "-m", "reflexarc", *map(str, words)],
+        env={**os.environ, "PYTHONIOENCODING": "ascii"},
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        check=True,
+    )
+    assert json.loads(done.stdout)["recording"] == "[red] µ.mcap"
+    assert (tmp_path / "[red] µ.mcap").exists()
 
 
 @pytest.mark.parametrize("wrong", [["--preset", "none"], ["--seed", "-1"], ["--world", "none"]])
