@@ -10,7 +10,7 @@ from reflexarc.main import main
 
 GOLDEN = Path(__file__).parents[3] / "golden" / "nominal.mcap"
 NAMES = [
-    "[red]d[/3]".replace("/", "-"),
+    "[red]d[-3]",
     r"a$\foo$",
     ":smile:",
     os.fsdecode(b"\x1b[31m\xff\n"),
