@@ -132,7 +132,7 @@ def _commands(scratch: Path, _seconds: float) -> Iterator[Row]:
         "baselines list": ("baselines", "list"),
         "baselines export": ("baselines", "export", "braitenberg-2b", "-o", "b.onnx"),
         "train": ("train", "--steps", 2000, "--out", "trained"),
-        "export": ("export", "trained/weights.npz", "-o", "exported.onnx"),
+        "export": ("export", "trained/checkpoint.npz", "-o", "exported.onnx"),
         "evaluate": ("evaluate", policy, "--agents", 16, "--steps", 20),
         "study": ("study", "--list"),
     }
