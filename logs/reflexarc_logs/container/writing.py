@@ -75,7 +75,7 @@ class LogWriter:
 
     def describe(self, name: str, document: Mapping[str, str]) -> None:
         """Write a metadata record."""
-        self._writer.add_metadata(name, dict(document))
+        self._writer.add_metadata(name, {key: _in_utf8(text) for key, text in document.items()})
 
     def channel(self, topic: str, kind: type[ProtobufMessage], sender: bytes = NO_SENDER) -> int:
         """The channel of a topic that carries this protobuf message from this sender."""
@@ -224,3 +224,8 @@ def _schema_of(kind: type[ProtobufMessage]) -> Schema:
     return Schema(
         id=NO_SCHEMA, name=kind.DESCRIPTOR.full_name, encoding="protobuf", data=descriptors
     )
+
+
+def _in_utf8(text: str) -> str:
+    """Text with an escape for each byte of a file's name that is no character."""
+    return text.encode("utf-8", "backslashreplace").decode()

@@ -27,6 +27,7 @@ from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages.topics import TICK
 from reflexarc_runtime.messages.wire import NO_SENDER, SENDER_BYTES
 from reflexarc_runtime.messages_pb2 import Tick
+from reflexarc_runtime.words.suggestion import pasteable
 
 M = TypeVar("M", bound=ProtobufMessage)
 
@@ -168,7 +169,7 @@ def read_log(path: Path | str, *, allow_truncated: bool = False) -> Log:
     if not found.complete and not allow_truncated:
         raise LogError(
             f"{path}: expected a finished log, got a truncated one ({found.damage}); "
-            f"`reflexarc recover {path} -o FIXED.mcap` saves what is there"
+            f"`{pasteable('reflexarc', 'recover', path)} -o FIXED.mcap` saves what is there"
         )
     return open_log(found)
 

@@ -29,7 +29,6 @@ from reflexarc_runtime.policy.model_file import (
     read_model,
 )
 from reflexarc_runtime.policy.numpy_backend import NumpyGraph
-from reflexarc_runtime.policy.onnxruntime_backend import OnnxruntimeGraph
 
 USUAL_BOUNDS = Bounds()
 
@@ -207,10 +206,16 @@ def _check_reserved(contract: PolicyContract) -> None:
 
 def _build(model: onnx.ModelProto, data: bytes, backend: Backend) -> Graph:
     try:
-        return NumpyGraph(model) if backend is Backend.NUMPY else OnnxruntimeGraph(data)
+        return NumpyGraph(model) if backend is Backend.NUMPY else _on_onnxruntime(data)
     except PolicyError:
         raise
     except Exception as error:  # a damaged file can break any part of it
         raise PolicyError(
             f"the graph is damaged ({type(error).__name__}: {first_line(error)}); export it again"
         ) from None
+
+
+def _on_onnxruntime(data: bytes) -> Graph:
+    from reflexarc_runtime.policy.onnxruntime_backend import OnnxruntimeGraph
+
+    return OnnxruntimeGraph(data)

@@ -26,7 +26,7 @@ from reflexarc_trainer.policy.translation.onnx_graph import translate
 def export(
     module: nn.Module,
     contract: PolicyContract,
-    path: Path,
+    path: Path | str,
     *,
     recorded: RetinaBatch | None = None,
 ) -> PolicyContract:
@@ -52,7 +52,7 @@ def export(
     retinas = probe_retinas(contract, recorded)
     check_module(module, contract, retinas)
     original = Original("torch", lambda *inputs: torch_decide(module, *inputs), is_double=True)
-    return export_graph(build_model(module, contract), original, contract, path, retinas)
+    return export_graph(build_model(module, contract), original, contract, Path(path), retinas)
 
 
 def as_exported(module: nn.Module) -> nn.Module:

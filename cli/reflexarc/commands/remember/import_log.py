@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import tyro
 
 from reflexarc.terminal.output import aside, console, facts, print_json
+from reflexarc_runtime.words.suggestion import pasteable
 
 if TYPE_CHECKING:
     from reflexarc_logs.importing.lidar_import import ImportReport
@@ -51,7 +52,7 @@ class ImportCommand:
         console.print(facts(_rows(imported)))
         for note in imported.notes:
             aside.print(f"note: {note}")
-        aside.print(f"try: reflexarc play {self.out}")
+        aside.print(f"try: {pasteable('reflexarc', 'play', self.out)}", soft_wrap=True)
         return 0
 
 

@@ -1,6 +1,5 @@
 """`reflexarc recover`: a log that was cut off or damaged, made whole."""
 
-import shlex
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -8,6 +7,7 @@ from typing import Annotated
 import tyro
 
 from reflexarc.terminal.output import aside, console, print_json
+from reflexarc_runtime.words.suggestion import pasteable
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,5 @@ class RecoverCommand:
             return recovered.exit_status
         console.print(describe_recovery(recovered))
         if recovered.is_ours and recovered.messages:
-            aside.print(
-                f"try: reflexarc replay {shlex.quote(str(self.out))}", markup=False, soft_wrap=True
-            )
+            aside.print(f"try: {pasteable('reflexarc', 'replay', self.out)}", soft_wrap=True)
         return recovered.exit_status
