@@ -15,6 +15,8 @@ from reflexarc_runtime.errors import PolicyError
 from reflexarc_runtime.policy.operators.activation_operators import ACTIVATIONS
 from reflexarc_runtime.policy.operators.elementwise_operators import ELEMENTWISE
 from reflexarc_runtime.policy.operators.graph_node import OnnxNode, Tensor
+from reflexarc_runtime.policy.operators.reducing_operators import REDUCING
+from reflexarc_runtime.policy.operators.shape_operators import SHAPING
 from reflexarc_runtime.policy.operators.window_operators import window_of
 
 ELEMENTS_OF_ONE = 1 << 23
@@ -32,30 +34,14 @@ Inputs: TypeAlias = Sequence[Any]
 Cost: TypeAlias = Callable[[OnnxNode, Inputs], tuple[int, int]]
 """From a node and its inputs: numbers made at once, temporary ones too, and multiplications."""
 
+_ALL, _BUT_THE_FIRST = slice(0, None), slice(1, None)
 SHAPE_INPUTS: dict[str, slice] = {
-    "ConstantOfShape": slice(0, None),
-    "CumSum": slice(1, None),
-    "Expand": slice(1, None),
+    **dict.fromkeys(REDUCING, _BUT_THE_FIRST),
+    **dict.fromkeys(SHAPING, _BUT_THE_FIRST),
+    "Concat": slice(0, 0),
+    "ConstantOfShape": _ALL,
     "OneHot": slice(1, 2),
-    "Pad": slice(1, None),
-    "Range": slice(0, None),
-    "ReduceL1": slice(1, None),
-    "ReduceL2": slice(1, None),
-    "ReduceLogSum": slice(1, None),
-    "ReduceLogSumExp": slice(1, None),
-    "ReduceMax": slice(1, None),
-    "ReduceMean": slice(1, None),
-    "ReduceMin": slice(1, None),
-    "ReduceProd": slice(1, None),
-    "ReduceSum": slice(1, None),
-    "ReduceSumSquare": slice(1, None),
-    "Reshape": slice(1, None),
-    "Slice": slice(1, None),
-    "Split": slice(1, None),
-    "Squeeze": slice(1, None),
-    "Tile": slice(1, None),
-    "TopK": slice(1, None),
-    "Unsqueeze": slice(1, None),
+    "Range": _ALL,
 }
 """Which inputs of an operator say a shape by their values."""
 
