@@ -44,6 +44,8 @@ def _walk(data: memoryview) -> None:
             fields += 1
             _check(fields, packed)
             tag, place = _varint(data, place)
+            if not tag >> 3:  # no field has this number
+                raise IndexError
             if tag & 7 != _BYTES:
                 place = _behind(data, place, tag & 7)
                 continue

@@ -52,7 +52,9 @@ def test_what_the_parser_refuses_or_takes_never_breaks_the_walk(place: int, byte
         check_wire(bytes(data))
 
 
-@pytest.mark.parametrize("data", [b"\xff" * 11, b"\x0a", b"\x3a\x05\x0a", b"\x0b", b"\x3a\xff\x01"])
+@pytest.mark.parametrize(
+    "data", [b"\xff" * 11, b"\x0a", b"\x3a\x05\x0a", b"\x0b", b"\x3a\xff\x01", bytes(99)]
+)
 def test_what_is_no_message_is_refused(data: bytes) -> None:
     with pytest.raises(PolicyError, match="expected an ONNX model"):
         check_wire(data)
