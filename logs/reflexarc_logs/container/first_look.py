@@ -35,6 +35,7 @@ from reflexarc_logs.container.frames import (
 from reflexarc_logs.container.run_info import RUN, RunInfo
 from reflexarc_logs.container.writing import END, PROFILE
 from reflexarc_runtime.errors import LogError
+from reflexarc_runtime.files import is_lfs_pointer
 
 MAX_METADATA_BYTES = 16 << 20
 """All that a file may say about itself, together."""
@@ -131,6 +132,7 @@ def look(path: Path) -> Survey:
     found = Survey(path, _size(path))
     try:
         with path.open("rb") as file:
+            check_is_no_pointer(path, file)
             _look(found, file)
     except NotMcapError:
         found.is_mcap, found.damage = False, "it does not begin as an MCAP file does"
@@ -145,6 +147,17 @@ def look(path: Path) -> Survey:
         raise LogError(f"{path}: cannot be read: {error.strerror}") from None
     found.complete = not found.damage
     return found
+
+
+def check_is_no_pointer(path: Path, file: BinaryIO) -> None:
+    """Refuse what Git LFS left in the place of a log.
+
+    Raises:
+        LogError: it is a pointer.
+    """
+    if is_lfs_pointer(file.read(64)):
+        raise LogError(f"{path}: is a Git LFS pointer, not the log itself: `git lfs pull`")
+    file.seek(0)
 
 
 def _size(path: Path) -> int:

@@ -10,6 +10,7 @@ from mcap.records import Channel, Chunk, Message, Schema
 
 from reflexarc_logs.container.chunks import Allowance, content_of, records_in
 from reflexarc_logs.container.fields import MESSAGE, decoded
+from reflexarc_logs.container.first_look import check_is_no_pointer
 from reflexarc_logs.container.frames import (
     DamagedError,
     NotMcapError,
@@ -64,6 +65,8 @@ class MessageFile:
         """
         channels = _Channels()
         try:
+            with self.path.open("rb") as file:
+                check_is_no_pointer(self.path, file)
             self._allowance = Allowance.of(self.path.stat().st_size)
             for located in stream_records(self.path):
                 record = located.record

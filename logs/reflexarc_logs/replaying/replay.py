@@ -5,7 +5,6 @@ messages that arrived go through the whole controller; it needs the log of a loo
 Beside them each recorded command is compared with its tick. What is not compared is said.
 """
 
-from contextlib import suppress
 from pathlib import Path
 from typing import get_args
 
@@ -16,8 +15,7 @@ from reflexarc_logs.replaying.other_robots import replay_others
 from reflexarc_logs.replaying.report import ReplayReport
 from reflexarc_logs.replaying.robot_replay import Level, merged, replay_robot, rules_for
 from reflexarc_logs.replaying.stream_uses import stream_uses
-from reflexarc_runtime.errors import LogError, UsageError
-from reflexarc_runtime.files import is_lfs_pointer
+from reflexarc_runtime.errors import UsageError
 from reflexarc_runtime.policy.policy import Backend, LoadedPolicy
 
 
@@ -43,7 +41,7 @@ def replay(
     """
     if level is not None and level not in get_args(Level):
         raise UsageError(f"--level: expected policy or node, got {level!r}")
-    source = log if isinstance(log, Log) else _read(Path(log))
+    source = log if isinstance(log, Log) else read_log(Path(log))
     chosen = asked_policy(source, policy, backend)
     source.tick_descriptor()  # a log without ticks says so before any level begins
     rules = rules_for(source, chosen)
@@ -64,15 +62,3 @@ def replay(
         commands=tuple(found.commands),
         streams=tuple(stream_uses(account, found)),
     )
-
-
-def _read(path: Path) -> Log:
-    """Open a log.
-
-    Raises:
-        LogError: it cannot be read.
-    """
-    with suppress(OSError), path.open("rb") as file:
-        if is_lfs_pointer(file.read(64)):
-            raise LogError(f"{path}: is a Git LFS pointer, not the log itself: `git lfs pull`")
-    return read_log(path)

@@ -8,9 +8,12 @@ import pytest
 import zstandard
 from mcap.writer import Writer
 
+from reflexarc_logs.container.first_look import look
 from reflexarc_logs.container.frames import MAX_HELD_BYTES
 from reflexarc_logs.container.run_info import RUN
+from reflexarc_logs.diffing.diff import diff
 from reflexarc_logs.reading.reader import read_log
+from reflexarc_logs.reading.recover import recover
 from reflexarc_logs.reading.summary import summarise
 from reflexarc_logs.recording.recorder import Recorder
 from reflexarc_logs.replaying.replay import replay
@@ -264,3 +267,11 @@ def test_a_summary_of_a_truncated_log_says_so_and_counts_the_intact_part(log_pat
     found = summarise(path)
     assert not found.complete
     assert 0 < found.messages < 185
+
+
+def test_a_git_lfs_pointer_is_called_one_by_every_reader(tmp_path):
+    path = tmp_path / "drive.mcap"
+    path.write_bytes(b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 12\n")
+    for read in (read_log, look, lambda p: diff(p, p), lambda p: recover(p, tmp_path / "o.mcap")):
+        with pytest.raises(LogError, match="git lfs pull"):
+            read(path)

@@ -25,8 +25,7 @@ import onnx
 from onnx import numpy_helper
 
 from reflexarc_runtime.policy.agreement import Q_TOLERANCE
-from reflexarc_runtime.policy.operators import OPERATORS
-from reflexarc_runtime.policy.recurrent_operators import MANY_OPERATORS
+from reflexarc_runtime.policy.operators.operator_table import operator_of
 from reflexarc_trainer.policy.probes import Probes
 from reflexarc_trainer.policy.rounding import choice_errors as choice
 from reflexarc_trainer.policy.rounding import function_errors as functions
@@ -115,26 +114,23 @@ def _run(node: onnx.NodeProto, values: dict[str, Any]) -> None:
     inputs = [values[name] for name in node.input]
     attributes = {a.name: onnx.helper.get_attribute_value(a) for a in node.attribute}
     if node.op_type in _MOVES:
-        results = _moved(node, attributes, inputs)
+        results = _moved(node, inputs)
     else:
         results = _ERRORS[node.op_type](attributes, *inputs)
     results = results if isinstance(results, tuple) else (results,)
     values.update((n, r) for n, r in zip(node.output, results, strict=False) if n)
 
 
-def _moved(node: onnx.NodeProto, attributes: dict[str, Any], inputs: list[Any]) -> Any:
+def _moved(node: onnx.NodeProto, inputs: list[Any]) -> Any:
     """What only moves elements does so with values and errors, by the reference's own operator."""
-    kind = node.op_type
-    whole = inputs if kind == "Concat" else inputs[:1]
+    whole = inputs if node.op_type == "Concat" else inputs[:1]
     others = [x.value.astype(np.int64) for x in inputs[len(whole) :]]
-    values, errors = [x.value for x in whole], [x.error for x in whole]
-    if kind in MANY_OPERATORS:
-        split = MANY_OPERATORS[kind](attributes, node)
-        pairs = zip(split(*values, *others), split(*errors, *others), strict=True)
-        return tuple(Running(*pair) for pair in pairs)
-    move = OPERATORS[kind](attributes)
-    is_whole = all(x.is_whole for x in whole)
-    return Running(move(*values, *others), move(*errors, *others), is_whole)
+    move = operator_of(node)
+    values = move(*[x.value for x in whole], *others)
+    errors = move(*[x.error for x in whole], *others)
+    if isinstance(values, tuple):
+        return tuple(Running(*pair) for pair in zip(values, errors, strict=True))
+    return Running(values, errors, all(x.is_whole for x in whole))
 
 
 def _gemm(attributes: dict[str, Any], a: Running, b: Running, c: Running | None = None) -> Running:
