@@ -55,18 +55,16 @@ _VALUES_AT_A_TIME = 1 << 22
 Error: TypeAlias = Callable[..., Any]
 
 
-def tolerance_for(model: onnx.ModelProto, probes: Probes, least: float = Q_TOLERANCE) -> float:
+def tolerance_for(bound: float, least: float = Q_TOLERANCE) -> float:
     """The `q_tolerance` for a network: its rounding bound, rounded up to two digits.
 
     Where the bound exceeds the largest tolerance, that one is taken: it assumes the worst luck, so
     whether the network agrees is still to be measured.
 
     Args:
-        model: the graph.
-        probes: the inputs.
+        bound: what `rounding_bound` says.
         least: what it is at least.
     """
-    bound = rounding_bound(model, probes)
     tolerance = LARGEST_TOLERANCE if bound >= LARGEST_TOLERANCE else _two_digits(bound)
     return max(least, Q_TOLERANCE, tolerance)
 
