@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import onnx
+import torch
 from torch import nn
 
 from reflexarc_runtime.arrays import RetinaBatch
@@ -62,7 +63,11 @@ def export(
 
 def as_exported(module: nn.Module) -> nn.Module:
     """A copy in float64, with the weights rounded to the float32 values that the file will hold."""
-    return without_casts(copy.deepcopy(module).float().double().eval())
+    module = copy.deepcopy(module).float()
+    for part in module.modules():
+        if isinstance(part, nn.RMSNorm) and part.eps is None:
+            part.eps = torch.finfo(torch.float32).eps  # which else follows the precision
+    return without_casts(module.double().eval())
 
 
 def build_model(

@@ -6,6 +6,7 @@ from pathlib import Path
 import tyro
 
 from reflexarc.terminal.output import console, print_json
+from reflexarc.wiring.policy_trials import BackendName, try_policy
 from reflexarc_runtime.errors import UsageError
 
 MCAP_MAGIC = b"\x89MCAP"
@@ -26,6 +27,8 @@ class InfoCommand:
 
     file: tyro.conf.Positional[Path]
     """A policy (ONNX) or a log (MCAP)."""
+    backend: BackendName = "numpy"
+    """What has to be able to compute the policy."""
     json: bool = False
     """Print one JSON object."""
 
@@ -40,7 +43,8 @@ class InfoCommand:
         from reflexarc_runtime.contract.bounds import excesses
         from reflexarc_runtime.policy.policy import USUAL_BOUNDS, load_policy
 
-        policy = load_policy(self.file, verify=False, bounds=None)
+        try_policy(self.file, self.backend)
+        policy = load_policy(self.file, self.backend, verify=False, bounds=None)
         if not self.json:
             console.print(describe_policy(self.file, policy))
             return 0
