@@ -9,31 +9,37 @@ A graph is compiled once into a list of steps; running it makes one NumPy call f
 for the recurrent ones, which make a few.
 """
 
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 import onnx
-from onnx import numpy_helper
 
 from reflexarc_runtime.arrays import Actions, Memories, QValues, RetinaBatch
 from reflexarc_runtime.errors import PolicyError
-from reflexarc_runtime.policy.operator import Tensor
-from reflexarc_runtime.policy.operators import OPERATORS
-from reflexarc_runtime.policy.recurrent_operators import MANY_OPERATORS
+from reflexarc_runtime.policy.operators.graph_node import (
+    ABSENT,
+    LATEST_OPSET,
+    OLDEST_OPSET,
+    ONNX_DOMAINS,
+    Operator,
+    Tensor,
+    array_of,
+)
+from reflexarc_runtime.policy.operators.operator_table import (
+    given_inputs,
+    operator_of,
+    supported_operators,
+)
 
-_ABSENT = ""
-"""How ONNX names an optional input that is not given, and an output that nobody wants."""
+__all__ = ["GraphStep", "NumpyGraph", "supported_operators"]
 
 
 class GraphStep(NamedTuple):
     """One node of the graph: an operator, where its inputs lie and where its outputs go."""
 
-    operator: Callable[..., Any]
+    operator: Operator
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
-    is_many: bool
-    """Whether the operator returns a tuple, one for each output."""
 
 
 class NumpyGraph:
@@ -46,9 +52,10 @@ class NumpyGraph:
     name = "numpy"
 
     def __init__(self, model: onnx.ModelProto) -> None:
-        constants = {t.name: _constant(t) for t in model.graph.initializer}
-        self._constants: dict[str, Any] = {_ABSENT: None, **constants}
-        self._steps = [_compile(node) for node in model.graph.node]
+        opset = _opset(model)
+        constants = {t.name: array_of(t) for t in model.graph.initializer}
+        self._constants: dict[str, Any] = {ABSENT: None, **constants}
+        self._steps = [_step(node, opset) for node in model.graph.node]
 
     def run(
         self, retinas: RetinaBatch, memories: Memories | None = None
@@ -58,9 +65,9 @@ class NumpyGraph:
         if memories is not None:
             values["state"] = memories.astype(np.float64)
         with np.errstate(all="ignore"):  # what is not finite is a verdict, not a warning
-            for operator, inputs, outputs, is_many in self._steps:
+            for operator, inputs, outputs in self._steps:
                 result = operator(*[values[name] for name in inputs])
-                if is_many:
+                if isinstance(result, tuple):
                     _store(values, outputs, result)
                 else:
                     values[outputs[0]] = result
@@ -72,46 +79,21 @@ class NumpyGraph:
         """See `Graph.end_run`: none of its operators loops, so there is nothing to end."""
 
 
-def supported_operators() -> tuple[str, ...]:
-    """Names of the ONNX operators that the NumPy backend has."""
-    return tuple(sorted((*OPERATORS, *MANY_OPERATORS)))
-
-
 def _store(values: dict[str, Any], names: tuple[str, ...], results: tuple[Tensor, ...]) -> None:
-    values.update((n, r) for n, r in zip(names, results, strict=False) if n != _ABSENT)
+    values.update((n, r) for n, r in zip(names, results, strict=False) if n != ABSENT)
 
 
-def _constant(tensor: onnx.TensorProto) -> Tensor:
-    array: Tensor = numpy_helper.to_array(tensor)
-    return array.astype(np.float64) if array.dtype.kind == "f" else array
+def _step(node: onnx.NodeProto, opset: int) -> GraphStep:
+    return GraphStep(operator_of(node, opset), given_inputs(node), tuple(node.output))
 
 
-def _compile(node: onnx.NodeProto) -> GraphStep:
-    kind = node.op_type
-    if kind not in supported_operators() or node.domain not in ("", "ai.onnx"):
+def _opset(model: onnx.ModelProto) -> int:
+    """The version of the operator set, which says what a node means."""
+    versions = [o.version for o in model.opset_import if o.domain in ONNX_DOMAINS]
+    version = versions[0] if versions else 0
+    if not OLDEST_OPSET <= version <= LATEST_OPSET:
         raise PolicyError(
-            f"operator {kind} (node {node.name or node.output[0]!r}) is not in the NumPy "
-            f"backend, which has {', '.join(supported_operators())}; use --backend onnxruntime"
+            f"its operators are of set {version}; the NumPy backend knows sets {OLDEST_OPSET} to "
+            f"{LATEST_OPSET}: export it with another opset, or use --backend onnxruntime"
         )
-    is_many = kind in MANY_OPERATORS
-    outputs = tuple(node.output) if is_many else (node.output[0],)
-    return GraphStep(_operator(node), _inputs(node), outputs, is_many)
-
-
-def _operator(node: onnx.NodeProto) -> Callable[..., Any]:
-    kind = node.op_type
-    attributes = {a.name: onnx.helper.get_attribute_value(a) for a in node.attribute}
-    try:
-        if kind in MANY_OPERATORS:
-            return MANY_OPERATORS[kind](attributes, node)
-        return OPERATORS[kind](attributes)
-    except KeyError as error:
-        raise PolicyError(f"operator {kind}: attribute {error} is missing") from None
-
-
-def _inputs(node: onnx.NodeProto) -> tuple[str, ...]:
-    """Names of the inputs; absent ones at the end are left to the operator's defaults."""
-    names = list(node.input)
-    while names and names[-1] == _ABSENT:
-        names.pop()
-    return tuple(names)
+    return version

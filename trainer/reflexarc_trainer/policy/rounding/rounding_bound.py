@@ -23,9 +23,9 @@ from typing import Any, TypeAlias
 import numpy as np
 import onnx
 from onnx import numpy_helper
-from reflexarc_runtime.policy.operators.operator_table import operator_of
 
 from reflexarc_runtime.policy.agreement import Q_TOLERANCE
+from reflexarc_runtime.policy.operators.operator_table import operator_of
 from reflexarc_trainer.policy.probes import Probes
 from reflexarc_trainer.policy.rounding import activation_errors as activations
 from reflexarc_trainer.policy.rounding import choice_errors as choice

@@ -1,4 +1,4 @@
-"""The ONNX operators of several outputs that the NumPy backend has: GRU, LSTM and Split.
+"""The recurrent ONNX operators that the NumPy backend has: GRU, LSTM and RNN.
 
 Shapes, as in the ONNX specification (operator set 17, layout 0, one direction):
 
@@ -11,6 +11,7 @@ cell). With σ the sigmoid and ∘ the product of elements:
 
     GRU   z = σ(Wz x + Rz h)   r = σ(Wr x + Rr h)   h' = (1 − z) ∘ n + z ∘ h
           n = tanh(Wh x + Rh (r ∘ h)),  or tanh(Wh x + r ∘ (Rh h)) with linear_before_reset
+    RNN   h' = tanh(W x + R h), or with ReLU
     LSTM  i, o, f = σ(W x + R h)   g = tanh(Wc x + Rc h)   c' = f ∘ c + i ∘ g   h' = o ∘ tanh(c')
 """
 
@@ -18,20 +19,20 @@ from collections.abc import Callable, Iterator
 from typing import TypeAlias
 
 import numpy as np
-import onnx
 
 from reflexarc_runtime.errors import PolicyError
-from reflexarc_runtime.policy.operator import Attributes, Tensor
-from reflexarc_runtime.policy.operators import sigmoid
+from reflexarc_runtime.policy.operators.activation_operators import sigmoid
+from reflexarc_runtime.policy.operators.graph_node import Maker, OnnxNode, Operator, Tensor
 
-ManyOperator: TypeAlias = Callable[..., tuple[Tensor, ...]]
 Step: TypeAlias = Callable[[Tensor, tuple[Tensor, ...]], tuple[Tensor, ...]]
 """(the inputs' part of the gates, what is remembered) → what is remembered next; h comes first."""
 
 _ACTIVATIONS = {
-    "GRU": (b"sigmoid", b"tanh"),
-    "LSTM": (b"sigmoid", b"tanh", b"tanh"),
+    "GRU": ((b"sigmoid", b"tanh"),),
+    "LSTM": ((b"sigmoid", b"tanh", b"tanh"),),
+    "RNN": ((b"tanh",), (b"relu",)),
 }
+"""Those that are computed; the first are the default."""
 _KNOWN = {
     "activations",
     "direction",
@@ -42,9 +43,9 @@ _KNOWN = {
 }
 
 
-def _gru(attributes: Attributes, node: onnx.NodeProto) -> ManyOperator:
-    _check_recurrent(attributes, node)
-    before_reset = bool(attributes.get("linear_before_reset", 0))
+def _gru(node: OnnxNode) -> Operator:
+    _check_recurrent(node)
+    before_reset = bool(node.get("linear_before_reset", 0))
 
     def gru(
         x: Tensor,
@@ -77,8 +78,8 @@ def _gru_step(r: Tensor, bias: Tensor, size: int, before_reset: bool) -> Step:
     return step
 
 
-def _lstm(attributes: Attributes, node: onnx.NodeProto) -> ManyOperator:
-    _check_recurrent(attributes, node)
+def _lstm(node: OnnxNode) -> Operator:
+    _check_recurrent(node)
 
     def lstm(
         x: Tensor,
@@ -109,6 +110,28 @@ def _lstm_step(r: Tensor, bias: Tensor, size: int) -> Step:
     return step
 
 
+def _rnn(node: OnnxNode) -> Operator:
+    _check_recurrent(node)
+    bend = np.tanh if _activations(node) == (b"tanh",) else lambda x: np.maximum(x, 0.0)
+
+    def rnn(
+        x: Tensor,
+        w: Tensor,
+        r: Tensor,
+        b: Tensor | None = None,
+        _: None = None,
+        initial_h: Tensor | None = None,
+    ) -> tuple[Tensor, ...]:
+        of_w, of_r = _biases(b, r.shape[2])
+
+        def step(inputs: Tensor, memory: tuple[Tensor, ...]) -> tuple[Tensor, ...]:
+            return (bend(inputs + (memory[0] @ r[0].T + of_r)),)
+
+        return _run(step, x @ w[0].T + of_w, (_start(initial_h, x, r.shape[2]),))
+
+    return rnn
+
+
 def _run(step: Step, inputs: Tensor, memory: tuple[Tensor, ...]) -> tuple[Tensor, ...]:
     """Take all steps; the h of each, (steps, 1, n, size), and what is remembered in the end."""
     hidden = []
@@ -128,48 +151,36 @@ def _start(initial: Tensor | None, x: Tensor, size: int) -> Tensor:
     return start
 
 
-def _check_recurrent(attributes: Attributes, node: onnx.NodeProto) -> None:
-    for reason in _unsupported(attributes, node):
+def _check_recurrent(node: OnnxNode) -> None:
+    node.passes_over(*_KNOWN)
+    for reason in _unsupported(node):
         raise PolicyError(
-            f"operator {node.op_type} (node {node.name or node.output[-1]!r}): {reason} is not in "
+            f"operator {node.kind} (node {node.name!r}): {reason} is not in "
             "the NumPy backend; use --backend onnxruntime"
         )
 
 
-def _unsupported(attributes: Attributes, node: onnx.NodeProto) -> Iterator[str]:
+def _unsupported(node: OnnxNode) -> Iterator[str]:
     """What a node asks for that the functions above do not compute, by name."""
-    direction = attributes.get("direction", b"forward").decode()
+    direction = node.word("direction", "forward")
     if direction != "forward":
         yield f"direction={direction}"
-    if attributes.get("layout", 0):
-        yield f"layout={attributes['layout']}"
-    if attributes.get("input_forget", 0):
+    if node.get("layout", 0):
+        yield f"layout={node['layout']}"
+    if node.get("input_forget", 0):
         yield "input_forget=1"
-    usual = _ACTIVATIONS[node.op_type]
-    activations = tuple(name.lower() for name in attributes.get("activations", usual))
-    if activations != usual:
-        yield f"activations={b' '.join(attributes['activations']).decode()}"
-    yield from sorted(attributes.keys() - _KNOWN)
+    if _activations(node) not in _ACTIVATIONS[node.kind]:
+        yield f"activations={b' '.join(node['activations']).decode(errors='replace')}"
+    yield from sorted(node.attributes.keys() - _KNOWN)
     for index, name in ((4, "sequence_lens"), (7, "P (peepholes)")):
-        if len(node.input) > index and node.input[index]:
+        if len(node.inputs) > index and node.inputs[index]:
             yield f"input {name}"
 
 
-def _split(attributes: Attributes, node: onnx.NodeProto) -> ManyOperator:
-    axis, count = attributes.get("axis", 0), len(node.output)
-
-    def split(x: Tensor, sizes: Tensor | None = None) -> tuple[Tensor, ...]:
-        if sizes is None:
-            # Parts of equal size, the last one smaller if need be.
-            sizes = np.full(count, -(-x.shape[axis] // count))
-        return tuple(np.split(x, np.cumsum(sizes)[:-1], axis))
-
-    return split
+def _activations(node: OnnxNode) -> tuple[bytes, ...]:
+    usual = _ACTIVATIONS[node.kind][0]
+    return tuple(name.lower() for name in node.get("activations", usual))
 
 
-MANY_OPERATORS: dict[str, Callable[[Attributes, onnx.NodeProto], ManyOperator]] = {
-    "GRU": _gru,
-    "LSTM": _lstm,
-    "Split": _split,
-}
-"""Name of an ONNX operator → what makes its function from a node and its attributes."""
+RECURRENT: dict[str, Maker] = {"GRU": _gru, "LSTM": _lstm, "RNN": _rnn}
+"""Name of an ONNX operator → what makes its function from a node."""

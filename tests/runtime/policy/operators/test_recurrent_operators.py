@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from onnx import helper
 
 from reflexarc_runtime.errors import PolicyError
-from reflexarc_runtime.policy.recurrent_operators import MANY_OPERATORS
-from support.onnx_nodes import Array, attributes_of, by_onnxruntime, in_double
+from reflexarc_runtime.policy.operators.operator_table import operator_of
+from support.onnx_nodes import Array, by_numpy, by_onnxruntime, in_double
 
 GATES = {"GRU": 3, "LSTM": 4}
 NAMES = ("X", "W", "R", "B", "", "initial_h", "initial_c")
@@ -36,8 +36,7 @@ def compute(
     outputs = ["Y", "Y_h", "Y_c"][: 2 if kind == "GRU" else 3]
     size = tensors[2].shape[2]
     node = helper.make_node(kind, names, outputs, hidden_size=size, **attributes)
-    mine = MANY_OPERATORS[kind](attributes_of(node), node)(*in_double(inputs))
-    return mine, by_onnxruntime(node, inputs)
+    return by_numpy(node, inputs), by_onnxruntime(node, inputs)
 
 
 @given(
@@ -81,7 +80,7 @@ def test_lstm_is_that_of_onnxruntime(
 @pytest.mark.parametrize("kind", ["GRU", "LSTM"])
 def test_a_sequence_is_its_steps_one_by_one(kind: str) -> None:
     x, w, r, b, *start = in_double([*drawn(kind, 6, 3, 4, 5, 1)])
-    operator = MANY_OPERATORS[kind]({}, helper.make_node(kind, [], []))
+    operator = operator_of(helper.make_node(kind, [], []))
     whole, *end = operator(x, w, r, b, None, *start)
     assert x is not None
     for row, expected in zip(x, whole, strict=True):
@@ -109,7 +108,7 @@ def test_what_it_does_not_compute_is_refused_by_name_in_one_line(
 ) -> None:
     node = helper.make_node(kind, names, ["Y"], **attributes)
     with pytest.raises(PolicyError, match=f"operator {kind} .*{said}.*--backend") as refusal:
-        MANY_OPERATORS[kind](attributes_of(node), node)
+        operator_of(node)
     assert "\n" not in str(refusal.value)
 
 
