@@ -28,7 +28,7 @@ from reflexarc_runtime.files import write_atomically
 from reflexarc_runtime.policy.model_file import with_contract
 from reflexarc_runtime.policy.numpy_backend import NumpyGraph
 from reflexarc_trainer.policy.golden_vectors import golden_of
-from reflexarc_trainer.policy.parity import Original, check_model, check_parity
+from reflexarc_trainer.policy.parity import Original, check_finite, check_model, check_parity
 from reflexarc_trainer.policy.probes import Probes, probe_memories, reached_memories
 from reflexarc_trainer.policy.rounding.rounding_bound import rounding_bound, tolerance_for
 from reflexarc_trainer.policy.translation.graph_builder import Translation
@@ -66,6 +66,7 @@ def export_graph(
     check_model(data)
     reference = NumpyGraph(model)
     probes = _probes(reference, contract, retinas)
+    check_finite(reference, probes)
     bound = rounding_bound(model, probes)
     contract = dataclasses.replace(
         contract,

@@ -21,10 +21,10 @@ from reflexarc_runtime.arrays import Actions, Memories, QValues, RetinaBatch
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.errors import PolicyError
 from reflexarc_runtime.policy.agreement import Floats, flips, within_tolerance
-from reflexarc_runtime.policy.golden_check import start_of
+from reflexarc_runtime.policy.golden_check import Graph, start_of
 from reflexarc_runtime.policy.policy import load_policy
 from reflexarc_trainer.policy.probes import Probes, golden_sequences
-from reflexarc_trainer.policy.refusal_reasons import Refusing
+from reflexarc_trainer.policy.refusal_reasons import Refusing, not_finite
 
 NUMPY_TOLERANCE = 1e-6
 _DOUBLE = 2.0**-29
@@ -66,6 +66,19 @@ def check_model(model: bytes) -> None:
     except (onnx.checker.ValidationError, onnx.shape_inference.InferenceError) as error:
         reason = " ".join(str(error).split())[:200]
         raise PolicyError(f"export: the ONNX checker refuses the graph: {reason}") from None
+
+
+def check_finite(reference: Graph, probes: Probes) -> None:
+    """Check that the reference computes numbers that float32 has.
+
+    Raises:
+        PolicyError: it does not.
+    """
+    q_values, _, following = reference.run(probes.retinas, probes.memories)
+    if not np.isfinite(q_values).all():
+        raise PolicyError(f"export: {not_finite(q_values)}; nothing was written")
+    if following is not None and not np.isfinite(following).all():
+        raise PolicyError(f"export: the memory: {not_finite(following)}; nothing was written")
 
 
 def check_parity(original: Original, model: bytes, probes: Probes, bound: float) -> None:
@@ -167,4 +180,5 @@ def _require(
 
 def _largest(got: Floats, expected: Floats) -> float:
     exact = expected.astype(np.float64)
-    return float(np.max(np.abs(got - exact) / np.maximum(1.0, np.abs(exact))))
+    with np.errstate(invalid="ignore"):  # what is not finite is a verdict, not a warning
+        return float(np.max(np.abs(got - exact) / np.maximum(1.0, np.abs(exact))))

@@ -30,7 +30,7 @@ class Refusing:
             q_values: what the reference says.
         """
         if not (np.isfinite(q_values).all() and math.isfinite(apart)):
-            return _not_finite(q_values)
+            return not_finite(q_values)
         if apart > self.bound:
             return f"float32 can be off by {self.bound:.2g} at most, so an operator is at fault"
         return (
@@ -41,17 +41,18 @@ class Refusing:
     def translated(self, apart: float, q_values: QValues) -> str:
         """Why the file and its original differ."""
         if not (np.isfinite(q_values).all() and math.isfinite(apart)):
-            return _not_finite(q_values)
+            return not_finite(q_values)
         return "more than rounding explains: the original computes something else than its graph"
 
     def grown(self, apart: float, q_values: QValues) -> str:
         """Why sequences drift apart."""
         if not (np.isfinite(q_values).all() and math.isfinite(apart)):
-            return _not_finite(q_values)
+            return not_finite(q_values)
         return "the memory makes rounding grow from tick to tick: let it forget more of what it had"
 
 
-def _not_finite(q_values: QValues) -> str:
+def not_finite(q_values: QValues) -> str:
+    """Why values are infinite or no numbers."""
     what = "NaN" if np.isnan(q_values).any() else "infinite"
     return (
         f"its values are not finite ({what}): such numbers are among its weights, it divides by 0, "
