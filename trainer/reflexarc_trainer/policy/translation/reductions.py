@@ -26,8 +26,9 @@ def _along(kind: str) -> Rule:
     """A sum, mean or extreme along given axes."""
 
     def rule(call: Call) -> str:
-        given = call.given("dim", "keepdim", dim=None, keepdim=False, axis=None, dtype=None)
-        axes = _axes(call.args[0], given["dim"])
+        given = call.given("dim", "keepdim", "axis", dim=None, keepdim=False, axis=None)
+        dims = given["axis"] if given["dim"] is None else given["dim"]
+        axes = _axes(call.args[0], dims)
         return _reduced(call.graph, kind, call.args[0].name, axes, keep=given["keepdim"])
 
     return rule

@@ -69,12 +69,25 @@ def without_casts(module: nn.Module) -> nn.Module:
 
 
 def _compute_in_double(traced: fx.GraphModule) -> bool:
-    """Let casts to floats be casts to float64; returns whether there were any."""
+    """Let casts to floats be casts to float64, tensors of the code too; whether there were any."""
     casts = [node for node in traced.graph.nodes if _is_float_cast(node)]
     for node in casts:
         node.target, node.args, node.kwargs = "double", node.args[:1], {}
     traced.recompile()
-    return bool(casts)
+    return bool(casts) | _widen(traced)
+
+
+def _widen(traced: fx.GraphModule) -> bool:
+    """Turn floats that the module's code made, and that no parameter holds, into float64."""
+    singles = {
+        str(node.target)
+        for node in traced.graph.nodes
+        if node.op == "get_attr" and getattr(traced, str(node.target), None) is not None
+    }
+    found = [name for name in singles if getattr(traced, name).dtype == torch.float32]
+    for name in found:
+        setattr(traced, name, getattr(traced, name).double())
+    return bool(found)
 
 
 def _is_float_cast(node: fx.Node) -> bool:
