@@ -4,20 +4,17 @@ Two levels check each other. `policy`: the retina of each tick goes through the 
 messages that arrived go through the whole controller; it needs the log of a loop (`run --record`).
 """
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Literal, get_args
 
 from reflexarc_logs.reading.reader import Log, read_log
 from reflexarc_logs.replaying.comparison import EqualityRules, LevelResult, ReplayReport
 from reflexarc_logs.replaying.node_level import replay_node, why_not
 from reflexarc_logs.replaying.policy_level import replay_policy
-from reflexarc_runtime.errors import LogError, PolicyError, ReflexarcError, UsageError
-from reflexarc_runtime.loop.trials.trial import Trial
+from reflexarc_runtime.errors import LogError, ReflexarcError, UsageError
+from reflexarc_runtime.loop.trials.tried_policy import load_tried_policy
 from reflexarc_runtime.policy.model_file import policy_hash
-from reflexarc_runtime.policy.policy import Backend, LoadedPolicy, load_policy
+from reflexarc_runtime.policy.policy import Backend, LoadedPolicy
 
 Level = Literal["policy", "node"]
 
@@ -76,7 +73,7 @@ def attached_policy(log: Log, backend: Backend | str | None = None) -> LoadedPol
         raise LogError(f"{log.path}: no policy is attached; give one with --policy")
     _check_identity(log)
     try:
-        return _loaded(log.policy, backend or log.run.replay_backend)
+        return load_tried_policy(log.policy, backend or log.run.replay_backend)
     except ReflexarcError as error:
         raise type(error)(f"{log.path}: attached {error}") from None
 
@@ -87,38 +84,10 @@ def _policy(
     if given is None:
         return attached_policy(log, backend)
     if not isinstance(given, LoadedPolicy):
-        return _loaded(given, backend or log.run.replay_backend)
+        return load_tried_policy(given, backend or log.run.replay_backend)
     if backend is None or given.backend == Backend(backend):
         return given
-    return _loaded(given.data, backend)
-
-
-def _loaded(source: Path | str | bytes, backend: Backend | str) -> LoadedPolicy:
-    """Load a policy; for onnxruntime, whose graphs may loop, after a process of its own has."""
-    if Backend(backend) is Backend.ONNXRUNTIME:
-        _try(source)
-    return load_policy(source, backend, bounds=None)
-
-
-def _try(source: Path | str | bytes) -> None:
-    with _policy_file(source) as path, Trial(path, Backend.ONNXRUNTIME.value) as trial:
-        try:
-            trial.finding()
-        except PolicyError as error:
-            name = "policy" if isinstance(source, bytes) else str(source)
-            raise PolicyError(str(error).replace(str(path), name)) from None
-
-
-@contextmanager
-def _policy_file(source: Path | str | bytes) -> Iterator[Path]:
-    """The file of a policy; a temporary one, if only its bytes are there."""
-    if not isinstance(source, bytes):
-        yield Path(source)
-        return
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / "policy.onnx"
-        path.write_bytes(source)
-        yield path
+    return load_tried_policy(given.data, backend)
 
 
 def _check_identity(log: Log) -> None:

@@ -16,18 +16,24 @@ import onnx
 
 from reflexarc_runtime.arrays import Actions, Memories, QValues, RetinaBatch
 from reflexarc_runtime.errors import PolicyError
+from reflexarc_runtime.policy.numpy_limits import (
+    ELEMENTS_AT_ONCE,
+    ELEMENTS_OF_ONE,
+    SHAPE_INPUTS,
+    Meter,
+)
 from reflexarc_runtime.policy.operators.graph_node import (
     ABSENT,
     LATEST_OPSET,
     OLDEST_OPSET,
     ONNX_DOMAINS,
+    OnnxNode,
     Operator,
     Tensor,
     array_of,
 )
 from reflexarc_runtime.policy.operators.operator_table import (
-    given_inputs,
-    operator_of,
+    compiled,
     supported_operators,
 )
 
@@ -40,6 +46,7 @@ class GraphStep(NamedTuple):
     operator: Operator
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
+    node: OnnxNode
 
 
 class NumpyGraph:
@@ -56,17 +63,66 @@ class NumpyGraph:
         constants = {t.name: array_of(t) for t in model.graph.initializer}
         self._constants: dict[str, Any] = {ABSENT: None, **constants}
         self._steps = [_step(node, opset) for node in model.graph.node]
+        self._rows_at_once = 0
+        """How many decisions are computed together; 0 while it is not known."""
+        self._measured: set[int] = set()
+        """Numbers of decisions whose cost has been found small enough."""
+        self._has_fixed_shapes = not _shapes_hang_on_inputs(self._steps)
 
     def run(
         self, retinas: RetinaBatch, memories: Memories | None = None
     ) -> tuple[QValues, Actions, Memories | None]:
-        """See `Graph.run`; stacks are (n, frames, eyes, rays, channels)."""
+        """See `Graph.run`; stacks are (n, frames, eyes, rays, channels).
+
+        Raises:
+            PolicyError: a decision would take more memory or work than `numpy_limits` allows.
+        """
+        if not self._rows_at_once:
+            self._rows_at_once = self._find_rows_at_once(retinas, memories)
+        count, most = len(retinas), self._rows_at_once
+        if count <= most:
+            return self._compute(retinas, memories)
+        starts = range(0, count, most)
+        parts = [
+            self._compute(
+                retinas[start : start + most],
+                None if memories is None else memories[start : start + most],
+            )
+            for start in starts
+        ]
+        return _joined(parts)
+
+    def end_run(self) -> None:
+        """See `Graph.end_run`: none of its operators loops, so there is nothing to end."""
+
+    def _find_rows_at_once(self, retinas: RetinaBatch, memories: Memories | None) -> int:
+        """Compute one decision and count what it takes."""
+        one = np.zeros((1, *retinas.shape[1:]), retinas.dtype)
+        its = None if memories is None else np.zeros((1, *memories.shape[1:]), memories.dtype)
+        meter = Meter(ELEMENTS_OF_ONE, 1)
+        self._compute(one, its, meter)
+        return max(1, ELEMENTS_AT_ONCE // max(1, meter.made))
+
+    def _meter_for(self, count: int) -> Meter | None:
+        """None where the cost is known: it hangs on the number of decisions alone."""
+        if self._has_fixed_shapes and count in self._measured:
+            return None
+        self._measured.add(count)
+        return Meter(ELEMENTS_OF_ONE if count == 1 else ELEMENTS_AT_ONCE, count)
+
+    def _compute(
+        self, retinas: RetinaBatch, memories: Memories | None, meter: Meter | None = None
+    ) -> tuple[QValues, Actions, Memories | None]:
+        meter = meter or self._meter_for(len(retinas))
         values: dict[str, Any] = {**self._constants, "retina": retinas}
         if memories is not None:
             values["state"] = memories.astype(np.float64)
         with np.errstate(all="ignore"):  # what is not finite is a verdict, not a warning
-            for operator, inputs, outputs in self._steps:
-                result = operator(*[values[name] for name in inputs])
+            for operator, inputs, outputs, node in self._steps:
+                given = [values[name] for name in inputs]
+                if meter is not None:
+                    meter.count(node, given)
+                result = operator(*given)
                 if isinstance(result, tuple):
                     _store(values, outputs, result)
                 else:
@@ -75,16 +131,34 @@ class NumpyGraph:
             next_memories = None if following is None else following.astype(np.float32)
             return values["q_values"].astype(np.float32), values["action"], next_memories
 
-    def end_run(self) -> None:
-        """See `Graph.end_run`: none of its operators loops, so there is nothing to end."""
-
 
 def _store(values: dict[str, Any], names: tuple[str, ...], results: tuple[Tensor, ...]) -> None:
     values.update((n, r) for n, r in zip(names, results, strict=False) if n != ABSENT)
 
 
 def _step(node: onnx.NodeProto, opset: int) -> GraphStep:
-    return GraphStep(operator_of(node, opset), given_inputs(node), tuple(node.output))
+    form, operator = compiled(node, opset)
+    return GraphStep(operator, form.inputs, form.outputs, form)
+
+
+def _shapes_hang_on_inputs(steps: list[GraphStep]) -> bool:
+    """Whether a shape in the graph hangs on what is seen, and not on how much of it there is."""
+    hanging = {"retina", "state"}
+    for step in steps:
+        said = step.inputs[SHAPE_INPUTS.get(step.node.kind, slice(0, 0))]
+        if not hanging.isdisjoint(said):
+            return True
+        if step.node.kind not in ("Shape", "Size") and not hanging.isdisjoint(step.inputs):
+            hanging.update(step.outputs)
+    return False
+
+
+def _joined(
+    parts: list[tuple[QValues, Actions, Memories | None]],
+) -> tuple[QValues, Actions, Memories | None]:
+    q_values, actions = (np.concatenate([part[i] for part in parts]) for i in range(2))
+    memories = [part[2] for part in parts if part[2] is not None]
+    return q_values, actions, np.concatenate(memories) if memories else None
 
 
 def _opset(model: onnx.ModelProto) -> int:

@@ -7,7 +7,8 @@ import numpy as np
 import onnxruntime
 
 from reflexarc_runtime.arrays import Actions, Memories, QValues, RetinaBatch
-from reflexarc_runtime.errors import DecisionEndedError, PolicyError, first_line
+from reflexarc_runtime.errors import DecisionEndedError, PolicyError
+from reflexarc_runtime.policy.onnxruntime_refusal import refusal
 
 
 class OnnxruntimeGraph:
@@ -30,7 +31,7 @@ class OnnxruntimeGraph:
                 model, options, providers=["CPUExecutionProvider"]
             )
         except Exception as error:  # onnxruntime raises classes of its own, one a status code
-            raise PolicyError(f"onnxruntime refuses the model: {first_line(error)}") from None
+            raise PolicyError(f"onnxruntime refuses the model: {refusal(error)}") from None
 
     def run(
         self, retinas: RetinaBatch, memories: Memories | None = None
@@ -62,4 +63,4 @@ class OnnxruntimeGraph:
         except Exception as error:
             if self._run_options.terminate:
                 raise DecisionEndedError("the run was ended from another thread") from error
-            raise
+            raise PolicyError(refusal(error)) from None

@@ -22,7 +22,6 @@ from reflexarc_runtime.errors import PolicyError, ReflexarcError, first_line
 from reflexarc_runtime.policy.golden_check import Graph, reproduce_golden_vectors, start_of
 from reflexarc_runtime.policy.model_file import (
     check_names,
-    check_size,
     contract_text,
     parse_model,
     policy_hash,
@@ -164,7 +163,6 @@ def load_contract(
     """
     where, data = _read(source)
     try:
-        check_size(len(data))
         return _contract_of(parse_model(data), bounds)
     except ReflexarcError as error:
         raise type(error)(f"{where}: {error}") from None

@@ -38,7 +38,12 @@ def supported_operators() -> tuple[str, ...]:
 
 
 def operator_of(proto: onnx.NodeProto, opset: int = 17) -> Operator:
-    """The function of a node.
+    """The function of a node: see `compiled`."""
+    return compiled(proto, opset)[1]
+
+
+def compiled(proto: onnx.NodeProto, opset: int) -> tuple[OnnxNode, Operator]:
+    """A node of a file, and its function.
 
     Args:
         proto: the node.
@@ -52,17 +57,23 @@ def operator_of(proto: onnx.NodeProto, opset: int = 17) -> Operator:
     node = OnnxNode(kind, attributes, given_inputs(proto), tuple(proto.output), opset)
     if kind not in OPERATORS or is_foreign:
         raise PolicyError(
-            f"operator {f'{proto.domain}.' * is_foreign}{kind} (node {proto.name or node.name!r}) "
+            f"operator {_shown(f'{proto.domain}.' * is_foreign + kind)} "
+            f"(node {_shown(proto.name or node.name)!r}) "
             f"is not in the NumPy backend, whose {len(OPERATORS)} operators are listed in "
             "docs/networks.md; use --backend onnxruntime"
         )
     operator = OPERATORS[kind](node)
     if node.unread():
         raise PolicyError(
-            f"operator {kind} (node {proto.name or node.name!r}): attribute {node.unread()[0]} is "
-            "not in the NumPy backend; use --backend onnxruntime"
+            f"operator {kind} (node {_shown(proto.name or node.name)!r}): attribute "
+            f"{_shown(node.unread()[0])} is not in the NumPy backend; use --backend onnxruntime"
         )
-    return operator
+    return node, operator
+
+
+def _shown(name: str) -> str:
+    """A name from a file, short and in one line."""
+    return "".join(character if character.isprintable() else "?" for character in name[:60])
 
 
 def given_inputs(node: onnx.NodeProto) -> tuple[str, ...]:

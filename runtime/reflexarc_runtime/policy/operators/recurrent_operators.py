@@ -170,7 +170,7 @@ def _unsupported(node: OnnxNode) -> Iterator[str]:
     if node.get("input_forget", 0):
         yield "input_forget=1"
     if _activations(node) not in _ACTIVATIONS[node.kind]:
-        yield f"activations={b' '.join(node['activations']).decode(errors='replace')}"
+        yield f"activations={b' '.join(node['activations']).decode(errors='replace')[:60]}"
     yield from sorted(node.attributes.keys() - _KNOWN)
     for index, name in ((4, "sequence_lens"), (7, "P (peepholes)")):
         if len(node.inputs) > index and node.inputs[index]:

@@ -55,7 +55,7 @@ def _shape(node: OnnxNode) -> Operator:
 
 def _flatten(node: OnnxNode) -> Operator:
     axis = node.get("axis", 1)
-    return lambda x: x.reshape(int(np.prod(x.shape[:axis])), -1)
+    return lambda x: x.reshape(math.prod(x.shape[:axis]), math.prod(x.shape[axis:]))
 
 
 def _reshape(node: OnnxNode) -> Operator:
