@@ -6,7 +6,7 @@ from pathlib import Path
 import tyro
 
 from reflexarc.terminal.output import console, print_json
-from reflexarc.wiring.policy_trials import BackendName, try_policy
+from reflexarc.wiring.policy_trials import BackendName
 from reflexarc_runtime.errors import UsageError
 
 MCAP_MAGIC = b"\x89MCAP"
@@ -41,10 +41,10 @@ class InfoCommand:
     def _of_policy(self) -> int:
         from reflexarc.terminal.policy_description import describe_policy
         from reflexarc_runtime.contract.bounds import excesses
-        from reflexarc_runtime.policy.policy import USUAL_BOUNDS, load_policy
+        from reflexarc_runtime.loop.trials.tried_policy import load_tried_policy
+        from reflexarc_runtime.policy.policy import USUAL_BOUNDS
 
-        try_policy(self.file, self.backend)
-        policy = load_policy(self.file, self.backend, verify=False, bounds=None)
+        policy = load_tried_policy(self.file, self.backend, verify=False)
         if not self.json:
             console.print(describe_policy(self.file, policy))
             return 0

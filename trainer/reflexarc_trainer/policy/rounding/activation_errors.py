@@ -17,8 +17,9 @@ def leaky_relu(attributes: dict[str, Any], x: Running) -> Running:
     """X, or α x below 0."""
     alpha = float(attributes.get("alpha", 0.01))
     value = np.where(x.value < 0.0, alpha * x.value, x.value)
-    own = np.where(x.value - x.error >= 0.0, 0.0, rounding(np.abs(value) + x.error))
-    return Running(value, _slope_below_zero(x, abs(alpha)) * x.error + own)
+    passed = _slope_below_zero(x, abs(alpha)) * x.error
+    own = np.where(x.value - x.error >= 0.0, 0.0, rounding(np.abs(value) + passed))
+    return Running(value, passed + own)
 
 
 def elu(attributes: dict[str, Any], x: Running) -> Running:
