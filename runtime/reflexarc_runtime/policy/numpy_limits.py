@@ -141,7 +141,7 @@ def _padded(node: OnnxNode, inputs: Inputs) -> tuple[int, int]:
 
 def _counted(node: OnnxNode, inputs: Inputs) -> tuple[int, int]:
     start, limit, step = (float(x.reshape(-1)[0]) for x in inputs)
-    count = (limit - start) / step if step else math.inf
+    count = (limit - start) / step + 1 if step else math.inf
     return int(min(max(2 * count, 0.0), 2.0**62)) if count == count else 0, 0
 
 

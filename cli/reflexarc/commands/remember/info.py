@@ -6,6 +6,7 @@ from pathlib import Path
 import tyro
 
 from reflexarc.terminal.output import console, print_json
+from reflexarc.wiring.policy_trials import BackendName
 from reflexarc_runtime.errors import UsageError
 
 MCAP_MAGIC = b"\x89MCAP"
@@ -28,6 +29,8 @@ class InfoCommand:
 
     file: tyro.conf.Positional[Path]
     """A policy (ONNX) or a log (MCAP)."""
+    backend: BackendName = "numpy"
+    """What has to be able to compute the policy."""
     json: bool = False
     """Print one JSON object."""
 
@@ -40,9 +43,10 @@ class InfoCommand:
     def _of_policy(self) -> int:
         from reflexarc.terminal.policy_description import describe_policy
         from reflexarc_runtime.contract.bounds import excesses
-        from reflexarc_runtime.policy.policy import USUAL_BOUNDS, load_policy
+        from reflexarc_runtime.loop.trials.tried_policy import load_tried_policy
+        from reflexarc_runtime.policy.policy import USUAL_BOUNDS
 
-        policy = load_policy(self.file, verify=False, bounds=None)
+        policy = load_tried_policy(self.file, self.backend, verify=False)
         if not self.json:
             console.print(describe_policy(self.file, policy))
             return 0
