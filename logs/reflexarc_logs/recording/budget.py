@@ -8,8 +8,9 @@ this order:
 2. nothing, and it is counted. Of what reached the loop that breaks a replay at level `node`, and
    the log says so; what is only overheard decides nothing.
 
-What the loop itself hands over is never left out, nor what the body sends for whose pictures it
-drives. Stops and resets have a budget of their own: noise cannot push them out.
+What the loop itself hands over is never left out, nor what the body sends that it is bound to, and
+the range sensor of its guard: keyframes say who they are. Stops and resets have a budget of their
+own: noise cannot push them out.
 """
 
 from dataclasses import dataclass
@@ -24,8 +25,7 @@ from reflexarc_runtime.messages.topics import (
     TICK,
     topic_of,
 )
-from reflexarc_runtime.messages.wire import NO_SENDER
-from reflexarc_runtime.messages_pb2 import Rejected, Tick
+from reflexarc_runtime.messages_pb2 import Keyframe, Rejected
 
 BURST_BYTES = 32 << 20
 """Of each budget: so much at once is recorded whole."""
@@ -34,8 +34,9 @@ NOISE_BYTES_PER_S = 128_000
 BRIEF_BYTES_PER_S = 2_000_000
 """What remains of them. An inbox passes at most 1024 messages a tick on."""
 CONTROLS_BYTES_PER_S = 1_000_000
-OTHERS_BYTES_PER_S = 1_000_000
-"""All the rest. A simulated robot's own streams beside its sensor are 20 kB/s."""
+OTHERS_BYTES_PER_S = 4_000_000
+"""All the rest; for a listener that is the whole robot. A lidar of 1080 beams at 40 Hz is 0.7 MB/s,
+a simulated robot's own streams beside its sensor are 20 kB/s."""
 ENTRY_BYTES = 64
 """What a message costs without its payload."""
 ATTACHMENT_BYTES = 67
@@ -79,7 +80,7 @@ class Budgets:
         self._brief = ByteBudget(BRIEF_BYTES_PER_S)
         self._controls = ByteBudget(CONTROLS_BYTES_PER_S)
         self._others = ByteBudget(OTHERS_BYTES_PER_S)
-        self._body = NO_SENDER
+        self._bound: frozenset[bytes] = frozenset()
         self.missing = 0
         """Messages left out that reached a loop: they may have decided."""
         self.beside = 0
@@ -96,9 +97,10 @@ class Budgets:
         if topic is REJECTED:
             return self._granted_of_noise(entry, now_s)
         if topic in self._loops_own:
-            self._look_for_the_body(entry)
+            if topic is KEYFRAME:
+                self._bound = _bound(Keyframe.FromString(entry.payload))
             return entry
-        if entry.sender == self._body != NO_SENDER:
+        if entry.sender in self._bound:
             return entry
         budget = self._controls if topic in CONTROLS else self._others
         return self._whole(entry, budget, entry.key, now_s)
@@ -126,11 +128,6 @@ class Budgets:
             self.beside += 1
         return None
 
-    def _look_for_the_body(self, entry: LogEntry) -> None:
-        """Learn from a tick for whose pictures the loop drives."""
-        if topic_of(entry.key) is TICK:
-            self._body = Tick.FromString(entry.payload).decision.command.body or self._body
-
 
 def shortened(entry: LogEntry, rejected: Rejected) -> LogEntry:
     """A message that cannot be decoded, without its payload: it is refused in the same words."""
@@ -149,3 +146,9 @@ def shortened(entry: LogEntry, rejected: Rejected) -> LogEntry:
         entry.sent_ns,
         entry.received_ns,
     )
+
+
+def _bound(keyframe: Keyframe) -> frozenset[bytes]:
+    """Whose messages decide, as a loop knew it once a second."""
+    fields = ("source", "ranges_source")
+    return frozenset(getattr(keyframe, f).sender for f in fields if keyframe.HasField(f))

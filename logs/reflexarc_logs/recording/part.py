@@ -1,5 +1,6 @@
 """One part of a recording: a log of its own, which begins with all that a log must hold."""
 
+import contextlib
 import json
 import time
 from collections.abc import Mapping
@@ -24,7 +25,8 @@ PART = "reflexarc.part"
 PART_OF = "of"
 MAX_PARTS = 1000
 
-_SYNC_S = 1.0
+_SYNC_S = 0.9
+"""A little less than two periods of a flush, so that it is done at every second one."""
 _SYNC_SHARE = 4.0
 """A disk that takes long to sync is left alone for so many times as long."""
 
@@ -129,7 +131,7 @@ class Part:
         """
         self.say_missing(missing)
         self._file.flush()
-        trouble = self._place.look(self.path, self.partial, self._file.fileno())
+        trouble = self._look()
         if time.monotonic() >= self._sync_due_s:
             self._sync()
         return trouble
@@ -146,8 +148,12 @@ class Part:
 
         Raises:
             OSError: the disk did not take it, or something of that name is there.
+            LostPlaceError: the file is no longer where it should be: another one must not get its
+                name.
         """
         self.say_missing(missing)
+        with contextlib.suppress(NoRoomError):  # the reserve is there for this
+            self._look()
         self._file.finish()
         self._is_finished = True
 
@@ -166,6 +172,9 @@ class Part:
     def discard(self) -> None:
         """Close it and remove it."""
         self._file.discard()
+
+    def _look(self) -> str:
+        return self._place.look(self.path, self.partial, self._file.fileno())
 
     def _sync(self) -> None:
         begin_s = time.monotonic()

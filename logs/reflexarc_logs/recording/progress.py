@@ -2,27 +2,34 @@
 
 import time
 
-BEHIND_S = 1.0
-"""Being behind for so long is worth a word. A disk that hangs shows so, too."""
+BEHIND_S = 0.3
+"""Being busy for so long is worth a word; a disk that hangs shows so, too. With the periods of a
+sync and of the status it is said some two seconds after the disk became slow."""
 
 
 class Progress:
-    """Remembers when its thread had last caught up."""
+    """Remembers since when its thread has had something to do."""
 
     def __init__(self) -> None:
         self.steps = 0
         """Grows while the thread does anything."""
-        self._caught_up_s = time.monotonic()
+        self._busy_since_s: float | None = None
 
-    def step(self, *, is_idle: bool) -> None:
-        """Say that the thread goes on, and whether it has nothing left to do."""
+    def rest(self) -> None:
+        """Say that the thread has done all that there was to do, and waits."""
         self.steps += 1
-        if is_idle:
-            self._caught_up_s = time.monotonic()
+        self._busy_since_s = None
+
+    def work(self) -> None:
+        """Say that it goes on."""
+        self.steps += 1
+        if self._busy_since_s is None:
+            self._busy_since_s = time.monotonic()
 
     def behind_in_words(self, waiting: int) -> str:
-        """For how long it has been behind; empty if it is not."""
-        behind_s = time.monotonic() - self._caught_up_s
-        if behind_s < BEHIND_S:
+        """For how long it has not caught up; empty if it has, or not for long."""
+        since_s = self._busy_since_s
+        busy_s = 0.0 if since_s is None else time.monotonic() - since_s
+        if busy_s < BEHIND_S:
             return ""
-        return f"the disk is slow: {waiting} records have been waiting for {behind_s:.1f} s"
+        return f"the disk is slow: busy for {busy_s:.1f} s, {waiting} records wait"

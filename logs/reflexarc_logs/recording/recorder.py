@@ -10,7 +10,6 @@ goes on in a new part, from the next keyframe on.
 start: a step of the wall clock does not show in it, and replay gets the arrival back exactly.
 """
 
-import logging
 import threading
 import time
 from collections.abc import Callable, Mapping
@@ -26,6 +25,7 @@ from reflexarc_logs.recording.budget import Budgets
 from reflexarc_logs.recording.part import Head, Part
 from reflexarc_logs.recording.place import DEFAULT_RESERVE_BYTES, LostPlaceError, NoRoomError
 from reflexarc_logs.recording.progress import Progress
+from reflexarc_logs.recording.recording_notices import RecordingNotices
 from reflexarc_logs.recording.series import Series
 from reflexarc_runtime.keyframe import Keyframe
 from reflexarc_runtime.messages.wire import Message
@@ -36,8 +36,6 @@ FLUSH_PERIOD_S = 0.5
 PATIENCE_S = 20.0
 """How long the end of a recording waits for a disk that does nothing."""
 _WAIT_S = 1.0
-
-_LOG = logging.getLogger(__name__)
 
 
 class Recorder:
@@ -77,7 +75,7 @@ class Recorder:
         self._intake = Intake(run.robot)
         self._budgets = Budgets(of_loop=self._begins_with_keyframes)
         self._backlog = Backlog()
-        self._progress = Progress()
+        self._progress, self._notices = Progress(), RecordingNotices()
         self._failure = ""
         """Why nothing is recorded just now."""
         self._failures: list[str] = []
@@ -193,12 +191,16 @@ class Recorder:
                 self._write(part, entry)
             if time.monotonic() >= flush_due_s:
                 self._trouble = part.keep(self._missing())
+                self._notices.look(part.path, self._trouble, self._backlog.dropped)
                 flush_due_s = time.monotonic() + FLUSH_PERIOD_S
 
     def _take(self, timeout_s: float) -> Entry | None:
-        self._progress.step(is_idle=not self._backlog.waiting)
+        if not self._backlog.waiting:
+            self._progress.rest()
         held, self._held = self._held, None
-        return held or self._backlog.take(timeout_s)
+        entry = held or self._backlog.take(timeout_s)
+        self._progress.work()
+        return entry
 
     def _write(self, part: Part, entry: Entry) -> None:
         granted = self._budgets.granted(self._intake.sort(entry), time.monotonic())
@@ -222,7 +224,7 @@ class Recorder:
         return None
 
     def _go_on(self, part: Part) -> None:
-        _LOG.warning("%s: the recording goes on: %d records are lost", part.path, self._lost)
+        self._notices.goes_on(part.path, self._lost)
         self._failure, self._trouble, self._lost = "", "", 0
         self._before = self._left_out()
 
@@ -241,9 +243,7 @@ class Recorder:
             leave()
         except Exception:  # it failed already; this is for what may still be saved
             part.abandon()
-        kept = part.place_now
-        where = f"What was written is in {kept}" if kept.exists() else "What was written is gone"
-        _LOG.error("%s: the recording stopped: %s; the robot goes on. %s", part.path, reason, where)
+        self._notices.stopped(part.path, reason, part.place_now)
 
     def _note_failure(self, reason: str) -> None:
         self._failures.append(reason)

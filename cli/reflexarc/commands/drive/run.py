@@ -171,6 +171,7 @@ class RunCommand:
         bus.subscribe([controller.sense.topic], came.hear)
         ranges = [topic for topic in (controller.ranges_topic,) if topic is not None]
         bus.subscribe([*ranges, STOP, RESET], inbox.put)
+        self._look_for_rivals(bus)
         robot, lockstep = self.joining.robot, self.lockstep
         watching = self.watching.watch(
             bus, inbox, policy, robot=robot, run_id=run_id, lockstep=lockstep
@@ -180,10 +181,18 @@ class RunCommand:
         waiting = self._waiting(bus, controller, came)
         # The watchdog ends first: what it watches has ended, and the others take a moment to.
         with notices, waiting, watching as watch:
-            words = f"{self.policy} on {self.backend}; {said}; watchdog {watch.state}"
+            words = f"{plain(str(self.policy))} on {self.backend}; {said}; watchdog {watch.state}"
             aside.print(f"reflexarc run: {words}", soft_wrap=True)
             node = self._node(controller, inbox, outlets, sink, run_id, bus.sender, watch, notices)
             return node.run(stop, self.ticks)
+
+    def _look_for_rivals(self, bus: "Bus") -> None:
+        """Say whom the body obeys in place of this runtime; in lockstep all have one name."""
+        from reflexarc.wiring.rivals import Rivals
+        from reflexarc_runtime.messages.topics import LEASE
+
+        if not self.lockstep:
+            bus.subscribe([LEASE], Rivals(bus.sender, self._say, bus.robot).hear)
 
     def _waiting(self, bus: "Bus", controller: "Controller", came: "Arrival") -> "Waiting":
         """What explains why no input comes."""
@@ -293,7 +302,7 @@ class RunCommand:
 
     def _tell(self, summary: "Summary", recording: "Recording") -> None:
         if self.json:
-            said = {"recording": recording.state, "parts": recording.parts}
+            said = {"recording": recording.in_words, "parts": recording.parts}
             print_json({**_as_dict(summary), **said})
             return
         console.print(

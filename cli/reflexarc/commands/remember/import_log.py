@@ -9,6 +9,7 @@ import tyro
 from reflexarc.terminal.output import aside, console, facts, plain, print_json
 from reflexarc.wiring.exchange.bag_flags import BagFlags
 from reflexarc_runtime.errors import UsageError
+from reflexarc_runtime.words.suggestion import pasteable
 
 if TYPE_CHECKING:
     from reflexarc_logs.bags.bag_import import BagImport
@@ -21,9 +22,9 @@ DEFAULT_RATE_HZ = 10.0
 class ImportCommand:
     """Import a log of another system: a bag of ROS 2; CARMEN (Radish), CoreSLAM, plain or gzip.
 
-    The log holds scans, corrected poses and odometry, as far as the file has them. Malformed lines
-    are counted and left out; distances that the sensor could not measure stay unknown. Recorded
-    times are kept only on request and only if they grow, because in many logs they do not.
+    The log holds scans, poses and odometry of one laser, as far as the file has them. Malformed
+    lines are counted and left out; distances that the sensor could not measure stay unknown.
+    Recorded times are kept only on request and only if they grow, because in many logs they do not.
 
     Of a bag (extra `ros2`) come its LaserScan, Odometry, transforms, and its images beside; its
     times are kept, and what a scanner's driver means is said as for a robot.
@@ -65,7 +66,7 @@ class ImportCommand:
         console.print(facts(_rows(imported)))
         for note in imported.notes:
             aside.print(f"note: {note}")
-        aside.print(f"try: reflexarc play {self.out}")
+        aside.print(f"try: {pasteable('reflexarc', 'play', self.out)}", soft_wrap=True)
         return 0
 
     def _import_bag(self) -> int:
@@ -78,7 +79,7 @@ class ImportCommand:
             print_json(imported)
             return 0
         console.print(facts(_bag_rows(imported)))
-        aside.print(f"try: reflexarc info {plain(str(self.out))}")
+        aside.print(f"try: {pasteable('reflexarc', 'info', self.out)}", soft_wrap=True)
         return 0
 
 

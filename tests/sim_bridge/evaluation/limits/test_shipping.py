@@ -8,8 +8,8 @@ import time
 
 import pytest
 
-from reflexarc_runtime.errors import UsageError
 from reflexarc_runtime.crew.worker_process import Task
+from reflexarc_runtime.errors import UsageError
 from reflexarc_sim_bridge.evaluation.limits.kept import shipped_figures
 from reflexarc_sim_bridge.evaluation.limits.shipping import computed, units_to_ship
 

@@ -1,0 +1,31 @@
+"""Says on the terminal what is amiss with a recording, once a change."""
+
+import logging
+from pathlib import Path
+
+_LOG = logging.getLogger("reflexarc_logs.recording")
+
+
+class RecordingNotices:
+    """Remembers what was said."""
+
+    def __init__(self) -> None:
+        self._trouble = ""
+        self._dropped = 0
+
+    def look(self, path: Path, trouble: str, dropped: int) -> None:
+        """Say what keeps a log from getting its name, and how much was dropped, if that is new."""
+        if trouble and trouble != self._trouble:
+            _LOG.warning("%s: %s: it will stay unfinished", path, trouble)
+        if dropped > self._dropped:
+            _LOG.error("%s: the disk is too slow: %d records dropped", path, dropped)
+        self._trouble, self._dropped = trouble, dropped
+
+    def stopped(self, path: Path, reason: str, kept: Path) -> None:
+        """Say that nothing is recorded any more."""
+        where = f"What was written is in {kept}" if kept.exists() else "What was written is gone"
+        _LOG.error("%s: the recording stopped: %s; the robot goes on. %s", path, reason, where)
+
+    def goes_on(self, path: Path, lost: int) -> None:
+        """Say that a new part began."""
+        _LOG.warning("%s: the recording goes on; %d records were lost before it", path, lost)

@@ -1,0 +1,53 @@
+"""What a command says of its recording, and how much of a disk it leaves free."""
+
+from pathlib import Path
+
+import pytest
+
+from reflexarc.wiring.recorders import Recording, recording_of
+from reflexarc.wiring.reserve import Reserve
+from reflexarc_logs.recording.recorder import Recorder
+from reflexarc_runtime.errors import UsageError
+from reflexarc_runtime.loop.sink import NoSink
+from support.recordings import RUN
+
+A, B = Path("a.mcap"), Path("a.part2.mcap")
+
+
+@pytest.mark.parametrize(
+    ("recording", "words"),
+    [
+        (Recording("off"), "off"),
+        (Recording("off", (A,)), "a.mcap"),
+        (Recording("off, 7 records dropped", (A,), True), "a.mcap, 7 records dropped"),
+        (Recording("off, again in B", (A, B), True), "a.mcap, a.part2.mcap, again in B"),
+        (Recording("stopped: No space", (A,), True), "stopped: No space (a.mcap)"),
+        (Recording("stopped: the file was deleted", (), True), "stopped: the file was deleted"),
+    ],
+)
+def test_a_person_reads_where_it_is_and_what_is_amiss(recording, words):
+    assert recording.in_words == words
+
+
+def test_nothing_was_recorded_and_nothing_failed():
+    assert recording_of(NoSink()) == Recording("off")
+
+
+def test_a_recording_whose_file_was_deleted_failed_and_has_no_parts(tmp_path):
+    path = tmp_path / "a.mcap"
+    with Recorder(path, RUN, b"", {}, wall_offset_ns=0) as recorder:
+        (tmp_path / "a.mcap.partial").unlink()
+    # It was closed before the next look: the end itself finds out.
+    assert recording_of(recorder).failed
+    assert recording_of(recorder).parts == ()
+
+
+@pytest.mark.parametrize("number", [-1.0, float("nan"), float("inf"), 1e12])
+def test_a_reserve_that_is_no_size_is_refused(number):
+    with pytest.raises(UsageError, match=r"^--reserve-mb: expected 0 to"):
+        _ = Reserve(number).size_bytes
+
+
+def test_a_reserve_is_counted_in_mebibytes():
+    assert Reserve(1.5).size_bytes == 1536 * 1024
+    assert Reserve().size_bytes == 64 << 20
