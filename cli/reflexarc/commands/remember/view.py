@@ -116,20 +116,21 @@ class ViewCommand:
         came: queue.Queue[Message] = queue.Queue(MOST_WAITING)
         drawer, offset_ns = Drawer(), wall_offset_ns()
         with self.joining.bus("viewer") as bus:
+            bus.subscribe(ON_THE_BUS, _keep(came))
+            aside.print(f"reflexarc view: {plain(bus.robot)}/… (Ctrl-C ends it)")
+            while came.empty() and not stop():
+                time.sleep(POLL_S)
+            # Only now is the runtime known, whose policy names the actions.
             actions = action_names(bus.fetch_policy())
             canvas = RerunCanvas(bus.robot, f"live since {time.time():.0f}", actions)
             connect(canvas)
-            bus.subscribe(ON_THE_BUS, _keep(came))
-            aside.print(f"reflexarc view: {bus.robot}/… (Ctrl-C ends it)")
             while not stop():
-                try:
+                with contextlib.suppress(queue.Empty):
                     message = came.get(timeout=POLL_S)
-                except queue.Empty:
-                    continue
-                name = message.key.removeprefix(f"{bus.robot}/")
-                schema = message.encoding.partition(";")[2]
-                time_ns = message.received_ns + offset_ns
-                show(drawer, canvas, name, schema, message.payload, time_ns)
+                    name = message.key.removeprefix(f"{bus.robot}/")
+                    schema = message.encoding.partition(";")[2]
+                    time_ns = message.received_ns + offset_ns
+                    show(drawer, canvas, name, schema, message.payload, time_ns)
         canvas.finish()
 
 
