@@ -5,6 +5,8 @@ drawings of their own.
 """
 
 import contextlib
+import os
+import signal
 import socket
 import subprocess
 import sys
@@ -28,7 +30,7 @@ def open_window(port: int) -> None:
 
 
 def serve_page(port: int, page_port: int) -> "subprocess.Popen[bytes]":
-    """Start the page for a browser; it ends when what is returned is terminated.
+    """Start the page for a browser; it ends when what is returned is given to `end`.
 
     Raises:
         UsageError: a port is taken.
@@ -43,8 +45,9 @@ def serve_page(port: int, page_port: int) -> "subprocess.Popen[bytes]":
 
 
 def end(viewer: "subprocess.Popen[bytes]") -> None:
-    """End a viewer that was started."""
-    viewer.terminate()
+    """End a viewer that was started, and the program that it is only the door of."""
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(viewer.pid, signal.SIGTERM)
     with contextlib.suppress(subprocess.TimeoutExpired):
         viewer.wait(PATIENCE_S)
 
