@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import os
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -17,16 +18,19 @@ from reflexarc_logs.container.writing import (
     POLICY_ATTACHMENT,
     LogWriter,
 )
+from reflexarc_logs.recording.keeping import DEFAULT_SYNC_S
 from reflexarc_logs.recording.place import NoRoomError, Place
 from reflexarc_runtime.errors import LogError
 
 PART = "reflexarc.part"
-"""Metadata of every part but the first: its number, the first one's name, why it was begun."""
+"""Metadata of every part but the first: its number, the first one's name, why it was begun; of what
+a black box wrote, of the first as well."""
 PART_OF = "of"
-MAX_PARTS = 1000
+MAX_PARTS = 1_000_000
+"""A part every ten seconds for four months."""
 
-_SYNC_S = 0.9
-"""A little less than two periods of a flush, so that it is done at every second one."""
+_EARLY_S = 0.1
+"""A sync is done with a flush, if it is due by then or soon after."""
 _SYNC_SHARE = 4.0
 """A disk that takes long to sync is left alone for so many times as long."""
 
@@ -65,21 +69,30 @@ class Part:
         head: what it begins with.
         place: where it is.
         part: what it says of itself, if it is not the first.
+        sync_s: how often it is synced.
 
     Raises:
         LogError: it exists, cannot be written, or there is no room.
     """
 
     def __init__(
-        self, path: Path, head: Head, place: Place, part: Mapping[str, str] | None = None
+        self,
+        path: Path,
+        head: Head,
+        place: Place,
+        part: Mapping[str, str] | None = None,
+        sync_s: float = DEFAULT_SYNC_S,
     ) -> None:
         self.path = path
+        self.begun_ns: int | None = None
+        """Time of its first entry, on the clock of the loop."""
+        self._period_s = max(0.0, sync_s - _EARLY_S)
         self._place = place
         self._offset_ns = head.run.wall_offset_ns
         self._is_finished = False
         self._said: dict[str, str] = {}
         self._file = LogWriter(path)
-        self._sync_due_s = time.monotonic() + _SYNC_S
+        self._sync_due_s = time.monotonic() + self._period_s
         try:
             head.write(self._file, part or {})
             place.check_room()
@@ -103,8 +116,15 @@ class Part:
         """The name that it has now."""
         return self.path if self._is_finished else self.partial
 
+    @property
+    def size_bytes(self) -> int:
+        """What is on the disk; the last flush may be half a second ago."""
+        return os.fstat(self._file.fileno()).st_size
+
     def write(self, entry: LogEntry) -> None:
         """Write one entry."""
+        if self.begun_ns is None:
+            self.begun_ns = entry.received_ns
         channel = self._file.channel(f"/{entry.key}", entry.kind, entry.sender)
         log_ns = entry.received_ns + self._offset_ns
         self._file.add(
@@ -180,7 +200,7 @@ class Part:
         begin_s = time.monotonic()
         self._file.sync()
         end_s = time.monotonic()
-        self._sync_due_s = end_s + max(_SYNC_S, _SYNC_SHARE * (end_s - begin_s))
+        self._sync_due_s = end_s + max(self._period_s, _SYNC_SHARE * (end_s - begin_s))
 
 
 def next_path(first: Path, number: int) -> tuple[Path, int] | None:

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from reflexarc.wiring.recorders import Recording, recording_of
-from reflexarc.wiring.reserve import Reserve
+from reflexarc.wiring.recording import Recording, recording_of
+from reflexarc.wiring.recording_flags import RecordingFlags
 from reflexarc_logs.recording.recorder import Recorder
 from reflexarc_runtime.errors import UsageError
 from reflexarc_runtime.loop.sink import NoSink
@@ -45,9 +45,9 @@ def test_a_recording_whose_file_was_deleted_failed_and_has_no_parts(tmp_path):
 @pytest.mark.parametrize("number", [-1.0, float("nan"), float("inf"), 1e12])
 def test_a_reserve_that_is_no_size_is_refused(number):
     with pytest.raises(UsageError, match=r"^--reserve-mb: expected 0 to"):
-        _ = Reserve(number).size_bytes
+        RecordingFlags(number).keeping("test")
 
 
 def test_a_reserve_is_counted_in_mebibytes():
-    assert Reserve(1.5).size_bytes == 1536 * 1024
-    assert Reserve().size_bytes == 64 << 20
+    assert RecordingFlags(1.5).keeping("test").reserve_bytes == 1536 * 1024
+    assert RecordingFlags().keeping("test").reserve_bytes == 64 << 20
