@@ -25,6 +25,7 @@ PartEvent: TypeAlias = Literal["begun", "finished", "failed", "removed", "left"]
 """`left`: it should have been removed, and was not."""
 Event: TypeAlias = PartEvent | Literal["recording"]
 RECORDING: Literal["recording"] = "recording"
+_EVENTS: dict[str, PartEvent] = {event: event for event in get_args(PartEvent)}
 
 
 @dataclass(frozen=True)
@@ -95,7 +96,7 @@ def read_manifest(path: Path) -> tuple[ListedPart, ...]:
     for number, event in _events(path):
         try:
             _apply(event, parts, path.parent)
-        except (KeyError, TypeError, ValueError):
+        except (KeyError, TypeError, ValueError, OverflowError):
             raise LogError(f"{path}, line {number}: expected an event of a recording") from None
     return tuple(parts[number] for number in sorted(parts))
 
@@ -108,19 +109,18 @@ def _events(path: Path) -> Iterator[tuple[int, dict[str, Any]]]:
     for number, line in enumerate(lines, 1):
         try:
             yield number, json.loads(line)
-        except ValueError:
+        except (ValueError, RecursionError):
             if number < len(lines) or line.endswith("\n"):
                 raise LogError(f"{path}, line {number}: expected JSON") from None
             return  # killed while it wrote this line
 
 
 def _apply(event: dict[str, Any], parts: dict[int, ListedPart], folder: Path) -> None:
-    kind = event["event"]
-    if kind == RECORDING:
+    kind = _EVENTS.get(event["event"])
+    if event["event"] == RECORDING:
         parts.clear()
-        return
-    if kind not in get_args(PartEvent):
-        return  # of a newer version
+    if kind is None:
+        return  # a newer version has more
     number, name = int(event["part"]), str(event["name"])
     if Path(name).name != name:
         raise ValueError(name)  # a part is beside its manifest, nowhere else

@@ -7,8 +7,8 @@ happens makes it longer; one that goes on for too long is continued in the next 
 from dataclasses import dataclass
 
 from reflexarc_logs.container.rejected import LogEntry
-from reflexarc_logs.recording.account import Account
 from reflexarc_logs.recording.part_keeper import PartKeeper
+from reflexarc_logs.recording.recording_account import RecordingAccount
 from reflexarc_logs.recording.ring import Ring
 from reflexarc_logs.recording.triggers import Triggers
 from reflexarc_logs.recording.whole_run import is_keyframe
@@ -38,7 +38,7 @@ class BlackBox:
         span: how much of it.
     """
 
-    def __init__(self, keeper: PartKeeper, account: Account, span: BoxSpan) -> None:
+    def __init__(self, keeper: PartKeeper, account: RecordingAccount, span: BoxSpan) -> None:
         self._keeper, self._account = keeper, account
         self._ring = Ring(span.before_s)
         self._after_ns = round(span.after_s * 1e9)

@@ -3,9 +3,9 @@
 from collections.abc import Callable, Mapping
 
 from reflexarc_logs.container.rejected import LogEntry
-from reflexarc_logs.recording.account import Account
 from reflexarc_logs.recording.part import Part
 from reflexarc_logs.recording.place import LostPlaceError, NoRoomError
+from reflexarc_logs.recording.recording_account import RecordingAccount
 from reflexarc_logs.recording.recording_notices import RecordingNotices
 from reflexarc_logs.recording.series import FIRST, Series
 
@@ -18,7 +18,7 @@ class PartKeeper:
         account: what is amiss.
     """
 
-    def __init__(self, series: Series, account: Account) -> None:
+    def __init__(self, series: Series, account: RecordingAccount) -> None:
         self._series, self._account = series, account
         self._notices = RecordingNotices()
         self._before = account.left_out()

@@ -19,7 +19,6 @@ from types import TracebackType
 from typing import Any, Self
 
 from reflexarc_logs.container.run_info import RunInfo
-from reflexarc_logs.recording.account import Account
 from reflexarc_logs.recording.backlog import Backlog
 from reflexarc_logs.recording.black_box import BlackBox, BoxSpan
 from reflexarc_logs.recording.budget import Budgets
@@ -27,6 +26,7 @@ from reflexarc_logs.recording.keeping import DEFAULT_KEEPING, Keeping
 from reflexarc_logs.recording.part import Head
 from reflexarc_logs.recording.part_keeper import PartKeeper
 from reflexarc_logs.recording.progress import Progress
+from reflexarc_logs.recording.recording_account import RecordingAccount
 from reflexarc_logs.recording.scribe import Scribe
 from reflexarc_logs.recording.series import Series
 from reflexarc_logs.recording.whole_run import Destination, WholeRun
@@ -76,7 +76,7 @@ class Recorder:
         )
         of_loop = run.recorded_by == "run"
         self._backlog, self._budgets = Backlog(), Budgets(of_loop=of_loop)
-        self._progress, self._account = Progress(), Account(self._backlog, self._budgets)
+        self._progress, self._account = Progress(), RecordingAccount(self._backlog, self._budgets)
         head = Head(run, policy, config)
         self._series = Series(Path(path), head, keeping, at_once=box is None)
         keeper = PartKeeper(self._series, self._account)

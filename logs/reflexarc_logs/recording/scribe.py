@@ -13,8 +13,8 @@ from foxglove_schemas_protobuf.Log_pb2 import Log
 
 from reflexarc_logs.container.rejected import Intake, LogEntry
 from reflexarc_logs.container.run_info import RunInfo
-from reflexarc_logs.recording.account import Account
 from reflexarc_logs.recording.progress import Progress
+from reflexarc_logs.recording.recording_account import RecordingAccount
 from reflexarc_logs.recording.wall_clock import WallClock
 from reflexarc_logs.recording.whole_run import Destination
 from reflexarc_runtime.messages.topics import LOG
@@ -35,7 +35,7 @@ class Scribe:
     """
 
     def __init__(
-        self, run: RunInfo, account: Account, progress: Progress, destination: Destination
+        self, run: RunInfo, account: RecordingAccount, progress: Progress, destination: Destination
     ) -> None:
         self._account, self._progress = account, progress
         self._destination = destination

@@ -11,6 +11,9 @@ from reflexarc_logs.recording.part import Part
 from reflexarc_logs.recording.part_keeper import PartKeeper
 from reflexarc_runtime.messages_pb2 import Keyframe
 
+_EARLY_NS = 100_000_000
+"""A keyframe bears the time of the tick before it: a part may be a tick shorter than asked for."""
+
 
 class Destination(Protocol):
     """Takes the entries of a recording, in the recorder's thread."""
@@ -87,7 +90,8 @@ class WholeRun:
     def _limit(self, part: Part, entry: LogEntry) -> str:
         """Which limit the part has reached, if it has."""
         since_ns = entry.received_ns if part.begun_ns is None else part.begun_ns
-        return self._keeping.exceeded(part.size_bytes, (entry.received_ns - since_ns) * 1e-9)
+        length_ns = entry.received_ns - since_ns + (_EARLY_NS if self._of_loop else 0)
+        return self._keeping.exceeded(part.size_bytes, length_ns * 1e-9)
 
 
 def is_keyframe(entry: LogEntry) -> bool:

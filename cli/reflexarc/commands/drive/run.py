@@ -9,11 +9,11 @@ import tyro
 
 from reflexarc.terminal.output import aside, console, facts, plain, print_json
 from reflexarc.terminal.signals import StopFlag
-from reflexarc.wiring.black_box_flags import BlackBoxFlags
 from reflexarc.wiring.bus_flags import Joining
 from reflexarc.wiring.guard_flags import GuardFlags
-from reflexarc.wiring.recording_flags import RecordingFlags
-from reflexarc.wiring.run_summary import summary_as_dict, summary_in_words
+from reflexarc.wiring.keeping_logs.black_box_flags import BlackBoxFlags
+from reflexarc.wiring.keeping_logs.recording_flags import RecordingFlags
+from reflexarc.wiring.keeping_logs.run_summary import summary_as_dict, summary_in_words
 from reflexarc.wiring.scan_flags import ScanFlags
 from reflexarc.wiring.sense_flags import SenseFlags
 from reflexarc.wiring.watching import Watching
@@ -25,13 +25,12 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from contextlib import AbstractContextManager
 
-    from reflexarc.wiring.recording import Recording
-    from reflexarc.wiring.run_sinks import RunSinks
-    from reflexarc.wiring.waiting import Arrival, Waiting
+    from reflexarc.wiring.keeping_logs.outcome import Recording
+    from reflexarc.wiring.keeping_logs.run_sinks import RunSinks
     from reflexarc_logs.recording.black_box import BoxSpan
     from reflexarc_logs.recording.keeping import Keeping
     from reflexarc_logs.recording.recorder import Recorder
-    from reflexarc_runtime.bus import Bus, Publisher
+    from reflexarc_runtime.bus import Bus
     from reflexarc_runtime.controller import Controller
     from reflexarc_runtime.loop.inbox import Inbox
     from reflexarc_runtime.loop.monitor import Summary
@@ -42,8 +41,6 @@ if TYPE_CHECKING:
     from reflexarc_runtime.loop.sink import Sink
     from reflexarc_runtime.loop.watch import Watch
     from reflexarc_runtime.policy.policy import LoadedPolicy
-
-LISTENER_POLL_S = 0.01
 
 
 @dataclass(frozen=True)
@@ -162,6 +159,7 @@ class RunCommand:
         policy: "LoadedPolicy",
         stop: StopFlag,
     ) -> "Summary":
+        from reflexarc.wiring.awaiting import awaiting_input, wait_for_body
         from reflexarc.wiring.waiting import Arrival
         from reflexarc_runtime.loop import realtime
         from reflexarc_runtime.loop.inbox import Inbox
@@ -175,7 +173,7 @@ class RunCommand:
         self._listen_to_the_rest(bus, sinks)
         bus.offer_policy(policy.data)
         if self.lockstep:
-            self._wait_for_body(bus, command, stop)
+            wait_for_body(bus, command, stop)
         came = Arrival(inbox.put)
         bus.subscribe([controller.sense.topic], came.hear)
         ranges = [topic for topic in (controller.ranges_topic,) if topic is not None]
@@ -186,7 +184,8 @@ class RunCommand:
         )
         said = "; ".join(realtime.prepare(self.fifo))  # the watchdog's thread inherits it
         notices = Notices(self._say, controller.contract, self.input)
-        waiting = self._waiting(bus, controller, came)
+        key = controller.sense.topic.key(robot)
+        waiting = awaiting_input(bus, self.input, key, came)
         # The watchdog ends first: what it watches has ended, and the others take a moment to.
         with notices, waiting, watching as watch:
             words = f"{self.policy} on {self.backend}; {said}; watchdog {watch.state}"
@@ -194,24 +193,8 @@ class RunCommand:
             node = self._node(controller, inbox, outlets, sinks, run_id, bus.sender, watch, notices)
             return node.run(stop, self.ticks)
 
-    def _waiting(self, bus: "Bus", controller: "Controller", came: "Arrival") -> "Waiting":
-        """What explains why no input comes."""
-        from reflexarc.wiring.waiting import Waiting, Wish
-
-        key = controller.sense.topic.key(self.joining.robot)
-        wish = Wish("reflexarc run", f"{self.input}s", key, advice=self._advice())
-        return Waiting(bus, wish, came)
-
     def _say(self, words: str) -> None:
         aside.print(f"reflexarc run: {plain(words)}", soft_wrap=True)
-
-    def _advice(self) -> dict[str, str]:
-        """What to do where something else than the expected sensor is heard."""
-        other = "scan" if self.input == "retina" else "retina"
-        return {
-            f"{self.joining.robot}/{other}": f"--input {other}",
-            f"/{self.input}": "another robot, --robot {first}?",
-        }
 
     def _node(
         self,
@@ -263,25 +246,10 @@ class RunCommand:
 
         bus.subscribe(OVERHEARD, keep)
 
-    def _wait_for_body(self, bus: "Bus", command: "Publisher", stop: StopFlag) -> None:
-        """Wait for a body: in lockstep, a command without a listener would never be answered."""
-        import time
-
-        from reflexarc.wiring.waiting import Waiting, Wish
-        from reflexarc_runtime.messages.topics import COMMAND
-
-        aside.print("reflexarc run: waiting for a body in lockstep …")
-        # Whoever overhears commands would be taken for the body that listens.
-        around = "*/retina", "*/scan", "*/lease", "*/status"
-        wish = Wish("reflexarc run", "a body that listens", COMMAND.key(bus.robot), around)
-        with Waiting(bus, wish, lambda: command.has_listener):
-            while not command.has_listener and not stop():
-                time.sleep(LISTENER_POLL_S)
-
     def _sinks(self, policy: "LoadedPolicy", run_id: str) -> "AbstractContextManager[RunSinks]":
         """What the run is recorded by."""
-        from reflexarc.wiring.recorders import recorder_of_run
-        from reflexarc.wiring.run_sinks import run_sinks
+        from reflexarc.wiring.keeping_logs.recorders import recorder_of_run
+        from reflexarc.wiring.keeping_logs.run_sinks import run_sinks
 
         def make(path: Path, keeping: "Keeping", box: "BoxSpan | None") -> "Recorder":
             return recorder_of_run(

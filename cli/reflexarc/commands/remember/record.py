@@ -11,11 +11,11 @@ import tyro
 from reflexarc.terminal.output import aside, console, facts, print_json
 from reflexarc.terminal.signals import StopFlag
 from reflexarc.wiring.bus_flags import Joining
-from reflexarc.wiring.recording_flags import RecordingFlags, first_part, now_in_name
+from reflexarc.wiring.keeping_logs.recording_flags import RecordingFlags, first_part, now_in_name
 from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:
-    from reflexarc.wiring.recording import Recording
+    from reflexarc.wiring.keeping_logs.outcome import Recording
 
 POLL_S = 0.05
 
@@ -48,8 +48,8 @@ class RecordCommand:
 
     def run(self) -> int:
         """Record until the end."""
-        from reflexarc.wiring.recorders import recorder_of_bus
-        from reflexarc.wiring.recording import recording_of
+        from reflexarc.wiring.keeping_logs.outcome import recording_of
+        from reflexarc.wiring.keeping_logs.recorders import recorder_of_bus
         from reflexarc.wiring.waiting import Arrival, Waiting, Wish
         from reflexarc_runtime.messages.topics import ON_THE_BUS, RECORDER_NODE
 

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from reflexarc.wiring.recording import Recording, recording_of
-from reflexarc.wiring.recording_flags import RecordingFlags
+from reflexarc.wiring.keeping_logs.outcome import Recording, recording_of
+from reflexarc.wiring.keeping_logs.recording_flags import RecordingFlags
 from reflexarc_logs.recording.recorder import Recorder
 from reflexarc_runtime.errors import UsageError
 from reflexarc_runtime.loop.sink import NoSink

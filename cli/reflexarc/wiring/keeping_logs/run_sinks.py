@@ -5,9 +5,9 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from reflexarc.wiring.black_box_flags import BlackBoxFlags
-from reflexarc.wiring.recording import Recording, recording_of
-from reflexarc.wiring.recording_flags import RecordingFlags, first_part
+from reflexarc.wiring.keeping_logs.black_box_flags import BlackBoxFlags
+from reflexarc.wiring.keeping_logs.outcome import Recording, recording_of
+from reflexarc.wiring.keeping_logs.recording_flags import RecordingFlags, first_part
 from reflexarc_logs.recording.black_box import BoxSpan
 from reflexarc_logs.recording.keeping import Keeping
 from reflexarc_logs.recording.recorder import Recorder

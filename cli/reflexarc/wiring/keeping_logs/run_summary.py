@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from reflexarc.terminal.output import microseconds
 
 if TYPE_CHECKING:
-    from reflexarc.wiring.recording import Recording
+    from reflexarc.wiring.keeping_logs.outcome import Recording
     from reflexarc_runtime.loop.monitor import Summary
 
 

@@ -6,7 +6,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
-from reflexarc.wiring.recording_flags import check_number, first_part, now_in_name, size_bytes
+from reflexarc.wiring.keeping_logs.recording_flags import (
+    check_number,
+    first_part,
+    now_in_name,
+    size_bytes,
+)
 from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from reflexarc_logs.recording.budget import Budgets
 
 
 @dataclass
-class Account:
+class RecordingAccount:
     """What a recording has to say for itself."""
 
     backlog: Backlog
