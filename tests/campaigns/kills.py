@@ -20,6 +20,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from typing import TypeAlias
 
 sys.path.insert(0, str(Path(__file__).parents[1]))  # the tests' support package
 
@@ -47,12 +48,17 @@ START_S = 2.5
 BOX_FLAGS = ("--black-box", 2, "--black-box-after", 1)
 PARTIAL = ".partial"
 
+Ticks: TypeAlias = list[tuple[int, int]]
+"""Index of each, and when it was heard."""
+Logs: TypeAlias = dict[str, list[int]]
+"""Indices of the ticks in each log."""
+
 
 @dataclass
 class Heard:
     """The ticks that a runtime made, and when they were heard."""
 
-    ticks: list[tuple[int, int]] = field(default_factory=list)
+    ticks: Ticks = field(default_factory=list)
 
     def hear(self, message: Message) -> None:
         index = pb.Tick.FromString(message.payload).decision.index
@@ -72,6 +78,8 @@ class Kill:
     boxes: int = 0
     unborn: int = 0
     """Files in which not even the head was whole."""
+    cut: list[str] = field(default_factory=list)
+    """Logs that had not come to their end."""
     lost_s: float = 0.0
     lost_of_box_s: float = 0.0
     failures: list[str] = field(default_factory=list)
@@ -101,9 +109,8 @@ def strike(kill: Kill, policy: Path, port: int, heard: Heard, folder: Path) -> N
     kill.ticks = len(made)
     whole, box = (_left_in(folder / name, kill) for name in ("whole", "box"))
     kill.parts, kill.boxes = len(whole), len(box)
-    kill.lost_s = _lost_s(made, {i for ticks in whole for i in ticks}, struck_ns)
-    _judge_whole(kill, [index for ticks in whole for index in ticks])
-    _judge_box(kill, folder / "box", box, made, struck_ns)
+    _judge_whole(kill, whole, made, struck_ns)
+    _judge_box(kill, box, made, struck_ns)
 
 
 def _wait_for_a_tick(heard: Heard, process: "subprocess.Popen[str]") -> None:
@@ -114,19 +121,21 @@ def _wait_for_a_tick(heard: Heard, process: "subprocess.Popen[str]") -> None:
         time.sleep(0.005)
 
 
-def _left_in(folder: Path, kill: Kill) -> list[list[int]]:
+def _left_in(folder: Path, kill: Kill) -> Logs:
     """Recover and replay what is there; the ticks of each log, in order."""
     if not folder.is_dir():
-        return []
+        return {}
     for partial in folder.glob(f"*{PARTIAL}"):
         try:
-            recover(partial, partial.with_suffix(""))
+            if not recover(partial, partial.with_suffix("")).was_complete:
+                kill.cut.append(f"{folder.name}/{partial.stem}")
         except ReflexarcError:
             kill.unborn += 1
     if not list(folder.glob("*.mcap")):
-        return []
+        return {}
     _compare_manifest(folder, kill)
-    return [ticks for path in log_paths([folder]) if (ticks := _replayed(path, kill))]
+    found = ((path, _replayed(path, kill)) for path in log_paths([folder]))
+    return {f"{folder.name}/{path.name}": ticks for path, ticks in found if ticks}
 
 
 def _compare_manifest(folder: Path, kill: Kill) -> None:
@@ -149,31 +158,32 @@ def _replayed(path: Path, kill: Kill) -> list[int]:
     return ticks
 
 
-def _lost_s(made: list[tuple[int, int]], kept: set[int], struck_ns: int) -> float:
+def _lost_s(made: Ticks, kept: set[int], struck_ns: int) -> float:
     """How long before the kill the first tick was made that is nowhere."""
     missing_ns = [at_ns for index, at_ns in made if index not in kept]
     return (struck_ns - min(missing_ns)) * 1e-9 if missing_ns else 0.0
 
 
-def _judge_whole(kill: Kill, indices: list[int]) -> None:
+def _judge_whole(kill: Kill, logs: Logs, made: Ticks, struck_ns: int) -> None:
+    indices = [index for ticks in logs.values() for index in ticks]
+    kill.lost_s = _lost_s(made, set(indices), struck_ns)
     gaps = indices != list(range(len(indices)))
     kill.failures += ["ticks are missing between two parts, or twice"] * gaps
     kill.failures += [f"{kill.lost_s:.2f} s lost"] * (kill.lost_s > MOST_LOST_S)
 
 
-def _judge_box(
-    kill: Kill, folder: Path, logs: list[list[int]], made: list[tuple[int, int]], struck_ns: int
-) -> None:
-    for ticks in logs:
+def _judge_box(kill: Kill, logs: Logs, made: Ticks, struck_ns: int) -> None:
+    """A box that was being written loses no more than a recording; what it had only in memory is
+    lost, as it is meant to be.
+    """
+    for name, ticks in logs.items():
         gaps = ticks != list(range(ticks[0], ticks[0] + len(ticks)))
         kill.failures += ["a tick is missing in a box"] * gaps
-    manifests = list(folder.glob(f"*{MANIFEST}")) if folder.is_dir() else []
-    listed = [part for manifest in manifests for part in read_manifest(manifest)]
-    if logs and listed and listed[-1].state == "begun":
-        since = [(index, at_ns) for index, at_ns in made if index >= logs[-1][0]]
-        kill.lost_of_box_s = _lost_s(since, set(logs[-1]), struck_ns)
-        late = kill.lost_of_box_s > MOST_LOST_S
-        kill.failures += [f"{kill.lost_of_box_s:.2f} s of a box lost"] * late
+        if name in kill.cut:
+            since = [(index, at_ns) for index, at_ns in made if index >= ticks[0]]
+            kill.lost_of_box_s = _lost_s(since, set(ticks), struck_ns)
+            late = kill.lost_of_box_s > MOST_LOST_S
+            kill.failures += [f"{kill.lost_of_box_s:.2f} s of a box lost"] * late
 
 
 @contextmanager

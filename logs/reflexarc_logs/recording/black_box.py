@@ -75,7 +75,8 @@ class BlackBox:
 
     def finish(self) -> None:
         """See `Destination.finish`."""
-        self._end()
+        self._written += self._keeper.part is not None
+        self._keeper.end()
 
     def fail(self, error: Exception) -> None:
         """See `Destination.fail`."""

@@ -20,6 +20,7 @@ from reflexarc_logs.container.writing import (
 )
 from reflexarc_logs.recording.keeping import DEFAULT_SYNC_S
 from reflexarc_logs.recording.place import NoRoomError, Place
+from reflexarc_logs.recording.syncer import DiskTask, Syncer
 from reflexarc_runtime.errors import LogError
 
 PART = "reflexarc.part"
@@ -70,6 +71,7 @@ class Part:
         place: where it is.
         part: what it says of itself, if it is not the first.
         sync_s: how often it is synced.
+        syncer: waits for the disk; by default, one of its own.
 
     Raises:
         LogError: it exists, cannot be written, or there is no room.
@@ -82,12 +84,15 @@ class Part:
         place: Place,
         part: Mapping[str, str] | None = None,
         sync_s: float = DEFAULT_SYNC_S,
+        syncer: Syncer | None = None,
     ) -> None:
         self.path = path
         self.begun_ns: int | None = None
         """Time of its first entry, on the clock of the loop."""
         self._period_s = max(0.0, sync_s - _EARLY_S)
         self._place = place
+        self._syncer = syncer or Syncer()
+        self._sync: DiskTask | None = None
         self._offset_ns = head.run.wall_offset_ns
         self._is_finished = False
         self._said: dict[str, str] = {}
@@ -136,7 +141,7 @@ class Part:
         )
 
     def keep(self, missing: Mapping[str, int]) -> str:
-        """Bring all to the disk, and look whether it is still there.
+        """Hand all to the system, have it synced from time to time, and look whether it is there.
 
         Args:
             missing: how much is missing in its middle, by kind.
@@ -152,8 +157,7 @@ class Part:
         self.say_missing(missing)
         self._file.flush()
         trouble = self._look()
-        if time.monotonic() >= self._sync_due_s:
-            self._sync()
+        self._keep_synced()
         return trouble
 
     def say_missing(self, missing: Mapping[str, int]) -> None:
@@ -163,19 +167,36 @@ class Part:
             self._file.describe(END, said)
             self._said = said
 
-    def finish(self, missing: Mapping[str, int]) -> None:
-        """Finish the log and give it its name.
+    def seal(self, missing: Mapping[str, int]) -> None:
+        """Write the end of the log; `settle` gives it its name.
 
         Raises:
-            OSError: the disk did not take it, or something of that name is there.
+            OSError: the disk did not take it.
             LostPlaceError: the file is no longer where it should be: another one must not get its
                 name.
         """
         self.say_missing(missing)
         with contextlib.suppress(NoRoomError):  # the reserve is there for this
             self._look()
-        self._file.finish()
+        self._file.seal()
+
+    def settle(self) -> None:
+        """Make it durable and give it its name; from any thread.
+
+        Raises:
+            OSError: the disk did not take it, or something of that name is there.
+        """
+        self._file.settle()
         self._is_finished = True
+
+    def finish(self, missing: Mapping[str, int]) -> None:
+        """Do both.
+
+        Raises:
+            OSError, LostPlaceError: see there.
+        """
+        self.seal(missing)
+        self.settle()
 
     def end(self) -> None:
         """Finish the log, which keeps the name of an unfinished one.
@@ -196,11 +217,18 @@ class Part:
     def _look(self) -> str:
         return self._place.look(self.path, self.partial, self._file.fileno())
 
-    def _sync(self) -> None:
-        begin_s = time.monotonic()
-        self._file.sync()
-        end_s = time.monotonic()
-        self._sync_due_s = end_s + max(self._period_s, _SYNC_SHARE * (end_s - begin_s))
+    def _keep_synced(self) -> None:
+        """Ask for a sync when one is due, and hear what became of the last one."""
+        last = self._sync
+        if last is None:
+            if time.monotonic() >= self._sync_due_s:
+                self._sync = self._syncer.do(self._file.sync)
+        elif last.is_done:
+            self._sync = None
+            pause_s = max(self._period_s - last.took_s, _SYNC_SHARE * last.took_s)
+            self._sync_due_s = time.monotonic() + pause_s
+            if last.error is not None:
+                raise last.error
 
 
 def next_path(first: Path, number: int) -> tuple[Path, int] | None:

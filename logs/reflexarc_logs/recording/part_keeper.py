@@ -7,7 +7,7 @@ from reflexarc_logs.recording.part import Part
 from reflexarc_logs.recording.place import LostPlaceError, NoRoomError
 from reflexarc_logs.recording.recording_account import RecordingAccount
 from reflexarc_logs.recording.recording_notices import RecordingNotices
-from reflexarc_logs.recording.series import FIRST, Series
+from reflexarc_logs.recording.series import FIRST, Series, in_words
 
 
 class PartKeeper:
@@ -71,13 +71,24 @@ class PartKeeper:
             self._account.trouble = self.part.keep(self._missing())
             dropped = self._account.backlog.dropped
             self._notices.look(self.part.path, self._account.trouble, dropped)
+        self._hear_of_settled()
         self._series.make_room()
 
     def finish(self) -> None:
-        """Finish the open part."""
+        """Finish the open part; the disk takes its time, and the next one need not wait."""
         if self.part is not None:
-            self.part.finish(self._missing())
-            self._series.finished()
+            self.part.seal(self._missing())
+            self._series.settle()
+
+    def end(self) -> None:
+        """Finish the open part, and wait for the disk."""
+        try:
+            self.finish()
+        except Exception as error:
+            self.fail(error)
+        self._hear_of_settled(wait=True)
+        self._series.make_room()
+        self._series.syncer.end()
 
     def fail(self, error: Exception) -> None:
         """Close the part that failed, as well as it can be; whatever happens, the robot goes on."""
@@ -89,8 +100,18 @@ class PartKeeper:
         elif isinstance(error, LostPlaceError):
             self._leave(part, str(error), part.end)
         else:
-            reason = (error.strerror if isinstance(error, OSError) else None) or repr(error)
-            self._leave(part, reason, part.abandon)
+            self._leave(part, in_words(error), part.abandon)
+
+    def _hear_of_settled(self, *, wait: bool = False) -> None:
+        """Parts that did not get their names are failures, though the next one goes on."""
+        for part, error in self._series.settled(wait=wait):
+            reason = in_words(error)
+            self._account.failures.append(reason)
+            if self.part is None:
+                self._account.failure = reason
+            else:
+                self._account.again_in = self.part.path.name
+            self._notices.unsettled(part.path, reason, part.place_now)
 
     def _leave(self, part: Part, reason: str, leave: Callable[[], None]) -> None:
         self._account.note_failure(reason)  # at once: leaving a file may take long

@@ -162,7 +162,11 @@ class Recorder:
         return [
             *(again + reason for reason in self._account.failures[-1:]),
             self._account.trouble,
-            "" if self._closed else self._progress.behind_in_words(self._backlog.waiting),
+            "" if self._closed else self._behind(),
             f"{self._backlog.dropped} records dropped" if self._backlog.dropped else "",
             f"{strangers} messages of others left out" if strangers else "",
         ]
+
+    def _behind(self) -> str:
+        disk_since_s = self._series.syncer.waits_since_s
+        return self._progress.behind_in_words(self._backlog.waiting, disk_since_s)

@@ -4,7 +4,8 @@ or when something happened that a black box writes down.
 
 import os
 import time
-from collections.abc import Mapping
+from collections import deque
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from reflexarc_logs.container.writing import PARTIAL
@@ -12,6 +13,7 @@ from reflexarc_logs.recording.keeping import Keeping
 from reflexarc_logs.recording.part import PART_OF, Head, Part, next_path
 from reflexarc_logs.recording.place import LostPlaceError, NoRoomError, Place
 from reflexarc_logs.recording.shelf import Shelf
+from reflexarc_logs.recording.syncer import DiskTask, Syncer
 from reflexarc_runtime.errors import LogError
 
 RETRY_S = 1.0
@@ -43,24 +45,45 @@ class Series:
         self._retry_s = RETRY_S
         self._begun_s = time.monotonic()
         self._due_s = 0.0
+        self.syncer = Syncer()
+        self._settling: deque[tuple[int, Part, DiskTask]] = deque()
         self._ended: list[Path] = []
         self.current: Part | None = None
         self.refusal = ""
         """Why the last attempt to begin a part came to nothing."""
         if at_once:
-            self._enter(Part(path, head, self._place, sync_s=keeping.sync_s), 1, "")
+            self._enter(self._part(path, None), 1, "")
         else:
             self._check_free()
 
     @property
     def paths(self) -> tuple[Path, ...]:
         """Of all parts, under the names that they have now."""
-        part = self.current
-        return (*self._ended, *((part.place_now,) if part is not None else ()))
+        still = [part for _, part, _ in self._settling]
+        still += [] if self.current is None else [self.current]
+        return (*self._ended, *(part.place_now for part in still))
 
-    def finished(self) -> None:
-        """Take note that the current part was finished."""
-        self._leave("")
+    def settle(self) -> None:
+        """Let the current part, which is sealed, become durable and get its name."""
+        part, self.current = self.current, None
+        if part is not None:
+            self._settling.append((self._number, part, self.syncer.do(part.settle)))
+
+    def settled(self, *, wait: bool = False) -> Iterator[tuple[Part, Exception]]:
+        """Take note of the parts that have their names by now; those that did not get theirs.
+
+        Args:
+            wait: for all of them.
+        """
+        while self._settling and (wait or self._settling[0][2].is_done):
+            number, part, task = self._settling[0]
+            task.wait()
+            self._settling.popleft()
+            error = task.error
+            if error is not None:
+                part.abandon()
+                yield part, error
+            self._shelve(number, part, "" if error is None else in_words(error))
 
     def failed(self, why: str = "") -> None:
         """Take note that the current part failed."""
@@ -68,7 +91,9 @@ class Series:
         short = now_s - self._begun_s < SHORT_PART_S and self._number > 1
         self._retry_s = min(2 * self._retry_s, MOST_RETRY_S) if short else RETRY_S
         self._due_s = now_s + self._retry_s
-        self._leave(why or "it failed")
+        part, self.current = self.current, None
+        if part is not None:
+            self._shelve(self._number, part, why or "it failed")
 
     def make_room(self) -> None:
         """Remove the oldest parts, if all together are too large."""
@@ -99,15 +124,15 @@ class Series:
         try:
             self._place.check_ready(twice=after_failure)
             path, number = self._name()
-            self._enter(self._part(path, number, about), number, _reason(about))
+            said = {"part": str(number), PART_OF: self.path.name, **about}
+            self._enter(self._part(path, said), number, _reason(about))
         except (OSError, LogError, LostPlaceError, NoRoomError) as error:
-            self.refusal = (error.strerror if isinstance(error, OSError) else None) or str(error)
+            self.refusal = in_words(error)
             return None
         return self.current
 
-    def _part(self, path: Path, number: int, about: Mapping[str, str]) -> Part:
-        said = {"part": str(number), PART_OF: self.path.name, **about}
-        return Part(path, self._head, self._place, said, self._keeping.sync_s)
+    def _part(self, path: Path, said: Mapping[str, str] | None) -> Part:
+        return Part(path, self._head, self._place, said, self._keeping.sync_s, self.syncer)
 
     def _name(self) -> tuple[Path, int]:
         if not self._number:
@@ -122,12 +147,10 @@ class Series:
         self.current = part
         self._shelf.begun(number, part.path, why)
 
-    def _leave(self, why: str) -> None:
-        part, self.current = self.current, None
-        if part is not None:  # only its name is kept: an index grows with its log
-            self._ended.append(part.place_now)
-            self._shelf.ended(self._number, part.path, part.place_now, why)
-            self.make_room()
+    def _shelve(self, number: int, part: Part, why: str) -> None:
+        """Keep its name only: an index grows with its log."""
+        self._ended.append(part.place_now)
+        self._shelf.ended(number, part.path, part.place_now, why)
 
     def _check_free(self) -> None:
         """Refuse at once what could not be written when it matters."""
@@ -141,6 +164,13 @@ class Series:
             raise LogError(f"{self.path}: cannot be written: {error}") from None
         if not os.access(self.path.parent, os.W_OK | os.X_OK):
             raise LogError(f"{self.path}: cannot be written: Permission denied")
+
+
+def in_words(error: Exception) -> str:
+    """What went wrong, as the system says it."""
+    if isinstance(error, OSError):
+        return error.strerror or repr(error)
+    return str(error) if isinstance(error, LogError | LostPlaceError | NoRoomError) else repr(error)
 
 
 def _reason(about: Mapping[str, str]) -> str:

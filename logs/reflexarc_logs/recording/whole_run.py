@@ -32,7 +32,7 @@ class Destination(Protocol):
         ...
 
     def finish(self) -> None:
-        """No more will come."""
+        """No more will come; returns when the disk has all."""
         ...
 
     def fail(self, error: Exception) -> None:
@@ -75,7 +75,7 @@ class WholeRun:
 
     def finish(self) -> None:
         """See `Destination.finish`."""
-        self._keeper.finish()
+        self._keeper.end()
 
     def fail(self, error: Exception) -> None:
         """See `Destination.fail`."""
