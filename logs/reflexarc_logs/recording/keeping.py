@@ -35,7 +35,7 @@ class Keeping:
     @property
     def most_bytes(self) -> int | None:
         """How large a part may be."""
-        if self.rotate_bytes is None and self.rotate_s is None and self.keep_bytes is not None:
+        if self.rotate_bytes is None and self.keep_bytes is not None:
             return self.keep_bytes // KEPT_PARTS
         return self.rotate_bytes
 

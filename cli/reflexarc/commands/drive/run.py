@@ -136,7 +136,10 @@ class RunCommand:
 
     def _check_flags(self) -> None:
         self.watching.check()
-        self.recording.keeping("reflexarc run")
+        if self.recording.keeping("reflexarc run").in_parts and self.record is None:
+            raise UsageError(
+                "--rotate-mb, --rotate-s, --keep-mb: expected --record PATH beside them"
+            )
         _ = self.box.span
         looks_at_scans = self.input == "scan" or self.guarding.guard_ranges == "scan"
         if self.sensing.scanner != ScanFlags() and not looks_at_scans:
