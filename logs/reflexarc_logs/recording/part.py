@@ -126,8 +126,14 @@ class Part:
         """What is on the disk; the last flush may be half a second ago."""
         return os.fstat(self._file.fileno()).st_size
 
+    @property
+    def sync_error(self) -> Exception | None:
+        """Why the last sync failed: then the system refuses whatever comes next, in other words."""
+        return self._sync.error if self._sync is not None and self._sync.is_done else None
+
     def write(self, entry: LogEntry) -> None:
         """Write one entry."""
+        self._hear_of_sync()  # at once: a disk that failed is to be said within two seconds
         if self.begun_ns is None:
             self.begun_ns = entry.received_ns
         channel = self._file.channel(f"/{entry.key}", entry.kind, entry.sender)
@@ -218,17 +224,20 @@ class Part:
         return self._place.look(self.path, self.partial, self._file.fileno())
 
     def _keep_synced(self) -> None:
-        """Ask for a sync when one is due, and hear what became of the last one."""
+        """Ask for a sync when one is due, and none is under way."""
+        self._hear_of_sync()
+        if self._sync is None and time.monotonic() >= self._sync_due_s:
+            self._sync = self._syncer.do(self._file.sync)
+
+    def _hear_of_sync(self) -> None:
         last = self._sync
-        if last is None:
-            if time.monotonic() >= self._sync_due_s:
-                self._sync = self._syncer.do(self._file.sync)
-        elif last.is_done:
-            self._sync = None
-            pause_s = max(self._period_s - last.took_s, _SYNC_SHARE * last.took_s)
-            self._sync_due_s = time.monotonic() + pause_s
-            if last.error is not None:
-                raise last.error
+        if last is None or not last.is_done:
+            return
+        if last.error is not None:
+            raise last.error
+        self._sync = None
+        pause_s = max(self._period_s - last.took_s, _SYNC_SHARE * last.took_s)
+        self._sync_due_s = time.monotonic() + pause_s
 
 
 def next_path(first: Path, number: int) -> tuple[Path, int] | None:

@@ -100,7 +100,7 @@ class PartKeeper:
         elif isinstance(error, LostPlaceError):
             self._leave(part, str(error), part.end)
         else:
-            self._leave(part, in_words(error), part.abandon)
+            self._leave(part, in_words(part.sync_error or error), part.abandon)
 
     def _hear_of_settled(self, *, wait: bool = False) -> None:
         """Parts that did not get their names are failures, though the next one goes on."""

@@ -1,5 +1,6 @@
 """A disk that takes its time with a sync holds nothing up: all goes to the system meanwhile."""
 
+import errno
 import os
 import threading
 import time
@@ -17,6 +18,7 @@ from reflexarc_logs.recording.keeping import Keeping
 from reflexarc_logs.recording.recorder import Recorder
 from reflexarc_logs.recording.syncer import Syncer
 from reflexarc_logs.replaying.replay import replay
+from support.bad_disks import Disks
 from support.policies import exported
 from support.recordings import CONTRACT, RUN, WALL_OFFSET_NS, drive, nominal
 
@@ -114,6 +116,31 @@ def test_a_part_that_cannot_get_its_name_is_a_failure_and_the_next_goes_on(disk,
     assert replay(tmp_path / "a.part2.mcap").exit_status == 0
     assert states[0].failed
     assert recover(tmp_path / "a.mcap.partial", tmp_path / "saved.mcap").was_complete
+
+
+def test_a_disk_that_turns_read_only_after_a_sync_that_failed_is_named_by_the_sync(
+    tmp_path, monkeypatch
+):
+    """ext4 does so: the next write is refused before anyone has heard of the sync."""
+    monkeypatch.setattr(scribe_module, "FLUSH_PERIOD_S", 0.05)
+    read_only = threading.Event()
+
+    def sync(_: int) -> None:
+        read_only.set()
+        raise OSError(errno.EIO, os.strerror(errno.EIO))
+
+    def refuse(_: int) -> None:
+        if read_only.is_set():
+            raise OSError(errno.EROFS, os.strerror(errno.EROFS))
+
+    monkeypatch.setattr(os, "fsync", sync)
+    monkeypatch.setattr("reflexarc_logs.container.writing.open_for_writing", Disks(refuse))
+    keeping = Keeping(sync_s=0.0)
+    with Recorder(tmp_path / "a.mcap", RUN, b"", {}, wall_offset_ns=0, keeping=keeping) as recorder:
+        while not recorder.state.startswith("stopped"):
+            recorder.put(nominal(1)[1][0])
+            time.sleep(0.005)
+        assert recorder.state == "stopped: Input/output error"
 
 
 @pytest.mark.parametrize(("sync_s", "expected"), [(0.0, range(8, 60)), (100.0, range(1, 2))])
