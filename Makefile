@@ -59,8 +59,11 @@ fmt: $(STAMP)    ## format the code, mend what the linter can
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
-wheel: $(STAMP)  ## build dist/reflexarc-*.whl
-	$(BIN)/python -m build --wheel --no-isolation --outdir dist .
+# In an environment of its own: what builds it, without torch and all that tests need.
+wheel:           ## build dist/reflexarc-*.whl
+	test -x .venv-wheel/bin/python || $(PYTHON) -m venv .venv-wheel
+	.venv-wheel/bin/pip install --quiet --disable-pip-version-check -c $(CONSTRAINTS) build hatchling
+	.venv-wheel/bin/python -m build --wheel --no-isolation --outdir dist .
 
 golden: $(STAMP) ## rebuild the golden logs; look at the difference before you commit it
 	$(BIN)/python tests/golden/build.py

@@ -22,29 +22,27 @@ from torch import nn
 
 from reflexarc_runtime.contract.provenance import Provenance
 from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
-from reflexarc_trainer.policy.export import export
 from reflexarc_trainer.policy.provenance import commit, versions
+from reflexarc_trainer.policy.sb3_export import export_sb3
 
 TUNED = {"ppo": "ppo-tuned", "dqn": "dqn-tuned"}
 
 
-class Exported(nn.Module):
-    """The network of a trained model, behind the input curve that it learned with.
+class Curve(nn.Module):
+    """What a model is shown of retinas: to the input power, in one row.
 
     Args:
-        layers: from inputs (n, 16) to one value an action (n, 3).
         input_power: 1 or 2.
     """
 
-    def __init__(self, layers: nn.Sequential, input_power: int) -> None:
+    def __init__(self, input_power: int) -> None:
         super().__init__()
-        self.flatten, self.layers, self.squares = nn.Flatten(), layers, input_power == 2
+        self.squares = input_power == 2
 
     def forward(self, x: torch.Tensor) -> torch.Tensor:
-        """Logits, or Q-values: the largest wins."""
-        x = self.flatten(x)
-        values: torch.Tensor = self.layers(x * x if self.squares else x)
-        return values
+        """Observations (n, inputs) of retinas in [0, 1]."""
+        x = torch.flatten(x, 1)
+        return x * x if self.squares else x
 
 
 def main() -> None:
@@ -64,7 +62,6 @@ def _train(name: str, seed: int, decisions: int, path: Path) -> None:
     learner = named(TUNED[name]).learner
     assert isinstance(learner, Theirs)
     model = _learned(learner, seed, decisions)
-    module = Exported(_layers(model), learner.input_power)
     provenance = Provenance(
         preset=f"sb3-{name}",
         seed=seed,
@@ -72,7 +69,8 @@ def _train(name: str, seed: int, decisions: int, path: Path) -> None:
         versions=versions(),
         commit=commit(),
     )
-    export(module, replace(reference_contract(), provenance=provenance), path)
+    contract = replace(reference_contract(), provenance=provenance)
+    export_sb3(model, contract, path, observe=Curve(learner.input_power))
 
 
 def _learned(learner: Theirs, seed: int, decisions: int) -> Any:
@@ -90,13 +88,6 @@ def _learned(learner: Theirs, seed: int, decisions: int) -> Any:
         **learner.settings,
     )
     return model.learn(decisions)
-
-
-def _layers(model: Any) -> nn.Sequential:
-    policy = model.policy
-    if hasattr(policy, "action_net"):
-        return nn.Sequential(*policy.mlp_extractor.policy_net, policy.action_net)
-    return nn.Sequential(*policy.q_net.q_net)
 
 
 def _arguments() -> argparse.Namespace:

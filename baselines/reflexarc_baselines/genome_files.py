@@ -8,14 +8,13 @@ command = "python -m reflexarc_baselines.evolving closed-loop --seed 0"
 """
 
 import dataclasses
-import tomllib
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from reflexarc_runtime.config.fill import fill
 from reflexarc_runtime.config.source import MappingSource
+from reflexarc_runtime.config.toml_source import TomlSource, read_text
 from reflexarc_runtime.errors import UsageError
 
 _FOLDER = Path(__file__).parent / "shipped"
@@ -77,10 +76,7 @@ def genome_text(genome: object, provenance: Ancestry) -> str:
 
 
 def _part(path: Path, name: str) -> MappingSource:
-    try:
-        document: Mapping[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise UsageError(f"{path}: expected a genome as TOML, got {error}") from None
+    document = TomlSource(read_text(path, str(path)), str(path)).document
     if not isinstance(document.get(name), dict):
         raise UsageError(f"{path}: expected a table [{name}], got none")
     return MappingSource(document[name], f"{path}: {name}", UsageError)

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from reflexarc_sim_bridge.worlds.files import world_named
     from reflexarc_trainer.config.presets import preset_named
     from reflexarc_trainer.policy.export import export
+    from reflexarc_trainer.policy.sb3_export import export_sb3
     from reflexarc_trainer.run.train import train
 
 _HOMES = {
@@ -33,6 +34,7 @@ _HOMES = {
     "RetinaSpec": "reflexarc_runtime.contract.eye",
     "evaluate": "reflexarc_sim_bridge.evaluation.running.evaluate",
     "export": "reflexarc_trainer.policy.export",
+    "export_sb3": "reflexarc_trainer.policy.sb3_export",
     "load_policy": "reflexarc_runtime.policy.policy",
     "measure": "reflexarc_sim_bridge.evaluation.reference_field",
     "preset_named": "reflexarc_trainer.config.presets",
@@ -51,6 +53,7 @@ __all__ = [
     "RetinaSpec",
     "evaluate",
     "export",
+    "export_sb3",
     "load_policy",
     "measure",
     "preset_named",

@@ -9,7 +9,6 @@ import errno
 import io
 import logging
 import os
-import re
 import sys
 from collections.abc import Sequence
 from typing import Annotated, Any
@@ -25,8 +24,11 @@ from reflexarc.command_groups import (
     summary_of,
 )
 from reflexarc.terminal.compilation import show_compilation
+from reflexarc.terminal.complaint import in_one_line
 from reflexarc.terminal.output import console
+from reflexarc.terminal.plain_console import accept_every_word, to_nowhere
 from reflexarc_runtime.errors import ReflexarcError
+from reflexarc_runtime.words.shown import plain, shown
 
 BAD_INPUT = 2
 
@@ -53,15 +55,13 @@ _STYLE = (tyro.conf.FlagCreatePairsOff, tyro.conf.OmitArgPrefixes, tyro.conf.Dis
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit status."""
-    logging.basicConfig(format="reflexarc: %(message)s", level=logging.WARNING)
+    accept_every_word()
+    logging.basicConfig(handlers=[_handler()], level=logging.WARNING)
     _quieten_threads()
     words = list(sys.argv[1:] if arguments is None else arguments) or ["--help"]
     try:
-        if words[0] in ("-h", "--help"):
-            console.print(overview())
-            return 0
-        with show_compilation():
-            status: int = _parse(words).run()
+        status = _answer(words)
+        _flush()
         return status
     except ReflexarcError as error:
         return _refuse(str(error))
@@ -73,6 +73,35 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _refuse(f"{error.filename or 'system'}: {error.strerror or error}")
     except KeyboardInterrupt:
         return 130
+
+
+def _answer(words: list[str]) -> int:
+    if words[0] in ("-h", "--help"):
+        console.print(overview())
+        return 0
+    with show_compilation():
+        status: int = _parse(words).run()
+    return status
+
+
+def _handler() -> logging.Handler:
+    """What is logged, in which names from outside stand, as it is shown elsewhere."""
+    handler = logging.StreamHandler()
+    handler.setFormatter(_ShownFormatter("reflexarc: %(message)s"))
+    return handler
+
+
+class _ShownFormatter(logging.Formatter):
+    def format(self, record: logging.LogRecord) -> str:
+        return shown(super().format(record))
+
+
+def _flush() -> None:
+    """Write what is still held back; that nobody reads it any more changes no answer."""
+    try:
+        sys.stdout.flush()
+    except BrokenPipeError:
+        to_nowhere(sys.stdout)
 
 
 def _quieten_threads() -> None:
@@ -95,7 +124,8 @@ def _parse(words: list[str]) -> Any:
             )
     except SystemExit as end:
         if end.code:
-            raise SystemExit(_refuse(_one_line(complaint.getvalue()))) from None
+            said = in_one_line(complaint.getvalue(), words[0])
+            raise SystemExit(_refuse(said)) from None
         raise
 
 
@@ -113,12 +143,6 @@ def _any_command(asked: str) -> Any:
     return union
 
 
-def _one_line(complaint: str) -> str:
-    """The words of a framed message, without its frame."""
-    words = re.sub(r"[^\x20-\x7e]|[─-╿]", " ", complaint)
-    return re.sub(r"-{3,}", " ", re.sub(r"\s+", " ", words)).strip()
-
-
 def _explain_missing(error: ModuleNotFoundError, command: str) -> str:
     module = (error.name or "").partition(".")[0]
     extras = [extra for extra, modules in EXTRAS.items() if module in modules]
@@ -132,13 +156,12 @@ def _explain_missing(error: ModuleNotFoundError, command: str) -> str:
 
 
 def _end_without_reader() -> int:
-    """End quietly when the reader of the output is gone (`| head`), also at Python's last flush."""
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, sys.stdout.fileno())
-    os.dup2(nowhere, sys.stderr.fileno())
+    """End quietly when the reader of the output is gone, also at Python's last flush."""
+    to_nowhere(sys.stdout)
+    to_nowhere(sys.stderr)
     return 0
 
 
 def _refuse(reason: str) -> int:
-    print(f"reflexarc: {reason}", file=sys.stderr)
+    print(plain(f"reflexarc: {reason}"), file=sys.stderr)
     return BAD_INPUT

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from reflexarc_logs.reading.recover import Recovered
     from reflexarc_logs.reading.summary import LogSummary, summarise
     from reflexarc_logs.recording.recorder import Recorder
-    from reflexarc_logs.replaying.comparison import ReplayReport
+    from reflexarc_logs.replaying.report import ReplayReport
 
 __all__ = [
     "Log",
@@ -31,7 +31,7 @@ _HOMES = {
     "Log": "reading.reader",
     "Recorder": "recording.recorder",
     "Recovered": "reading.recover",
-    "ReplayReport": "replaying.comparison",
+    "ReplayReport": "replaying.report",
     "RunInfo": "container.run_info",
     "LogSummary": "reading.summary",
     "read_log": "reading.reader",

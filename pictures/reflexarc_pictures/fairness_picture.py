@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from reflexarc_pictures.log_pictures.decision_strips import INK
 from reflexarc_pictures.log_pictures.drive import OBSTACLE_COLOUR
 from reflexarc_runtime.files import whole_file
+from reflexarc_runtime.words.shown import plain
 from reflexarc_sim_bridge.evaluation.cover_profile import are_covered, right_side_m
 from reflexarc_sim_bridge.evaluation.fairness import FLATNESS, WorldReport
 from reflexarc_sim_bridge.worlds.world import World, WorldSource
@@ -43,7 +44,9 @@ def draw_world(source: WorldSource, report: WorldReport, path: Path) -> None:
     _draw_from_above(above, world, low_m, high_m)
     _draw_profile(profile, report)
     verdict = "fair" if report.fair else "unfair"
-    figure.suptitle(f"{report.name}: {verdict}", x=0.01, ha="left", color=INK, parse_math=False)
+    figure.suptitle(
+        f"{plain(report.name)}: {verdict}", x=0.01, ha="left", color=INK, parse_math=False
+    )
     with whole_file(path) as unfinished:
         figure.savefig(unfinished, format="png", metadata={"Software": None})
 

@@ -94,7 +94,7 @@ def check_place(out: Path) -> None:
 
 def render_world(
     source: "WorldSource",
-    out: Path,
+    out: Path | str,
     contender: "Contender | None" = None,
     part: DrawnPart = DrawnPart(),
     progress_bar: ProgressBar = no_progress_bar,
@@ -115,6 +115,7 @@ def render_world(
     from reflexarc_pictures.courses.world_course import drive_in_world
     from reflexarc_sim_bridge.evaluation.protocol.contender import BLIND, contender_of
 
+    out = Path(out)
     is_picture = out.suffix.lower() == PICTURE
     with progress_bar(f"driving in {source.name}", 1) as progress:
         course = drive_in_world(
@@ -136,7 +137,10 @@ def render_world(
 
 
 def render_results(
-    path: Path, out: Path, suite: str = "", progress_bar: ProgressBar = no_progress_bar
+    path: Path | str,
+    out: Path | str,
+    suite: str = "",
+    progress_bar: ProgressBar = no_progress_bar,
 ) -> Rendered:
     """Draw the results of a suite: as a page (HTML), or as a picture (PNG).
 
@@ -151,7 +155,8 @@ def render_results(
     """
     from reflexarc_pictures.suite_page.from_results import draw_results, read_results
 
-    results = read_results(path)
+    out = Path(out)
+    results = read_results(Path(path))
     with progress_bar("driving to the worst moments", 1) as progress:
         draw_results(results, out, suite, progress)
     is_page = out.suffix.lower() == PAGE
@@ -159,8 +164,8 @@ def render_results(
 
 
 def render_log(
-    path: Path,
-    out: Path,
+    path: Path | str,
+    out: Path | str,
     kind: "Kind" = "auto",
     duration_s: float | None = None,
     progress_bar: ProgressBar = no_progress_bar,
@@ -178,6 +183,7 @@ def render_log(
         LogError: the log cannot be read, or there is nothing in it to draw.
         UsageError: the log lacks streams that the kind of picture needs; or ffmpeg failed.
     """
+    path, out = Path(path), Path(out)
     if out.suffix.lower() == PICTURE:
         from reflexarc_pictures.log_pictures.log_picture import draw_log
 

@@ -12,6 +12,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from itertools import islice
+from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
@@ -46,6 +47,8 @@ ANSWERED_S = 5.0
 """How long answers to a query are waited for."""
 
 _RETRY = {"period_init_ms": 50, "period_max_ms": 500, "period_increase_factor": 2}
+_SHARED_MEMORY = "transport/shared_memory/enabled"
+"""On by default, and then no session opens where `/dev/shm` cannot be written."""
 _NOBODY = "Unable to connect to any of"
 """How Zenoh begins when a client has found no router."""
 
@@ -329,14 +332,10 @@ def _open(chosen: zenoh.Config, config: BusConfig) -> zenoh.Session:
 
 def _zenoh_config(config: BusConfig) -> zenoh.Config:
     if config.zenoh_file is not None:
-        if not config.zenoh_file.is_file():
-            raise BusError(f"--zenoh: {config.zenoh_file}: no such file")
-        try:
-            return zenoh.Config.from_file(config.zenoh_file)
-        except zenoh.ZError as error:
-            raise BusError(_explain(config, str(error))) from None
+        return _config_of_file(config, config.zenoh_file)
     body = f"tcp/{LOOPBACK}:{config.port}"
     chosen = zenoh.Config()
+    chosen.insert_json5(_SHARED_MEMORY, json.dumps(False))
     chosen.insert_json5("scouting/multicast/enabled", json.dumps(False))
     if config.client:
         chosen.insert_json5("mode", json.dumps("client"))
@@ -347,12 +346,26 @@ def _zenoh_config(config: BusConfig) -> zenoh.Config:
     chosen.insert_json5("mode", json.dumps("peer"))
     chosen.insert_json5("scouting/gossip/enabled", json.dumps(True))
     chosen.insert_json5("transport/link/rx/max_message_size", json.dumps(MAX_MESSAGE_BYTES))
-    chosen.insert_json5("transport/shared_memory/enabled", json.dumps(False))
     own = body if config.listens else f"tcp/{LOOPBACK}:0"
     chosen.insert_json5("listen/endpoints", json.dumps([own]))
     if not config.listens:
         chosen.insert_json5("connect/endpoints", json.dumps([body]))
         chosen.insert_json5("connect/retry", json.dumps(_RETRY))
+    return chosen
+
+
+def _config_of_file(config: BusConfig, path: Path) -> zenoh.Config:
+    """What the file says; shared memory, which many containers lack, only if it says so."""
+    try:
+        speaks_of_it = b"shared_memory" in path.read_bytes()
+    except OSError as error:
+        raise BusError(f"--zenoh: {path}: {(error.strerror or '').lower()}") from None
+    try:
+        chosen = zenoh.Config.from_file(path)
+    except zenoh.ZError as error:
+        raise BusError(_explain(config, str(error))) from None
+    if not speaks_of_it:
+        chosen.insert_json5(_SHARED_MEMORY, json.dumps(False))
     return chosen
 
 

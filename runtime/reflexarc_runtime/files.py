@@ -12,6 +12,19 @@ from pathlib import Path
 
 _MODE = 0o644
 """Temporary files can be read by nobody else; what they become, by everybody."""
+_LFS_POINTER = b"version https://git-lfs.github.com/spec/"
+
+
+def is_lfs_pointer(head: bytes) -> bool:
+    """Whether a file is only the note that Git LFS keeps in place of the real one.
+
+    `git lfs pull` fetches the real file; without Git LFS a clone has the notes alone.
+
+    Args:
+        head: the first bytes of the file, 40 or more. Source: the LFS pointer specification, which
+            puts this line first.
+    """
+    return head.startswith(_LFS_POINTER)
 
 
 @contextmanager

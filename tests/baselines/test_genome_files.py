@@ -22,9 +22,13 @@ def test_each_that_evolved_ships_with_how_it_came_about(name: str) -> None:
 
 def test_a_broken_file_is_told_in_one_line(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
-    for text, words in (("[genome", "as TOML"), ("x = 1", r"\[genome\]"), ("[genome]", "genome")):
+    for text, words in (
+        ("[genome", "mine.toml:1: expected TOML"),
+        ("x = 1", r"\[genome\]"),
+        ("[genome]", "genome"),
+    ):
         path.write_text(text, encoding="utf-8")
         with pytest.raises(UsageError, match=words):
             read_genome(path, Detectors)
-    with pytest.raises(UsageError, match="as TOML"):
+    with pytest.raises(UsageError, match="give a TOML file"):
         read_genome(tmp_path / "none.toml", Detectors)

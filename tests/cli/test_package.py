@@ -15,6 +15,7 @@ PUBLIC = [
     "RetinaSpec",
     "evaluate",
     "export",
+    "export_sb3",
     "load_policy",
     "measure",
     "preset_named",

@@ -23,7 +23,7 @@ def files(policy: Path, tmp_path: Path) -> Path:
     (tmp_path / "text.onnx").write_text("not a model")
     (tmp_path / "bare.onnx").write_bytes(network(PolicyContract()))
     (tmp_path / "cut.onnx").write_bytes(data[: len(data) // 2])
-    (tmp_path / "operator.onnx").write_bytes(exported(PolicyContract(), activation="Softsign"))
+    (tmp_path / "operator.onnx").write_bytes(exported(PolicyContract(), activation="Shrink"))
     colours = PolicyContract(retina=RetinaSpec(shading=Shading.COLOUR))
     (tmp_path / "colours.onnx").write_bytes(exported(colours))
     (tmp_path / "tampered.onnx").write_bytes(tampered(data))

@@ -10,10 +10,11 @@ import pytest
 from reflexarc_logs.cutting.cut import cut
 from reflexarc_logs.cutting.span import TickSpan
 from reflexarc_logs.reading.reader import Log, read_log
+from reflexarc_logs.replaying.asked_policy import attached_policy
 from reflexarc_logs.replaying.beginning import begin, keep
 from reflexarc_logs.replaying.comparison import EqualityRules
 from reflexarc_logs.replaying.loop_events import LoopEvent, loop_events
-from reflexarc_logs.replaying.replay import attached_policy, replay
+from reflexarc_logs.replaying.replay import replay
 from reflexarc_logs.replaying.stepping import Stepping
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.messages.wire import Message

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from reflexarc_logs.replaying.report import ReplayReport
 from reflexarc_runtime.messages_pb2 import Decision
 from support.rewriting import edit_decisions, rewrite
 
@@ -84,15 +85,17 @@ def test_the_fixture_replays_any_log(outcome):
 
 def test_without_a_log_the_plugin_imports_nothing_but_pytest(tmp_path):
     here = project(tmp_path, "reflexarc_logs = golden")
+    (here / "golden/never-opened.mcap").write_bytes(b"")
     (here / "test_it.py").write_text(
         "import sys\n\n"
         "def test_it():\n"
         "    heavy = {'numpy', 'mcap', 'onnx', 'google.protobuf', 'reflexarc_runtime'}\n"
         "    assert not heavy & set(sys.modules)\n"
         "    ours = {n for n in sys.modules if n.startswith('reflexarc')}\n"
-        "    assert ours == {'reflexarc_logs', 'reflexarc_logs.pytest_plugin'}\n"
+        "    mine = {'', '.named_logs', '.pytest_plugin'}\n"
+        "    assert ours == {f'reflexarc_logs{name}' for name in mine}\n"
     )
-    result = run_pytest(here)
+    result = run_pytest(here, "test_it.py")
     assert result.returncode == 0, result.stdout
 
 
@@ -100,3 +103,78 @@ def test_without_the_option_no_log_is_collected(log_path, tmp_path):
     here = project(tmp_path, "")
     shutil.copy(log_path, here / "golden/log.mcap")
     assert run_pytest(here).returncode == pytest.ExitCode.NO_TESTS_COLLECTED
+
+
+def passing(here: Path) -> Path:
+    (here / "test_it.py").write_text("def test_it():\n    pass\n")
+    return here
+
+
+@pytest.mark.parametrize("place", ["goldn", "golden", "golden/log.mcap", "gold*/x"])
+def test_a_place_without_a_log_is_an_error_whatever_runs(place, tmp_path):
+    here = passing(project(tmp_path, f"reflexarc_logs = {place}"))
+    for arguments in ((), ("test_it.py",)):
+        result = run_pytest(here, *arguments)
+        assert result.returncode == pytest.ExitCode.USAGE_ERROR
+        assert f"ERROR: reflexarc_logs: {place}: " in result.stderr
+
+
+def test_a_link_to_a_store_outside_is_a_test_in_any_form(log_path, tmp_path):
+    (tmp_path / "store").mkdir()
+    shutil.copy(log_path, tmp_path / "store/log.mcap")
+    (tmp_path / "here").mkdir()
+    here = project(tmp_path / "here", "reflexarc_logs = golden linked")
+    (here / "golden/link.mcap").symlink_to("../../store/log.mcap")
+    (here / "golden/as-text.mcap").write_text("../../store/log.mcap")  # git, where none are made
+    (here / "golden/LOUD.MCAP").symlink_to("../../store/log.mcap")
+    (here / "linked").symlink_to("../store")
+    outcome = run_pytest(here)
+    assert outcome.returncode == 0, outcome.stdout
+    assert "4 passed" in outcome.stdout
+
+
+def test_what_stands_for_a_log_that_was_not_fetched_fails_and_says_how_to_fetch_it(tmp_path):
+    here = project(tmp_path, "reflexarc_logs = golden")
+    pointer = "version https://git-lfs.github.com/spec/v1\noid sha256:1234\nsize 58347\n"
+    (here / "golden/lfs.mcap").write_text(pointer)
+    (here / "golden/annex.mcap").symlink_to("../.git/annex/objects/1234")
+    outcome = run_pytest(here)
+    assert "lfs.mcap: is a Git LFS pointer, not the log itself: `git lfs pull`" in outcome.stdout
+    assert "annex.mcap: a link to ../.git/annex/objects/1234, which is not there" in outcome.stdout
+    assert "2 failed" in outcome.stdout
+
+
+UNREACHED = {
+    "testpaths = unit": "it is not where pytest collects: add its folder to testpaths",
+    "norecursedirs = gold*": "pytest leaves it out: norecursedirs",
+}
+
+
+@pytest.mark.parametrize("workers", [(), ("-p", "xdist", "-n", "2")], ids=["alone", "xdist"])
+@pytest.mark.parametrize("option", UNREACHED)
+def test_a_log_that_a_whole_run_does_not_reach_fails(option, workers, log_path, tmp_path):
+    here = project(tmp_path, f"reflexarc_logs = golden\n{option}")
+    shutil.copy(log_path, here / "golden/log.mcap")
+    (here / "unit").mkdir()
+    passing(here / "unit")
+    outcome = run_pytest(here, *workers)
+    assert outcome.returncode == 1
+    assert f"golden/log.mcap: {UNREACHED[option]}" in outcome.stdout
+    assert "1 failed, 1 passed" in outcome.stdout
+
+
+@pytest.mark.parametrize("arguments", [("unit",), ("--ignore=golden",), ("--ignore-glob=*gold*",)])
+def test_a_log_that_somebody_left_out_is_counted(arguments, log_path, tmp_path):
+    here = project(tmp_path, "reflexarc_logs = golden/")
+    shutil.copy(log_path, here / "golden/log.mcap")
+    (here / "unit").mkdir()
+    passing(here / "unit")
+    outcome = run_pytest(here, *arguments)
+    assert outcome.returncode == 0
+    assert "reflexarc_logs: 1 of 1 logs were not among the tests of this run" in outcome.stdout
+
+
+def test_a_report_prints_its_lines_and_its_verdict_stands_in_a_failed_assertion():
+    report = ReplayReport("a.mcap", "ab" * 32, True, "numpy", "numpy", (), ())
+    assert str(report) == "\n".join(report.lines())
+    assert repr(report) == "<ReplayReport a.mcap: nothing was compared>"

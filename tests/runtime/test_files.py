@@ -5,7 +5,7 @@ from typing import NoReturn
 
 import pytest
 
-from reflexarc_runtime.files import whole_file, write_atomically
+from reflexarc_runtime.files import is_lfs_pointer, whole_file, write_atomically
 
 
 def write_into(path: Path, data: bytes) -> None:
@@ -57,3 +57,11 @@ def test_who_reads_meanwhile_meets_the_old_file(tmp_path: Path):
         assert path.read_bytes() == b"old"
         unfinished.write_bytes(b"new")
     assert path.read_bytes() == b"new"
+
+
+def test_the_note_of_git_lfs_is_told_from_any_other_file():
+    pointer = b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n"
+    assert is_lfs_pointer(pointer)
+    assert is_lfs_pointer(pointer[:40])
+    for other in (b"", pointer[:39], b"version 1.2", b" " + pointer, b"\x89PNG\r\n\x1a\n"):
+        assert not is_lfs_pointer(other)

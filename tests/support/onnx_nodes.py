@@ -8,10 +8,14 @@ import onnx
 import onnxruntime
 from onnx import helper
 
+from reflexarc_runtime.policy.operators.operator_table import operator_of
+
 Array = npt.NDArray[Any]
 
 
-def by_onnxruntime(node: onnx.NodeProto, inputs: list[Array | None]) -> list[Array]:
+def by_onnxruntime(
+    node: onnx.NodeProto, inputs: list[Array | None], opset: int = 17
+) -> list[Array]:
     """Every output of a node; an input that is None is not given."""
     given = [
         (name, array) for name, array in zip(node.input, inputs, strict=True) if array is not None
@@ -23,8 +27,7 @@ def by_onnxruntime(node: onnx.NodeProto, inputs: list[Array | None]) -> list[Arr
         [helper.make_tensor_value_info(n, kinds[n], list(a.shape)) for n, a in given],
         [helper.make_empty_tensor_value_info(n) for n in node.output],
     )
-    opset = [helper.make_opsetid("", 17)]
-    model = helper.make_model(graph, opset_imports=opset, ir_version=8)
+    model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", opset)], ir_version=8)
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = 1
     session = onnxruntime.InferenceSession(
@@ -38,6 +41,9 @@ def in_double(inputs: list[Array | None]) -> list[Array | None]:
     return [a.astype(np.float64) if a is not None and a.dtype.kind == "f" else a for a in inputs]
 
 
-def attributes_of(node: onnx.NodeProto) -> dict[str, Any]:
-    """The attributes of a node by name."""
-    return {a.name: helper.get_attribute_value(a) for a in node.attribute}
+def by_numpy(
+    node: onnx.NodeProto, inputs: list[Array | None], opset: int = 17
+) -> tuple[Array, ...]:
+    """The same by the function of the NumPy backend."""
+    result = operator_of(node, opset)(*in_double(inputs))
+    return result if isinstance(result, tuple) else (result,)

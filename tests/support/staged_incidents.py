@@ -55,7 +55,7 @@ def staged(source: Path, out: Path, heard: Staged) -> Path:
         reader = NonSeekingReader(stream)
         for schema, channel, message in reader.iter_messages(log_time_order=False):
             where = file.raw_channel(
-                channel.topic, schema.name, schema.encoding, schema.data, channel.metadata
+                channel.topic, channel.message_encoding, schema, channel.metadata
             )
             times = {"publish_ns": message.publish_time, "log_ns": message.log_time}
             file.add(where, message.data, sequence=message.sequence, **times)

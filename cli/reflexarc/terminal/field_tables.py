@@ -3,8 +3,9 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from rich.markup import escape
 from rich.table import Table
+
+from reflexarc_runtime.words.shown import plain
 
 if TYPE_CHECKING:
     from reflexarc_sim_bridge.evaluation.reference_field import FieldScore
@@ -42,7 +43,7 @@ def contacts_table(scores: "Mapping[str, FieldScore]", where: str, *, guarded: b
         interval = f"{score.low:.2f} – {score.high:.2f}"
         share = f"{score.contacts_per_100m / blind:.2f}" if blind else "–"
         did = (f"{score.guarded:.1%}", f"{score.stuck:.1%}") if guarded else ()
-        table.add_row(escape(name), f"{score.contacts_per_100m:.2f}", interval, share, *did)
+        table.add_row(plain(name), f"{score.contacts_per_100m:.2f}", interval, share, *did)
     return table
 
 
@@ -53,7 +54,7 @@ def distances_table(distances: "Mapping[str, Interval]", where: str) -> Table:
     for name in ("policy", "distance, m", "95 % interval"):
         table.add_column(name, justify="left" if name == "policy" else "right")
     for name, distance in distances.items():
-        table.add_row(escape(name), f"{distance.value:.1f}", interval_words(distance, 1))
+        table.add_row(plain(name), f"{distance.value:.1f}", interval_words(distance, 1))
     return table
 
 

@@ -1,5 +1,6 @@
 """A log in words and tables: the run, where it was driven, and its streams."""
 
+from datetime import UTC, datetime
 from math import isfinite
 from pathlib import Path
 
@@ -10,7 +11,7 @@ from rich.table import Table
 from reflexarc.terminal.body_words import body_words
 from reflexarc.terminal.output import facts, kibibytes, plain
 from reflexarc_logs.container.run_info import RunInfo
-from reflexarc_logs.reading.summary import LogSummary, TopicSummary
+from reflexarc_logs.reading.summary import ForeignSummary, LogSummary, TopicSummary
 from reflexarc_runtime.contract.body_limits import BodyLimits
 from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_runtime.messages.body_info import BodyInfo
@@ -32,7 +33,34 @@ def describe_log(path: Path, summary: LogSummary) -> Group:
         "size": f"{kibibytes(summary.bytes)}, {summary.messages} messages, "
         f"{summary.duration_s:.1f} s",
     }
+    if summary.by_index:
+        rows["counted"] = "by its index, which does not say how large the payloads are"
     return Group(facts(rows), _topics(summary.topics))
+
+
+def describe_foreign(path: Path, summary: ForeignSummary) -> Group:
+    """What can be said of a log that reflexarc did not record."""
+    state = "complete" if summary.complete else f"not whole: {plain(summary.damage)}"
+    rows = {
+        "log": f"{plain(str(path))} ({state})",
+        "of": "another system: it is not a log of reflexarc, and cannot be replayed or played",
+        "profile": plain(summary.profile) or "none",
+        "written by": plain(summary.library) or NOT_RECORDED,
+        "begins": _wall_time(summary.first_ns) if summary.messages else NOT_RECORDED,
+        "size": f"{kibibytes(summary.bytes)}, {summary.messages} messages, "
+        f"{summary.duration_s:.1f} s",
+        "attachments": ", ".join(map(plain, summary.attachments)) or "none",
+        "metadata": ", ".join(map(plain, summary.metadata)) or "none",
+    }
+    return Group(facts(rows), _topics(summary.topics))
+
+
+def _wall_time(time_ns: int) -> str:
+    """A time since 1970 as a date, if it can be one."""
+    try:
+        return datetime.fromtimestamp(time_ns // 10**9, UTC).isoformat(" ", "seconds")
+    except (OverflowError, ValueError, OSError):
+        return f"at {time_ns} ns"
 
 
 def _rules(run: RunInfo) -> str:
@@ -99,6 +127,6 @@ def _topics(topics: tuple[TopicSummary, ...]) -> Table:
             str(topic.messages),
             str(topic.senders or ""),
             f"{topic.rate_hz:.1f} Hz" if topic.rate_hz else "",
-            kibibytes(topic.payload_bytes),
+            "" if topic.payload_bytes is None else kibibytes(topic.payload_bytes),
         )
     return table

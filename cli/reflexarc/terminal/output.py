@@ -5,17 +5,30 @@ import json
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from math import isfinite
+from pathlib import PurePath
 from typing import Any
 
-from rich.console import Console
-from rich.markup import escape
-from rich.progress import Progress
+from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-console = Console(highlight=False)
+from reflexarc.terminal.plain_console import PlainConsole
+from reflexarc_runtime.words.shown import plain
+
+__all__ = [
+    "aside",
+    "console",
+    "facts",
+    "kibibytes",
+    "microseconds",
+    "plain",
+    "print_json",
+    "progress_bar",
+]
+
+console = PlainConsole()
 """Results go to standard output."""
 
-aside = Console(stderr=True, highlight=False)
+aside = PlainConsole(stderr=True)
 """Progress and notices go to standard error."""
 
 
@@ -42,13 +55,8 @@ def facts(rows: Mapping[str, object], title: str | None = None, name_width: int 
     table.add_column(style="bold", no_wrap=True, min_width=name_width or None)
     table.add_column(overflow="fold")
     for name, value in rows.items():
-        table.add_row(name, str(value))
+        table.add_row(name, plain(str(value)) if isinstance(value, PurePath) else str(value))
     return table
-
-
-def plain(text: str) -> str:
-    """Words from a file, so that they are shown as they are: no markup, no control characters."""
-    return escape("".join(c if c.isprintable() else ascii(c)[1:-1] for c in text))
 
 
 def microseconds(time_ns: int) -> str:
@@ -64,6 +72,7 @@ def kibibytes(count: int) -> str:
 @contextmanager
 def progress_bar(title: str, total: int) -> Iterator[Callable[[int, int], None]]:
     """A progress bar on standard error; what it yields is called with (done, total)."""
-    with Progress(console=aside, transient=True) as progress:
+    columns = TextColumn("{task.description}", markup=False), BarColumn(), TaskProgressColumn()
+    with Progress(*columns, TimeRemainingColumn(), console=aside, transient=True) as progress:
         task = progress.add_task(title, total=total)
         yield lambda done, of: progress.update(task, completed=done, total=of)

@@ -19,7 +19,7 @@ def show_progress() -> Iterator[ProgressCallback]:
         TextColumn("learning"),
         BarColumn(),
         MofNCompleteColumn(),
-        TextColumn("{task.fields[said]}"),
+        TextColumn("{task.fields[said]}", markup=False),
         TimeRemainingColumn(),
     )
     with Progress(*columns, console=aside, transient=True) as bar:
@@ -39,7 +39,7 @@ def show_study_progress() -> Iterator[Callable[[StudyProgress], None]]:
         TextColumn("studying"),
         BarColumn(),
         MofNCompleteColumn(),
-        TextColumn("runs  {task.fields[said]}"),
+        TextColumn("runs  {task.fields[said]}", markup=False),
         TimeRemainingColumn(),
     )
     with Progress(*columns, console=aside, transient=True, speed_estimate_period=600.0) as bar:

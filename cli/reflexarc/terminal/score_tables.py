@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from rich.box import SIMPLE_HEAD
-from rich.markup import escape
 from rich.table import Table
 
 from reflexarc.terminal.field_tables import interval_words
+from reflexarc_runtime.words.shown import plain
 
 if TYPE_CHECKING:
     from reflexarc_sim_bridge.evaluation.protocol.results import ResultRow, Results
@@ -34,10 +34,10 @@ def _families(results: "Results", cards: "Sequence[ScoreCard]", setting: "Settin
     table.add_column("family", no_wrap=True)
     short = short_names([card.name for card in cards])
     for card in cards:
-        table.add_column(escape(short[card.name]), justify="right", overflow="fold")
+        table.add_column(plain(short[card.name]), justify="right", overflow="fold")
     for family in dict.fromkeys(name for card in cards for name in card.families):
         scores = [card.families.get(family) for card in cards]
-        table.add_row(escape(family), *("–" if s is None else f"{s.value:.2f}" for s in scores))
+        table.add_row(plain(family), *("–" if s is None else f"{s.value:.2f}" for s in scores))
     return table
 
 
@@ -55,7 +55,7 @@ def _headlines(results: "Results", cards: "Sequence[ScoreCard]", setting: "Setti
         table.add_column(name, justify="left" if name == "worst family" else "right")
     short = short_names([card.name for card in cards])
     for card in cards:
-        table.add_row(escape(short[card.name]), *_headline(results, card))
+        table.add_row(plain(short[card.name]), *_headline(results, card))
     return table
 
 
@@ -81,7 +81,7 @@ def _headline(results: "Results", card: "ScoreCard") -> tuple[str, ...]:
     return (
         f"{card.headline.value:.3f}",
         card.note if interval == "–" else interval,
-        f"{escape(card.worst_family)} {worst:.2f}",
+        f"{plain(card.worst_family)} {worst:.2f}",
         f"{card.optimality_gap:.3f}",
         "–" if area is None else f"{area:.2f}",
         _contacts(card, rows),

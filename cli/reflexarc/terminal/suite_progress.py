@@ -11,7 +11,7 @@ from reflexarc.terminal.output import aside
 @contextmanager
 def show_suite_progress(title: str) -> Iterator[Callable[[float, float], None]]:
     """A bar; what it yields is called with (done, total)."""
-    columns = TextColumn("{task.description}"), BarColumn(), TaskProgressColumn()
+    columns = TextColumn("{task.description}", markup=False), BarColumn(), TaskProgressColumn()
     with Progress(
         *columns,
         TimeRemainingColumn(),

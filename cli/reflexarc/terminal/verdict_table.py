@@ -5,8 +5,9 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from rich.box import SIMPLE_HEAD
-from rich.markup import escape
 from rich.table import Table
+
+from reflexarc_runtime.words.shown import plain
 
 if TYPE_CHECKING:
     from reflexarc_sim_bridge.evaluation.scoring.regression import FamilyVerdict
@@ -20,13 +21,13 @@ WORDS = {
 
 def verdict_table(verdicts: "Sequence[FamilyVerdict]", title: str) -> Table:
     """One line a family."""
-    table = Table(title=escape(title), title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    table = Table(title=plain(title), title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
     table.add_column("family", no_wrap=True)
     for name in ("verdict", "loss", "95 % interval", "smallest found", "looks"):
         table.add_column(name, justify="left" if name == "verdict" else "right")
     for each in verdicts:
         table.add_row(
-            escape(each.family),
+            plain(each.family),
             str(each.claim),
             f"{each.loss:+.1%}",
             f"{each.low:+.1%} – {each.high:+.1%}",

@@ -106,7 +106,7 @@ def asking_of(
     from reflexarc.wiring.asking import Asking
 
     def say(words: str) -> None:
-        aside.print(f"{who}: {words}", soft_wrap=True, markup=False)
+        aside.print(f"{who}: {words}", soft_wrap=True)
 
     return Asking(bus, bounds, say, check)
 

@@ -4,6 +4,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from reflexarc.wiring.policy_trials import BackendName, try_policy
 from reflexarc_baselines.registry import HOMES, source_of
 from reflexarc_runtime.errors import UsageError
 from reflexarc_sim_bridge.evaluation.protocol.contender import BLIND, RANDOM
@@ -17,6 +18,7 @@ def entrants_of(
     *,
     guard: bool,
     rate_hz: float | None,
+    backend: BackendName = "numpy",
 ) -> list[Entrant]:
     """Files, then controllers, then baselines, each by the name that it was given.
 
@@ -24,6 +26,7 @@ def entrants_of(
 
     Raises:
         UsageError: nobody, somebody twice, or a controller without a class.
+        PolicyError: a file is refused by a backend that has to be tried.
     """
     for text in controllers:
         if ":" not in text:
@@ -35,15 +38,19 @@ def entrants_of(
     named += [(name, name if name in (BLIND, RANDOM) else source_of(name)) for name in baselines]
     if not named:
         raise UsageError("evaluate: expected a policy, --controller or --baseline, got none")
-    return [Entrant(name, source, guard, rate_hz) for name, source in named]
+    for path in policies:
+        try_policy(path, backend)
+    return [Entrant(name, source, guard, rate_hz, backend) for name, source in named]
 
 
-def entrant_of(text: str, *, guard: bool, rate_hz: float | None) -> Entrant:
+def entrant_of(
+    text: str, *, guard: bool, rate_hz: float | None, backend: BackendName = "numpy"
+) -> Entrant:
     """One of them, of whatever kind its text says: a baseline's name, a class, or a file."""
     if text in HOMES or text in (BLIND, RANDOM):
         [one] = entrants_of((), (), (text,), guard=guard, rate_hz=rate_hz)
     elif ":" in text and not Path(text).exists():
         [one] = entrants_of((), (text,), (), guard=guard, rate_hz=rate_hz)
     else:
-        [one] = entrants_of((Path(text),), (), (), guard=guard, rate_hz=rate_hz)
+        [one] = entrants_of((Path(text),), (), (), guard=guard, rate_hz=rate_hz, backend=backend)
     return one

@@ -116,7 +116,7 @@ class Waiting:
             if self._has_come() or self._ended.is_set():
                 return
             if not around.things <= told:
-                aside.print(explained(self._wish, around), soft_wrap=True, markup=False)
+                aside.print(explained(self._wish, around), soft_wrap=True)
             told, patience_s = told | around.things, AGAIN_S
 
 

@@ -33,10 +33,10 @@ class MessageCopier:
         """Copy a message; False if its channel or schema stood in a part that was lost."""
         channel = self._channels.get(message.channel_id)
         schema = None if channel is None else self._schemas.get(channel.schema_id)
-        if channel is None or schema is None:
+        if channel is None or (schema is None and channel.schema_id):
             return False
         target = self._file.raw_channel(
-            channel.topic, schema.name, schema.encoding, schema.data, channel.metadata
+            channel.topic, channel.message_encoding, schema, channel.metadata
         )
         self._file.add(
             target,

@@ -5,6 +5,7 @@ every viewer can read the proper channels, and replay can restore the stream as 
 has one channel for each sender, up to 16 of them: who sent a message is in the log.
 """
 
+import struct
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -12,6 +13,7 @@ from dataclasses import dataclass
 from google.protobuf.message import DecodeError
 from google.protobuf.message import Message as ProtobufMessage
 
+from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.keyframe import Keyframe, encode_state
 from reflexarc_runtime.messages.codec import SCHEMAS
 from reflexarc_runtime.messages.topics import CONTROLS, KEYFRAME, ON_THE_BUS, REJECTED, Topic
@@ -129,8 +131,18 @@ class Intake:
 def accepted_message(
     key: str, schema: str, payload: bytes, stamp: Stamp, received_ns: int
 ) -> Message:
-    """Restore an accepted message as it came from the bus."""
-    return Message(key, payload, protobuf_encoding(schema), pack_stamp(stamp), received_ns)
+    """Restore an accepted message as it came from the bus.
+
+    Raises:
+        LogError: its stamp is none that a message on the bus can have; times there are signed.
+    """
+    try:
+        attachment = pack_stamp(stamp)
+    except struct.error:
+        raise LogError(
+            f"/{key}: a message sent at {stamp.time_ns} ns: expected a time below 2^63 ns"
+        ) from None
+    return Message(key, payload, protobuf_encoding(schema), attachment, received_ns)
 
 
 def rejected_message(rejected: Rejected, received_ns: int) -> Message:

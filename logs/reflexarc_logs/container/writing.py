@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from google.protobuf.message import Message as ProtobufMessage
+from mcap.records import Schema
 from mcap.writer import CompressionType, Writer
 from mcap_protobuf.schema import build_file_descriptor_set
 
@@ -31,6 +32,7 @@ END = "reflexarc.end"
 SENDER = "reflexarc.sender"
 """Metadata of a channel: the identifier of whoever sent its messages, in hexadecimal."""
 NO_METADATA: Mapping[str, str] = {}
+NO_SCHEMA = 0
 
 _CANNOT_SYNC = (errno.EINVAL, errno.ENOTSUP, errno.ENOSYS)
 """Not every file system can be told to sync."""
@@ -54,7 +56,7 @@ class LogWriter:
     ) -> None:
         self.path = path
         self.partial = path.with_name(path.name + unfinished)
-        self._file = _open(path, self.partial)
+        self._file = open_unfinished(path, self.partial)
         self._writer = Writer(
             self._file,
             chunk_size=chunk_bytes or CHUNK_BYTES,
@@ -62,8 +64,9 @@ class LogWriter:
             enable_crcs=True,
             enable_data_crcs=True,
         )
-        self._schemas: dict[str, int] = {}
-        self._channels: dict[tuple[str, str, str], int] = {}
+        self._schemas: dict[tuple[str, str, bytes], int] = {}
+        self._channels: dict[tuple[str, str, bytes], int] = {}
+        self._raw_channels: dict[tuple[str, str, int, tuple[tuple[str, str], ...]], int] = {}
         self._writer.start(profile=PROFILE)
 
     def attach(self, name: str, media_type: str, data: bytes) -> None:
@@ -72,34 +75,48 @@ class LogWriter:
 
     def describe(self, name: str, document: Mapping[str, str]) -> None:
         """Write a metadata record."""
-        self._writer.add_metadata(name, dict(document))
+        self._writer.add_metadata(name, {key: _in_utf8(text) for key, text in document.items()})
 
     def channel(self, topic: str, kind: type[ProtobufMessage], sender: bytes = NO_SENDER) -> int:
         """The channel of a topic that carries this protobuf message from this sender."""
-        name, who = kind.DESCRIPTOR.full_name, sender.hex()
-        if (topic, name, who) in self._channels:
-            return self._channels[topic, name, who]
-        descriptors = build_file_descriptor_set(kind).SerializeToString()
-        return self.raw_channel(topic, name, "protobuf", descriptors, {SENDER: who})
+        place = (topic, kind.DESCRIPTOR.full_name, sender)
+        if place not in self._channels:
+            self._channels[place] = self.raw_channel(
+                topic,
+                "protobuf",
+                _schema_of(kind),
+                {SENDER: sender.hex()},
+            )
+        return self._channels[place]
 
     def raw_channel(
         self,
         topic: str,
-        schema: str,
         encoding: str,
-        descriptors: bytes,
+        schema: Schema | None,
         metadata: Mapping[str, str] = NO_METADATA,
     ) -> int:
-        """The channel of a topic, its schema given as it stands in a log."""
-        place = (topic, schema, metadata.get(SENDER, ""))
-        if place not in self._channels:
-            if schema not in self._schemas:
-                registered = self._writer.register_schema(schema, encoding, descriptors)
-                self._schemas[schema] = registered
-            self._channels[place] = self._writer.register_channel(
-                topic, encoding, self._schemas[schema], dict(metadata)
-            )
-        return self._channels[place]
+        """The channel of a topic as it stands in a log.
+
+        Args:
+            topic: with its leading slash.
+            encoding: of the messages; the schema has one of its own.
+            schema: None: the messages have none.
+            metadata: of the channel.
+        """
+        number = NO_SCHEMA if schema is None else self._schema(schema)
+        place = (topic, encoding, number, tuple(metadata.items()))
+        if place not in self._raw_channels:
+            registered = self._writer.register_channel(topic, encoding, number, dict(metadata))
+            self._raw_channels[place] = registered
+        return self._raw_channels[place]
+
+    def _schema(self, schema: Schema) -> int:
+        """The number of a schema in this file; its number elsewhere does not matter."""
+        place = (schema.name, schema.encoding, schema.data)
+        if place not in self._schemas:
+            self._schemas[place] = self._writer.register_schema(*place)
+        return self._schemas[place]
 
     def add(
         self, channel: int, payload: bytes, *, sequence: int, publish_ns: int, log_ns: int
@@ -117,11 +134,7 @@ class LogWriter:
         Raises:
             OSError: the disk did not take it.
         """
-        try:
-            os.fsync(self._file.fileno())
-        except OSError as error:
-            if error.errno not in _CANNOT_SYNC:
-                raise
+        sync(self._file)
 
     def fileno(self) -> int:
         """Descriptor of the open file."""
@@ -140,9 +153,7 @@ class LogWriter:
     def settle(self) -> None:
         """Make a sealed file durable, close it and give it its name; from any thread."""
         self._close_durably()
-        if os.path.lexists(self.path):
-            raise FileExistsError(17, "appeared during the recording", str(self.path))
-        self.partial.rename(self.path)
+        give_name(self.partial, self.path)
 
     def end(self) -> None:
         """Write the index, make the file durable and close it; it keeps the name `partial`."""
@@ -174,7 +185,36 @@ def open_for_writing(partial: Path) -> BinaryIO:
     return partial.open("xb")
 
 
-def _open(path: Path, partial: Path) -> BinaryIO:
+def sync(file: BinaryIO) -> None:
+    """Hand to the disk all that was flushed; a disk that is gone says so only then.
+
+    Raises:
+        OSError: the disk did not take it.
+    """
+    try:
+        os.fsync(file.fileno())
+    except OSError as error:
+        if error.errno not in _CANNOT_SYNC:
+            raise
+
+
+def give_name(partial: Path, path: Path) -> None:
+    """Give a file that is finished and closed its name.
+
+    Raises:
+        OSError: something of that name is there, or the folder does not take it.
+    """
+    if os.path.lexists(path):
+        raise FileExistsError(17, "appeared during the recording", str(path))
+    partial.rename(path)
+
+
+def open_unfinished(path: Path, partial: Path) -> BinaryIO:
+    """Create the file that will be `path` when it is finished.
+
+    Raises:
+        LogError: something of one of the two names is there, or the place cannot be written.
+    """
     if os.path.lexists(path):
         raise LogError(f"{path}: exists already; choose another name or remove it")
     try:
@@ -188,3 +228,16 @@ def _open(path: Path, partial: Path) -> BinaryIO:
         raise LogError(
             f"{path}: cannot be written: {error.strerror}; choose another place"
         ) from None
+
+
+def _schema_of(kind: type[ProtobufMessage]) -> Schema:
+    """The schema of a protobuf message, with all that it is made of."""
+    descriptors = build_file_descriptor_set(kind).SerializeToString()
+    return Schema(
+        id=NO_SCHEMA, name=kind.DESCRIPTOR.full_name, encoding="protobuf", data=descriptors
+    )
+
+
+def _in_utf8(text: str) -> str:
+    """Text with an escape for each byte of a file's name that is no character."""
+    return text.encode("utf-8", "backslashreplace").decode()

@@ -14,14 +14,14 @@ from reflexarc_logs.container.copying import MessageCopier
 from reflexarc_logs.container.writing import LogWriter, media_type_of
 from reflexarc_logs.cutting.span import TickSpan
 from reflexarc_logs.reading.reader import Log
+from reflexarc_logs.replaying.asked_policy import attached_policy
 from reflexarc_logs.replaying.node_level import why_not
-from reflexarc_logs.replaying.replay import attached_policy
 from reflexarc_logs.replaying.state_at_tick import KnownState, state_at_tick
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.keyframe import encode_state
 from reflexarc_runtime.messages.topics import COMMAND, KEYFRAME, TICK
 from reflexarc_runtime.messages_pb2 import Tick
-from reflexarc_runtime.policy.policy import LoadedPolicy
+from reflexarc_runtime.policy.policy import Backend, LoadedPolicy
 
 UNFINISHED = ".cutting"
 NOTHING_SAID: Mapping[str, Mapping[str, str]] = {}
@@ -46,6 +46,7 @@ def cut(
     log: Log,
     span: TickSpan,
     out: Path | str,
+    backend: Backend | str | None = None,
     said: Mapping[str, Mapping[str, str]] = NOTHING_SAID,
 ) -> CutReport:
     """Write the ticks of a span, and all that stands between them, to a log of its own.
@@ -54,6 +55,7 @@ def cut(
         log: the whole log.
         span: which ticks.
         out: the log to be; it must not exist.
+        backend: what computes the policy; by default what did when the log was recorded.
         said: metadata of the part, by name, beside what the whole says about itself.
 
     Raises:
@@ -61,7 +63,7 @@ def cut(
         PolicyError, ContractError: the attached policy is not intact.
     """
     obstacle = why_not(log) if log.policy is not None else "no policy is attached"
-    policy = None if obstacle else attached_policy(log)
+    policy = None if obstacle else attached_policy(log, backend)
     known = None if policy is None else state_at_tick(log, policy, span.first)
     if known is not None:
         span = replace(span, first=max(span.first, known.state.index))

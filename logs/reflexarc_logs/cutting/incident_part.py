@@ -12,8 +12,8 @@ from reflexarc_logs.cutting.cut import CutReport, cut
 from reflexarc_logs.cutting.span import TickSpan
 from reflexarc_logs.reading.incidents import Incident, IncidentKind, find_incidents
 from reflexarc_logs.reading.reader import Log, read_log
-from reflexarc_logs.replaying.comparison import ReplayReport
 from reflexarc_logs.replaying.replay import replay
+from reflexarc_logs.replaying.report import ReplayReport
 from reflexarc_runtime.decision import ASKED
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages_pb2 import Decision

@@ -5,16 +5,19 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
+from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, Message, Schema
 
-from reflexarc_logs.container.chunk_messages import ChunkMessage, walk
-from reflexarc_logs.container.record_stream import (
+from reflexarc_logs.container.chunks import Allowance, content_of, records_in
+from reflexarc_logs.container.fields import MESSAGE, decoded
+from reflexarc_logs.container.first_look import check_is_no_pointer
+from reflexarc_logs.container.frames import (
     DamagedError,
     NotMcapError,
+    NotReadHereError,
     TruncatedError,
-    chunk_content,
-    stream_records,
 )
+from reflexarc_logs.container.record_stream import stream_records
 from reflexarc_runtime.errors import LogError
 
 
@@ -50,6 +53,7 @@ class MessageFile:
 
     def __init__(self, path: Path) -> None:
         self.path = path
+        self._allowance = Allowance.of(0)
         self.was_cut = False
         """Whether it ended in the middle when it was last read to its end."""
 
@@ -61,33 +65,42 @@ class MessageFile:
         """
         channels = _Channels()
         try:
-            for record in self._records():
-                if isinstance(record, Schema | Channel):
+            with self.path.open("rb") as file:
+                check_is_no_pointer(self.path, file)
+            self._allowance = Allowance.of(self.path.stat().st_size)
+            for located in stream_records(self.path):
+                record = located.record
+                if isinstance(record, Chunk):
+                    yield from self._in_chunk(record, channels)
+                elif isinstance(record, Message):
+                    times = record.sequence, record.log_time, record.publish_time
+                    yield StreamMessage(channels.of(record.channel_id), *times, record.data)
+                elif isinstance(record, Schema | Channel):
                     channels.learn(record)
-                elif (stream := channels.streams.get(record.channel_id)) is not None:
-                    yield StreamMessage(stream, *record[1:])
-                else:
-                    raise DamagedError("a message on an unknown channel")
+        except TruncatedError:
+            self.was_cut = True
         except NotMcapError:
             raise LogError(f"{self.path}: expected an MCAP file, got another kind") from None
         except DamagedError as error:
             raise LogError(f"{self.path}: damaged: {error}; `reflexarc recover` it") from None
+        except NotReadHereError as error:
+            raise LogError(f"{self.path}: {error}") from None
         except OSError as error:
             raise LogError(f"{self.path}: cannot be read: {error.strerror}") from None
 
-    def _records(self) -> Iterator[ChunkMessage | Schema | Channel]:
-        try:
-            for located in stream_records(self.path):
-                record = located.record
-                if isinstance(record, Chunk):
-                    yield from walk(chunk_content(record))
-                elif isinstance(record, Message):
-                    times = record.log_time, record.publish_time
-                    yield ChunkMessage(record.channel_id, record.sequence, *times, record.data)
-                elif isinstance(record, Schema | Channel):
-                    yield record
-        except TruncatedError:
-            self.was_cut = True
+    def _in_chunk(self, chunk: Chunk, channels: "_Channels") -> Iterator[StreamMessage]:
+        """Its messages, without an object of the library for each: most are only passed on."""
+        content, streams = content_of(chunk, self._allowance), channels.streams
+        for opcode, start, end in records_in(content, self._allowance):
+            if opcode == Opcode.MESSAGE:
+                channel, sequence, log_ns, sent_ns = MESSAGE.unpack_from(content, start)
+                stream = streams.get(channel) or channels.of(channel)
+                payload = content[start + MESSAGE.size : end]
+                yield StreamMessage(stream, sequence, log_ns, sent_ns, payload)
+            elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
+                record = decoded(opcode, content[start:end])
+                assert isinstance(record, Schema | Channel)
+                channels.learn(record)
 
 
 class _Channels:
@@ -104,6 +117,16 @@ class _Channels:
             self._schemas.setdefault(record.id, record)
         elif record.id not in self.streams:
             self.streams[record.id] = self._stream(record)
+
+    def of(self, channel_id: int) -> Stream:
+        """The stream of a channel.
+
+        Raises:
+            DamagedError: nothing says what it is.
+        """
+        if channel_id not in self.streams:
+            raise DamagedError("a message on an unknown channel")
+        return self.streams[channel_id]
 
     def _stream(self, channel: Channel) -> Stream:
         self._times[channel.topic] += 1

@@ -2,7 +2,8 @@
 
 Word 0 is the time in microseconds, words 2 and 3 the counts of the two wheel encoders, words 24 to
 705 are 682 ranges in millimetres from the right (−120°) to the left (+120°); one more number may
-stand at the end. Source: Steux and El Hamzaoui, "tinySLAM", and BreezySLAM's copy of its data.
+stand at the end. Some programs write all of them with decimals. Source: Steux and El Hamzaoui,
+"tinySLAM", and BreezySLAM's copy of its data.
 
 0 means "no return". 1 to 19 are error codes of the sensor, and negative numbers are not defined:
 both are unknown. The first and the last 70 beams see the robot itself or nothing, whatever their
@@ -11,11 +12,12 @@ file does not say how large the wheels are, so their counts do not become odomet
 """
 
 import math
+from decimal import Decimal, InvalidOperation
 
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_logs.importing.number_words import has_grouped_digits, read_numbers
+from reflexarc_logs.importing.number_words import read_numbers
 from reflexarc_logs.importing.scan_line import (
     NO_NUMBER,
     NO_RETURN,
@@ -23,6 +25,7 @@ from reflexarc_logs.importing.scan_line import (
     BrokenLineError,
     Sweep,
     calendar_ns,
+    finite,
 )
 
 BEAMS = 682
@@ -48,6 +51,9 @@ class CoreSlam:
     def __init__(self) -> None:
         self._wheel_counts = 0
 
+    def foresee(self, lines: list[bytes]) -> None:
+        """See `LineReader.foresee`; all lines are of one kind."""
+
     def sweep(self, line: bytes) -> Sweep | None:
         """See `LineReader.sweep`."""
         words = line.split()
@@ -59,7 +65,7 @@ class CoreSlam:
             raise BrokenLineError("cut off")  # its last number may have lost digits
         time_ns = _time_ns(words[0])
         self._wheel_counts += 1
-        numbers, unreadable = read_numbers(words[_SEEING], int)
+        numbers, unreadable = read_numbers(words[_SEEING])
         ranges_m = np.concatenate((_BLIND, _metres(numbers), _BLIND), dtype="<f8")
         return Sweep(time_ns, START_RAD, END_RAD, ranges_m, int(np.count_nonzero(unreadable)))
 
@@ -76,15 +82,16 @@ class CoreSlam:
 
 
 def _time_ns(word: bytes) -> int | None:
+    """A time in microseconds, exact to its last digit; None if no calendar has it."""
+    (microseconds,) = finite([word])
+    if calendar_ns(round(microseconds) * 1000) is None:
+        return None
     try:
-        microseconds = int(word)
-    except ValueError:
+        return calendar_ns(round(Decimal(word.decode()) * 1000))
+    except InvalidOperation:
         raise BrokenLineError(NO_NUMBER) from None
-    if has_grouped_digits([word]):
-        raise BrokenLineError(NO_NUMBER)
-    return calendar_ns(microseconds * 1000)
 
 
 def _metres(numbers: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    known = np.where(numbers >= FIRST_DISTANCE_MM, numbers / 1000.0, UNKNOWN)
-    return np.where(numbers == 0.0, NO_RETURN, known)
+    measured = (numbers >= FIRST_DISTANCE_MM) & np.isfinite(numbers)
+    return np.where(numbers == 0.0, NO_RETURN, np.where(measured, numbers / 1000.0, UNKNOWN))

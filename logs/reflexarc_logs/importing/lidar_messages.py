@@ -19,6 +19,7 @@ from foxglove_schemas_protobuf.LaserScan_pb2 import LaserScan
 from foxglove_schemas_protobuf.PoseInFrame_pb2 import PoseInFrame
 
 from reflexarc_logs.importing.scan_line import Sweep, TimedPose
+from reflexarc_runtime.sensing.mounting import CENTRED, Mount, pose_of
 
 WORLD_FRAME = "world"
 ODOMETRY_FRAME = "odom"
@@ -43,7 +44,7 @@ class LidarMessages:
 
     def scan(self, sweep: Sweep) -> bytes:
         """`foxglove.LaserScan`."""
-        fixed = _fixed_of_scan(self._robot, sweep.start_rad, sweep.end_rad)
+        fixed = _fixed_of_scan(self._robot, sweep.start_rad, sweep.end_rad, sweep.mount)
         return b"".join((_timestamp(sweep.time_ns), fixed, *_packed_ranges(sweep.ranges_m)))
 
     def pose(self, place: TimedPose, frame: str) -> bytes:
@@ -95,10 +96,13 @@ def _transform(robot: str, x: float, y: float, z: float, w: float) -> bytes:
 
 
 @lru_cache(maxsize=1)
-def _fixed_of_scan(robot: str, start_rad: float, end_rad: float) -> bytes:
+def _fixed_of_scan(robot: str, start_rad: float, end_rad: float, mount: Mount) -> bytes:
     """All fields of a scan between its timestamp and its ranges."""
     scan = LaserScan(frame_id=robot, start_angle=start_rad, end_angle=end_rad)
-    scan.pose.orientation.w = 1.0
+    if mount == CENTRED:
+        scan.pose.orientation.w = 1.0
+    else:
+        scan.pose.CopyFrom(pose_of(mount))
     return scan.SerializeToString()
 
 

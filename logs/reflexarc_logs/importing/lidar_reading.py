@@ -6,6 +6,7 @@
 from collections import Counter
 from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +22,10 @@ from reflexarc_runtime.messages.topics import ODOMETRY, POSE, SCAN, TRANSFORM
 
 FORMATS: dict[str, Callable[[], LineReader]] = {"carmen": Carmen, "coreslam": CoreSlam}
 DEFAULT_RATE_HZ = 10.0
+HEAD_BLOCKS = 16
+"""A megabyte: so much is looked at before the first line is read."""
+MOST_LINES, MOST_BLOCKS = 1_000_000, 4096
+"""So many lines, or 256 MiB, without a scan are no lidar log: hours of a robot's odometry."""
 RECORDED = "recorded"
 """Given in place of a rate: keep the file's own times."""
 
@@ -72,8 +77,13 @@ def read_lidar(
     Raises:
         LogError: the file cannot be read or has no scan; its times were asked for and do not grow.
     """
-    reading = _Reading(path, times, report)
-    for lines in text_blocks(path):
+    reading, blocks, head = _Reading(path, times, report), text_blocks(path), list[list[bytes]]()
+    for lines in blocks:
+        head.append(lines)
+        if len(head) == HEAD_BLOCKS:
+            break
+    reading.foresee([line for lines in head for line in lines])
+    for lines in chain(head, blocks):
         yield reading.records(lines)
     reading.conclude()
 
@@ -90,12 +100,24 @@ class _Reading:
         self._broken: Counter[str] = Counter()
         self._unknown = 0
         self._unreadable = 0
+        self._first_fault = ""
+        self._last_scan = 0
+        self._blocks_without_scan = 0
+
+    def foresee(self, lines: list[bytes]) -> None:
+        """Show the beginning of the file to the reader of its format."""
+        self._format.foresee(lines)
 
     def records(self, lines: list[bytes]) -> list[EncodedMessage]:
-        """The messages of the next lines of the file."""
+        """The messages of the next lines of the file.
+
+        Raises:
+            LogError: there was no scan for so long that none will come.
+        """
         sweeps = list(self._sweeps(lines))
         if sweeps:
             self._count([sweep for sweep, _ in sweeps])
+        self._keep_patience(bool(sweeps))
         return [record for sweep, number in sweeps for record in self._encoded(sweep, number)]
 
     def conclude(self) -> None:
@@ -119,6 +141,19 @@ class _Reading:
                 continue
             if sweep is not None:
                 yield sweep, number
+
+    def _keep_patience(self, has_scans: bool) -> None:
+        if has_scans:
+            self._last_scan, self._blocks_without_scan = self._report.lines, 0
+            return
+        self._blocks_without_scan += 1
+        lines = self._report.lines - self._last_scan
+        if lines > MOST_LINES or self._blocks_without_scan > MOST_BLOCKS:
+            raise LogError(
+                f"{self._path}: expected a {self._report.format} log ({self._format.expects}), "
+                f"found no scan in {lines} lines from line {self._last_scan + 1} on"
+                f"{self._first_fault}"
+            )
 
     def _count(self, sweeps: list[Sweep]) -> None:
         report, ranges_m = self._report, np.concatenate([sweep.ranges_m for sweep in sweeps])
@@ -150,14 +185,21 @@ class _Reading:
         elif not line.endswith(b"\n"):
             kind = "cut off at the end of the file"
         self._broken[kind] += 1
+        self._first_fault = self._first_fault or f"; line {number}: {kind}"
         self._report.first_broken_line = self._report.first_broken_line or number
 
     def _check(self) -> None:
-        """Check that the file had scans, with usable times."""
-        if not self._report.scans:
+        """Check that the file had scans with distances, and usable times."""
+        report = self._report
+        if not report.scans:
             raise LogError(
-                f"{self._path}: expected a {self._report.format} log ({self._format.expects}), "
-                f"found no scan in {self._report.lines} lines"
+                f"{self._path}: expected a {report.format} log ({self._format.expects}), "
+                f"found no scan in {report.lines} lines{self._first_fault}"
+            )
+        if self._unknown == report.beams:
+            raise LogError(
+                f"{self._path}: no beam of its {report.scans} scans has a distance "
+                f"({_counts(self._kinds())}); is it a {report.format} log?"
             )
         if fault := self._times.fault():
             raise LogError(
@@ -167,13 +209,31 @@ class _Reading:
 
     def _sum_up(self) -> None:
         report, log_format = self._report, self._format
-        blind = log_format.blind_beams * report.scans
-        kinds = {
-            log_format.no_distance: self._unknown - self._unreadable - blind,
-            "no number": self._unreadable,
-            "blind": blind,
-        }
-        report.unknown = {kind: count for kind, count in kinds.items() if count}
+        report.unknown = self._kinds()
         report.broken_lines = dict(self._broken)
         report.passed_over = log_format.passed_over()
         report.notes = log_format.notes()
+        if report.no_return + self._unknown == report.beams:
+            report.notes = (_without_return(report), *report.notes)
+
+    def _kinds(self) -> dict[str, int]:
+        """How many beams have no known distance, by kind."""
+        blind = self._format.blind_beams * self._report.scans
+        kinds = {
+            self._format.no_distance: self._unknown - self._unreadable - blind,
+            "no number": self._unreadable,
+            "blind": blind,
+        }
+        return {kind: count for kind, count in kinds.items() if count}
+
+
+def _counts(kinds: dict[str, int]) -> str:
+    return ", ".join(f"{count} {kind}" for kind, count in kinds.items())
+
+
+def _without_return(report: ImportReport) -> str:
+    known = "" if report.no_return == report.beams else "whose distance is known "
+    return (
+        f"all {report.no_return:,} beams {known}are without return: is the file in metres, as the "
+        "format is, or in centimetres or millimetres?"
+    )

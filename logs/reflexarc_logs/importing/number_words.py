@@ -2,13 +2,10 @@
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-Number: TypeAlias = type[float] | type[int]
-"""How the words of a format are written: as decimals or as integers."""
 
 
 class Numbers(NamedTuple):
@@ -20,19 +17,18 @@ class Numbers(NamedTuple):
     """Words that are no numbers, shape (words,)."""
 
 
-def read_numbers(words: Sequence[bytes], number: Number) -> Numbers:
-    """Read every word as Python does, but for digits grouped with underscores.
+def read_numbers(words: Sequence[bytes]) -> Numbers:
+    """Read every word as Python's `float` does, but for digits grouped with underscores.
 
     Args:
         words: without blanks.
-        number: what each word stands for.
     """
     try:
-        values = np.fromiter(map(number, words), "<f8", len(words))
-    except (ValueError, OverflowError):
-        return _read_one_by_one(words, number)
+        values = np.fromiter(map(float, words), "<f8", len(words))
+    except ValueError:
+        return _read_one_by_one(words)
     if has_grouped_digits(words):
-        return _read_one_by_one(words, number)
+        return _read_one_by_one(words)
     return Numbers(values, np.zeros(len(words), bool))
 
 
@@ -41,19 +37,19 @@ def has_grouped_digits(words: Sequence[bytes]) -> bool:
     return b"_" in b"".join(words)
 
 
-def _read_one_by_one(words: Sequence[bytes], number: Number) -> Numbers:
-    values = [_value(word, number) for word in words]
+def _read_one_by_one(words: Sequence[bytes]) -> Numbers:
+    values = [_value(word) for word in words]
     unreadable = np.array([value is None for value in values], bool)
     return Numbers(
         np.array([math.nan if value is None else value for value in values], "<f8"), unreadable
     )
 
 
-def _value(word: bytes, number: Number) -> float | None:
-    """The value of a word; None where it is no number, or larger than any float64."""
+def _value(word: bytes) -> float | None:
+    """The value of a word; None where it is no number."""
     if has_grouped_digits([word]):
         return None
     try:
-        return float(number(word))
-    except (ValueError, OverflowError):
+        return float(word)
+    except ValueError:
         return None

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_logs.importing.number_words import has_grouped_digits
+from reflexarc_runtime.sensing.mounting import CENTRED, Mount
 
 MAX_BEAMS = 65_536
 """More beams would not fit into a message on the bus."""
@@ -21,6 +22,7 @@ NO_RETURN = math.inf
 UNKNOWN = math.nan
 
 NO_NUMBER = "a pose or a time is no number"
+DECIMAL_COMMA = f"{NO_NUMBER}, but has a decimal comma"
 _FIRST_SECOND, _LAST_SECOND = -62_135_596_800, 253_402_300_799
 """Years 1 to 9999: the range of a protobuf Timestamp."""
 
@@ -53,6 +55,8 @@ class Sweep(NamedTuple):
     pose: TimedPose | None = None
     """Corrected, in the world's frame."""
     odometry: TimedPose | None = None
+    mount: Mount = CENTRED
+    """How the scanner sits on the robot."""
 
 
 class LineReader(Protocol):
@@ -64,6 +68,14 @@ class LineReader(Protocol):
     """The report's name for numbers that are neither a distance nor "no return"."""
     blind_beams: int
     """How many beams of every scan are ignored, whatever their value."""
+
+    def foresee(self, lines: list[bytes]) -> None:
+        """Look at the beginning of the file, some megabytes of it, before the first line is read.
+
+        Args:
+            lines: with their ends.
+        """
+        ...
 
     def sweep(self, line: bytes) -> Sweep | None:
         """The scan of a line; None if the line holds something else.
@@ -94,7 +106,8 @@ def finite(words: Sequence[bytes]) -> list[float]:
     try:
         values = list(map(float, words))
     except ValueError:
-        raise BrokenLineError(NO_NUMBER) from None
+        fault = DECIMAL_COMMA if b"," in b"".join(words) else NO_NUMBER
+        raise BrokenLineError(fault) from None
     if not math.isfinite(sum(values)) or has_grouped_digits(words):
         raise BrokenLineError(NO_NUMBER)
     return values

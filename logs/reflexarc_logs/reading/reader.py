@@ -15,22 +15,19 @@ from google.protobuf.descriptor_pb2 import FileDescriptorSet
 from google.protobuf.descriptor_pool import DescriptorPool
 from google.protobuf.message import DecodeError
 from google.protobuf.message import Message as ProtobufMessage
-from mcap.records import Channel, Chunk, McapRecord, Schema
+from mcap.records import Channel, McapRecord, Schema
 from mcap.records import Message as McapMessage
 
 from reflexarc_logs.container.first_look import Survey, survey
-from reflexarc_logs.container.record_stream import (
-    DamagedError,
-    TruncatedError,
-    stream_records,
-    unpack,
-)
+from reflexarc_logs.container.frames import DamagedError, NotReadHereError
+from reflexarc_logs.container.record_stream import whole_records
 from reflexarc_logs.container.run_info import RunInfo
 from reflexarc_logs.container.writing import CONFIG_ATTACHMENT, POLICY_ATTACHMENT, SENDER
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages.topics import TICK
 from reflexarc_runtime.messages.wire import NO_SENDER, SENDER_BYTES
 from reflexarc_runtime.messages_pb2 import Tick
+from reflexarc_runtime.words.suggestion import pasteable
 
 M = TypeVar("M", bound=ProtobufMessage)
 
@@ -60,7 +57,7 @@ class Log:
     path: Path
     run: RunInfo
     attachments: Mapping[str, bytes]
-    """`policy.onnx` and `config.json`, where the log has them."""
+    """`policy.onnx`, `config.json` and what other tools attached; read when they are asked for."""
     complete: bool
     """Whether the log was finished; a truncated one ends at its last intact record."""
     metadata: Mapping[str, Mapping[str, str]]
@@ -148,16 +145,12 @@ class Log:
     def mcap_records(self) -> Iterator[McapRecord]:
         """Every record, chunks unpacked; ends quietly where a truncated log is no longer intact."""
         try:
-            for located in stream_records(self.path, self.intact_size):
-                if isinstance(located.record, Chunk):
-                    yield from unpack(located.record)
-                else:
-                    yield located.record
-        except TruncatedError:
-            return  # the end of the intact part
+            yield from whole_records(self.path, self.intact_size, self.size)
         except DamagedError as error:
             if self.complete:
                 raise LogError(f"{self.path}: damaged: {error}; `reflexarc recover` it") from None
+        except NotReadHereError as error:
+            raise LogError(f"{self.path}: {error}") from None
         except OSError as error:
             raise LogError(f"{self.path}: cannot be read: {error.strerror}") from None
 
@@ -176,9 +169,9 @@ def read_log(path: Path | str, *, allow_truncated: bool = False) -> Log:
     if not found.complete and not allow_truncated:
         raise LogError(
             f"{path}: expected a finished log, got a truncated one ({found.damage}); "
-            f"`reflexarc recover {path} -o FIXED.mcap` saves what is there"
+            f"`{pasteable('reflexarc', 'recover', path)} -o FIXED.mcap` saves what is there"
         )
-    return _log(Path(path), found)
+    return open_log(found)
 
 
 def decode(log: Log, record: Record, kind: type[M]) -> M:
@@ -247,9 +240,14 @@ def _sender(channel: Channel) -> bytes:
         return NO_SENDER
 
 
-def _log(path: Path, found: Survey) -> Log:
+def open_log(found: Survey) -> Log:
+    """The log of which this is the first look.
+
+    Raises:
+        LogError: what it says of its run is malformed.
+    """
     return Log(
-        path=path,
+        path=found.path,
         run=found.run,
         attachments=found.attachments,
         complete=found.complete,

@@ -1,31 +1,35 @@
-"""What `reflexarc info` says of a log: what was recorded, how much, how fast, and is it whole?"""
+"""What `reflexarc info` says of a log: what was recorded, how much, how fast, and is it whole?
 
-from dataclasses import dataclass, field
+A log of over 4 MiB that has an index is counted by it, in a fraction of the time; the CRC of all
+its data is checked all the same. Others are read in full.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
 
 from google.protobuf.message import DecodeError
+from mcap.records import Channel, McapRecord, Message, Schema
 
+from reflexarc_logs.container.first_look import Survey, look, refuse
+from reflexarc_logs.container.frames import DamagedError, NotReadHereError, TruncatedError
+from reflexarc_logs.container.index import Index, read_index
+from reflexarc_logs.container.record_stream import whole_records
 from reflexarc_logs.container.run_info import RunInfo
-from reflexarc_logs.reading.reader import Log, Record, read_log
+from reflexarc_logs.reading.index_counts import counts_by_index, last_chunk_of, records_of_channels
+from reflexarc_logs.reading.reader import Log, open_log, read_log
+from reflexarc_logs.reading.topic_counts import StreamCounts, TopicCount, TopicSummary
 from reflexarc_runtime import messages_pb2 as pb
+from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_runtime.messages.body_info import BodyInfo, decode_body
 from reflexarc_runtime.messages.topics import BODY, RUNTIME_NODE, STATUS
-from reflexarc_runtime.messages.wire import NO_SENDER
 
+__all__ = ["ForeignSummary", "LogSummary", "TopicSummary", "describe_any", "summarise"]
 
-@dataclass(frozen=True)
-class TopicSummary:
-    """One topic of a log."""
-
-    topic: str
-    schema: str
-    messages: int
-    payload_bytes: int
-    rate_hz: float
-    """Messages a second between the first and the last; 0 with fewer than two."""
-    senders: int
-    """How many different ones sent it; 0 in logs that do not say."""
+FULLY_READ_BYTES = 4 << 20
+MOST_STATUSES = 1000
+"""A runtime says of its watchdog in its first status, or never."""
 
 
 @dataclass(frozen=True)
@@ -43,13 +47,15 @@ class LogSummary:
     """Records or chunks that are missing in the middle."""
     run: RunInfo
     body: BodyInfo | None
-    """Who drove, in which world, as its first message said it; None: not recorded."""
+    """Who drove, in which world, as its last message said it; None: not recorded."""
     guard: GuardSettings | None
     """What looked at each decision, and what it took for granted; None: nothing did."""
     watchdog: str
     """What the runtime said of its own watchdog first; empty: not recorded."""
     topics: tuple[TopicSummary, ...]
     """By name."""
+    by_index: bool = False
+    """Whether its index was counted, and not its messages."""
 
     @property
     def policy_hash(self) -> str:
@@ -57,86 +63,185 @@ class LogSummary:
         return self.run.policy_hash
 
 
-@dataclass
-class _Count:
-    """A topic while it is counted."""
+@dataclass(frozen=True)
+class ForeignSummary:
+    """A log of another system in numbers."""
 
-    first: Record
-    last: Record
+    path: str
+    profile: str
+    """What its writer says that it follows: "ros2"."""
+    library: str
+    complete: bool
+    damage: str
+    """Why it is not complete; empty if it is."""
+    bytes: int
+    messages: int
     first_ns: int
-    last_ns: int
-    messages: int = 0
-    payload_bytes: int = 0
-    senders: set[bytes] = field(default_factory=set)
+    """Log time of its first message."""
+    duration_s: float
+    topics: tuple[TopicSummary, ...]
+    attachments: tuple[str, ...]
+    metadata: tuple[str, ...]
+    ours: bool = False
 
-    def add(self, record: Record) -> None:
-        self.last = record
-        self.messages += 1
-        self.payload_bytes += len(record.payload)
-        self.senders.add(record.sender)
-        self.first_ns = min(self.first_ns, record.log_ns)
-        self.last_ns = max(self.last_ns, record.log_ns)
+
+def describe_any(path: Path | str) -> "LogSummary | ForeignSummary":
+    """The numbers of a log of reflexarc, or of one of any other system.
+
+    Raises:
+        LogError: it is missing or not MCAP; or it is ours and damaged.
+    """
+    found = look(Path(path))
+    if found.is_ours or not (found.profile or found.metadata or found.complete):
+        refuse(found)
+        return summarise(open_log(found))
+    if not found.is_mcap:
+        refuse(found)
+    counts = _by_index(found.path, found.complete, found.size)[0]
+    if counts is None:
+        counts = _all_of_foreign(found)
+    return ForeignSummary(
+        path=str(path),
+        profile=found.profile,
+        library=found.library,
+        complete=found.complete,
+        damage=found.damage,
+        bytes=found.size,
+        messages=counts.messages,
+        first_ns=counts.first_ns,
+        duration_s=counts.duration_s,
+        topics=counts.topics,
+        attachments=tuple(found.places),
+        metadata=tuple(found.metadata),
+    )
+
+
+def _all_of_foreign(found: Survey) -> StreamCounts:
+    try:
+        return _counted(whole_records(found.path, found.intact_size, found.size))[0]
+    except (DamagedError, NotReadHereError) as error:
+        raise LogError(
+            f"{found.path}: a log of another system, not all readable: {error}"
+        ) from None
 
 
 def summarise(log: Log | Path | str) -> LogSummary:
-    """Count a log, finished or truncated; reads all of it and checks every CRC.
+    """Count a log, finished or truncated; the CRC of all its data is checked.
 
     Raises:
         LogError: it is missing, not MCAP, damaged, or of another system.
     """
     source = log if isinstance(log, Log) else read_log(log, allow_truncated=True)
-    counts: dict[str, _Count] = {}
-    for record in source.records():
-        count = counts.get(record.topic)
-        if count is None:
-            count = counts[record.topic] = _Count(record, record, record.log_ns, record.log_ns)
-        count.add(record)
-    first_ns = min((c.first_ns for c in counts.values()), default=0)
-    last_ns = max((c.last_ns for c in counts.values()), default=0)
+    counts, said = _by_index(source.path, source.complete, source.size, source)
+    by_index = counts is not None
+    if counts is None:
+        counts, said = _counted(source.mcap_records(), source)
     return LogSummary(
         path=str(source.path),
         complete=source.complete,
         bytes=source.size,
-        messages=sum(c.messages for c in counts.values()),
-        duration_s=(last_ns - first_ns) * 1e-9,
+        messages=counts.messages,
+        duration_s=counts.duration_s,
         dropped=source.dropped,
         run=source.run,
-        body=_body(counts.get(source.topic(BODY.name))),
+        body=None if said.body is None else decode_body(said.body),
         guard=GuardSettings.from_json(source.run.guard) if source.run.guard else None,
-        watchdog=next(filter(None, map(_watchdog, source.records(source.topic(STATUS.name)))), ""),
-        topics=tuple(_topic(name, counts[name]) for name in sorted(counts)),
+        watchdog=said.watchdog,
+        topics=counts.topics,
+        by_index=by_index,
     )
 
 
-def _topic(name: str, count: _Count) -> TopicSummary:
-    seconds = (count.last_ns - count.first_ns) * 1e-9
-    rate_hz = (count.messages - 1) / seconds if seconds > 0 else 0.0
-    return TopicSummary(
-        topic=name,
-        schema=count.first.schema,
-        messages=count.messages,
-        payload_bytes=count.payload_bytes,
-        rate_hz=rate_hz,
-        senders=len(count.senders - {NO_SENDER}),
-    )
+@dataclass
+class _Said:
+    """What two topics of a log say, as far as it was read."""
+
+    body_topic: str = ""
+    status_topic: str = ""
+    body: bytes | None = None
+    """The last message of a body. It may be built anew for the runtime whose log it is: what it
+    said before is of another one."""
+    watchdog: str = ""
+
+    @classmethod
+    def of(cls, log: Log | None) -> "_Said":
+        return cls() if log is None else cls(log.topic(BODY.name), log.topic(STATUS.name))
+
+    def hear(self, topic: str, schema: str, payload: bytes) -> None:
+        if topic == self.body_topic:
+            self.body = payload if schema == BODY.schema else None
+        elif topic == self.status_topic and schema == STATUS.schema and not self.watchdog:
+            self.watchdog = _watchdog(payload)
 
 
-def _watchdog(record: Record) -> str:
-    """What a runtime says of its watchdog; empty in what anybody else says."""
-    if record.schema != STATUS.schema:
-        return ""
+def _counted(records: Iterable[McapRecord], log: Log | None = None) -> tuple[StreamCounts, _Said]:
+    """Count all messages, one by one."""
+    schemas: dict[int, Schema] = {0: Schema(0, b"", "", "")}
+    channels: dict[int, Channel] = {}
+    counts: dict[int, TopicCount] = {}
+    said = _Said.of(log)
+    for record in records:
+        match record:
+            case Schema():
+                schemas[record.id] = record
+            case Channel():
+                channels[record.id] = record
+            case Message():
+                count = counts.get(record.channel_id)
+                if count is None:
+                    number = record.channel_id
+                    lost = Channel(number, f"(channel {number}, whose record is lost)", "", {}, 0)
+                    channel = channels.get(number, lost)
+                    schema = schemas.get(channel.schema_id, schemas[0])
+                    at_ns = record.log_time
+                    count = TopicCount.of(channel, schema, 0, 0, at_ns, at_ns)
+                    counts[record.channel_id] = count
+                count.add(len(record.data), record.log_time)
+                said.hear(count.topic, count.schema, record.data)
+    return StreamCounts.of(counts.values()), said
+
+
+def _by_index(
+    path: Path, complete: bool, size: int, log: Log | None = None
+) -> tuple[StreamCounts | None, _Said]:
+    """Count by the index, where that is worth it and the index says enough."""
+    said = _Said.of(log)
+    index = read_index(path) if complete and size > FULLY_READ_BYTES else None
+    if index is None:
+        return None, said
     try:
-        status = pb.Status.FromString(record.payload)
+        counts = counts_by_index(path, index)
+        _hear(path, index, said)
+    except (DamagedError, TruncatedError, NotReadHereError, OSError):
+        return None, said  # then it is read
+    return (StreamCounts.of(counts.values()) if counts else None), said
+
+
+def _hear(path: Path, index: Index, said: _Said) -> None:
+    """What body and runtime say, from the chunks that hold it."""
+    of_body = {n for n, channel in index.channels.items() if channel.topic == said.body_topic}
+    of_status = {n for n, channel in index.channels.items() if channel.topic == said.status_topic}
+    left = MOST_STATUSES
+    for record in last_chunk_of(path, index, of_body):
+        _tell(index, said, record, of_body)
+    for record in records_of_channels(path, index, of_status):
+        _tell(index, said, record, of_status)
+        left -= isinstance(record, Message) and record.channel_id in of_status
+        if said.watchdog or left <= 0:
+            break
+
+
+def _tell(index: Index, said: _Said, record: McapRecord, channels: set[int]) -> None:
+    if isinstance(record, Message) and record.channel_id in channels:
+        channel = index.channels[record.channel_id]
+        schema = index.schemas.get(channel.schema_id)
+        said.hear(channel.topic, "" if schema is None else schema.name, record.data)
+
+
+def _watchdog(payload: bytes) -> str:
+    """What a runtime says of its watchdog; empty in what anybody else says."""
+    try:
+        status = pb.Status.FromString(payload)
     except DecodeError:
         return ""
     return status.watchdog if status.node == RUNTIME_NODE else ""
-
-
-def _body(count: _Count | None) -> BodyInfo | None:
-    """What the last message of a body says; None without one that can be read.
-
-    A body may be built anew for the runtime whose log it is: what it said before is of another one.
-    """
-    if count is None or count.last.schema != BODY.schema:
-        return None
-    return decode_body(count.last.payload)

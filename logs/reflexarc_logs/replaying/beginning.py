@@ -13,7 +13,7 @@ from itertools import chain
 import numpy as np
 
 from reflexarc_logs.reading.reader import Log
-from reflexarc_logs.replaying.loop_events import LoopEvent
+from reflexarc_logs.replaying.loop_events import LoopEvent, NoLoopError
 from reflexarc_runtime.backlog import begun
 from reflexarc_runtime.choice import Hold
 from reflexarc_runtime.contract.contract import PolicyContract
@@ -27,6 +27,7 @@ from reflexarc_runtime.messages.topics import SCAN
 from reflexarc_runtime.messages.wire import NO_SENDER, Message, Stamp
 from reflexarc_runtime.messages_pb2 import Decision, Keyframe, Tick
 from reflexarc_runtime.policy.policy import LoadedPolicy
+from reflexarc_runtime.sensing.sense_settings import SenseSettings
 from reflexarc_runtime.sensing.senses import Sensed
 
 MAX_WAITING = 16 * DEFAULT_CAPACITY
@@ -45,8 +46,9 @@ class Beginning:
     is_exact: bool = True
     """Whether the state is the whole one, so that later keyframes can be compared with it."""
 
-    guard_knows_more: bool = False
-    """Whether a guard looks at whole scans, or at how the body moves, which no tick holds."""
+    knows_more: bool = False
+    """Whether the loop knows what no tick holds: whole scans, how the body moves, or for how long
+    its picture has not changed."""
 
     @property
     def note(self) -> str:
@@ -70,7 +72,7 @@ def begin(
     Raises:
         LogError: a keyframe is not of this policy's contract, or no loop recorded the log.
     """
-    start = Beginning(guard_knows_more=_guard_knows_more(log))
+    start = Beginning(knows_more=_knows_more(log))
     for event in events:
         if isinstance(event, Message):
             keep(start.waiting, event, log)
@@ -88,7 +90,9 @@ def begin(
     return start, events
 
 
-def _guard_knows_more(log: Log) -> bool:
+def _knows_more(log: Log) -> bool:
+    if log.run.senses and SenseSettings.from_json(log.run.senses).frozen_after_s is not None:
+        return True
     if not log.run.guard:
         return False
     settings = GuardSettings.from_json(log.run.guard)
@@ -99,13 +103,10 @@ def keep(waiting: deque[Message], message: Message, log: Log) -> None:
     """Keep a message for the tick that takes it.
 
     Raises:
-        LogError: more than any inbox holds.
+        NoLoopError: more than any inbox holds.
     """
     if len(waiting) >= MAX_WAITING:
-        raise LogError(
-            f"{log.path}: {MAX_WAITING} inputs and no tick that took them: not a log of "
-            "`run --record`; use --level policy"
-        )
+        raise NoLoopError(log, f"{MAX_WAITING} inputs and no tick that took them")
     waiting.append(message)
 
 
@@ -133,12 +134,15 @@ def _skip(start: Beginning, tick: Tick, contract: PolicyContract) -> bool:
     start.skipped_ticks += 1
     for _ in range(min(tick.decision.inputs, len(start.waiting))):
         start.waiting.popleft()
-    if contract.state.size or contract.hold_s or not _tells_all(tick.decision, contract):
-        return False
-    if start.guard_knows_more:
+    if not tells_state(tick.decision, contract) or start.knows_more:
         return False
     start.state, start.is_exact = state_behind(tick.decision, contract), False
     return True
+
+
+def tells_state(decision: Decision, contract: PolicyContract) -> bool:
+    """Whether a tick tells what a controller knew behind it, where no guard or sense knows more."""
+    return not contract.state.size and not contract.hold_s and _tells_all(decision, contract)
 
 
 def _tells_all(decision: Decision, contract: PolicyContract) -> bool:

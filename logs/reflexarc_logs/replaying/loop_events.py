@@ -5,12 +5,29 @@ from typing import TypeAlias
 
 from reflexarc_logs.container.rejected import accepted_message, rejected_message
 from reflexarc_logs.reading.reader import Log, Record, decode
+from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_runtime.messages.topics import CONTROLS, KEYFRAME, REJECTED, SENSORS, TICK, Topic
 from reflexarc_runtime.messages.wire import NO_SENDER, Message, Stamp
 from reflexarc_runtime.messages_pb2 import Keyframe, Rejected, Tick
 
 LoopEvent: TypeAlias = Message | Tick | Keyframe
+
+_MOST_NS = (1 << 63) - 1
+"""The latest time that a loop's clock and the bus can name; a log's own times go to 2^64."""
+
+
+class NoLoopError(LogError):
+    """A log does not hold what one loop received and decided.
+
+    Args:
+        log: the log.
+        reason: what is wrong with it.
+    """
+
+    def __init__(self, log: Log, reason: str) -> None:
+        super().__init__(f"{log.path}: no replay at level node: {reason}; use --level policy")
+        self.reason = reason
 
 
 def loop_events(log: Log) -> Iterator[LoopEvent]:
@@ -21,6 +38,7 @@ def loop_events(log: Log) -> Iterator[LoopEvent]:
 
     Raises:
         LogError: the log cannot be read.
+        NoLoopError: a message of a time that no loop can have met.
     """
     robot = log.run.robot
     keys = {topic.key(robot) for topic in (SENSORS[log.run.input], *beside_the_sensor(log))}
@@ -65,6 +83,9 @@ def _usual_senders(log: Log) -> dict[str, bytes]:
 
 def _message(log: Log, record: Record, was_rejected: bool, unnamed: bytes) -> Message:
     received_ns = record.log_ns - log.run.wall_offset_ns
+    if max(record.publish_ns, abs(received_ns)) > _MOST_NS:
+        latest = max(record.publish_ns, record.log_ns)
+        raise NoLoopError(log, f"a message of the time {latest} ns, which no loop can have met")
     if was_rejected:
         return rejected_message(decode(log, record, Rejected), received_ns)
     sender = unnamed if record.sender == NO_SENDER else record.sender

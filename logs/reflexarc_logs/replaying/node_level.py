@@ -1,26 +1,34 @@
 """Replay at level `node`: the inputs of each tick through the controller, every field compared.
 
 Each tick takes its `inputs` next messages in file order; no time stamp decides what belongs to
-which tick. Where the log has a keyframe, what the controller knows is compared with it. Timing is
-never compared.
+which tick. What is missing is left out (`walk`), never called different. Where the log has a
+keyframe, what the controller knows is compared with it. Timing is never compared.
 """
 
 from reflexarc_logs.container.run_info import LOOPS
 from reflexarc_logs.reading.reader import Log
-from reflexarc_logs.replaying.beginning import begin, keep
-from reflexarc_logs.replaying.comparison import EqualityRules, LevelResult, Tally
+from reflexarc_logs.replaying.beginning import begin
+from reflexarc_logs.replaying.comparison import EqualityRules, Tally
 from reflexarc_logs.replaying.loop_events import beside_the_sensor, loop_events
-from reflexarc_logs.replaying.stepping import Stepping
-from reflexarc_runtime import messages_pb2 as pb
+from reflexarc_logs.replaying.report import LevelResult
+from reflexarc_logs.replaying.walk import Walk
 from reflexarc_runtime.messages.topics import REJECTED, SENSORS
-from reflexarc_runtime.messages.wire import Message
 from reflexarc_runtime.policy.policy import LoadedPolicy
+
+GIVEN = ("slot", "now_ns")
+"""When a tick was is no decision: of its time only the ages that follow from it are compared."""
 
 
 def replay_node(
-    log: Log, policy: LoadedPolicy, rules: EqualityRules
+    log: Log, policy: LoadedPolicy, rules: EqualityRules, robot: str = ""
 ) -> tuple[LevelResult, list[str]]:
     """Step a controller through the log.
+
+    Args:
+        log: what a loop recorded.
+        policy: whom to ask.
+        rules: what counts as equal.
+        robot: see `LevelResult.robot`.
 
     Returns:
         The result, and what its reader should know.
@@ -29,20 +37,12 @@ def replay_node(
         LogError: the log cannot be read, or was not recorded by a loop.
     """
     beginning, events = begin(log, loop_events(log), policy)
-    stepping = Stepping.at(beginning, policy, log, rules)
-    tally = Tally("node", rules, ticks=beginning.skipped_ticks)
+    tally = Tally("node", rules, ticks=beginning.skipped_ticks, robot=robot)
+    walk = Walk(log, policy, beginning, rules, tally)
     for event in events:
-        if isinstance(event, Message):
-            keep(stepping.waiting, event, log)
-        elif isinstance(event, pb.Keyframe):
-            stepping.meet(event)
-        else:
-            stepping.compare(event, tally)
-    if stepping.surprises and tally.compared:  # of a keyframe behind the last tick
-        tally.add(stepping.state.index, len(stepping.surprises), stepping.surprises)
-    left_over = len(stepping.waiting)
-    notes = [f"{left_over} inputs after the last tick"] * bool(left_over)
-    return tally.result(stepping.fields.not_compared), [*filter(None, [beginning.note]), *notes]
+        walk.take(event)
+    notes = [*filter(None, [beginning.note]), *walk.end()]
+    return tally.result(walk.stepping.fields.not_compared, GIVEN), notes
 
 
 def why_not(log: Log) -> str:

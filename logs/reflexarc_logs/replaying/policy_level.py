@@ -17,25 +17,30 @@ import numpy as np
 from reflexarc_logs.reading.reader import Log
 from reflexarc_logs.replaying.comparison import (
     EqualityRules,
-    LevelResult,
     Tally,
     find_flip,
     is_at_the_edge,
 )
 from reflexarc_logs.replaying.message_fields import Difference, message_type
-from reflexarc_logs.replaying.recorded_holds import RecordedHolds
+from reflexarc_logs.replaying.recorded_holds import ASKED_VALUES, RecordedHolds
+from reflexarc_logs.replaying.report import LevelResult
 from reflexarc_logs.replaying.stepping import WARM_UP_NS
 from reflexarc_runtime.arrays import Memories, QValues, RetinaBatch
 from reflexarc_runtime.choice import Hold, choose
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.decision import Verdict
 from reflexarc_runtime.errors import LogError
-from reflexarc_runtime.messages_pb2 import Decision
+from reflexarc_runtime.messages_pb2 import Decision, Tick
 from reflexarc_runtime.policy.golden_check import start_of
 from reflexarc_runtime.policy.policy import LoadedPolicy
 
 BATCH_BYTES = 8 << 20
 """Retinas that go through the policy at once."""
+BATCH_TICKS = 256
+"""And ticks, each of which is held meanwhile: a few KiB, however small its retina."""
+
+GIVEN = ("slot", "retina", "state")
+"""What the policy was asked, and when."""
 
 _OK = Verdict.OK.value
 
@@ -52,21 +57,34 @@ class Asked(NamedTuple):
     """Whether the policy's memory began anew."""
 
 
-def replay_policy(log: Log, policy: LoadedPolicy, rules: EqualityRules) -> LevelResult:
+def replay_policy(
+    log: Log,
+    policy: LoadedPolicy,
+    rules: EqualityRules,
+    ticks: Iterator[Tick] | None = None,
+    robot: str = "",
+) -> LevelResult:
     """Ask the policy again about every tick at which it was asked.
+
+    Args:
+        log: what was recorded.
+        policy: whom to ask.
+        rules: what counts as equal.
+        ticks: those of the log that count; all of them if None.
+        robot: see `LevelResult.robot`.
 
     Raises:
         LogError: the log cannot be read, or its retinas are not those of this policy.
     """
-    tally = Tally("policy", rules)
+    tally = Tally("policy", rules, robot=robot)
     level = PolicyLevel(policy, tally, has_winner=_has_winner(log))
-    asked = _asked(log, policy.contract, tally)
+    asked = _asked(log, log.ticks() if ticks is None else ticks, policy.contract, tally)
     if policy.contract.state.size and not rules.same_policy:
         level.compare_in_order(asked)
     else:
         for batch in _batches(asked, policy.contract):
             level.compare(batch)
-    return tally.result()
+    return tally.result(given=GIVEN)
 
 
 def _has_winner(log: Log) -> bool:
@@ -74,10 +92,12 @@ def _has_winner(log: Log) -> bool:
     return "winner" in message_type(log.tick_descriptor(), "decision").fields_by_name
 
 
-def _asked(log: Log, contract: PolicyContract, tally: Tally) -> Iterator[Asked]:
+def _asked(
+    log: Log, ticks: Iterator[Tick], contract: PolicyContract, tally: Tally
+) -> Iterator[Asked]:
     """Count every tick; yield those that have Q-values."""
     holds, begins = RecordedHolds(contract), True
-    for tick in log.ticks():
+    for tick in ticks:
         tally.ticks += 1
         decision = tick.decision
         if decision.q_values:
@@ -98,7 +118,8 @@ def _check_sizes(log: Log, decision: Decision, contract: PolicyContract) -> None
 
 
 def _batches(asked: Iterator[Asked], contract: PolicyContract) -> Iterator[Sequence[Asked]]:
-    size = max(1, BATCH_BYTES // (contract.retina.frames * contract.retina.size))
+    fitting = BATCH_BYTES // (contract.retina.frames * contract.retina.size)
+    size = min(max(1, fitting), BATCH_TICKS)
     batch: list[Asked] = []
     for one in asked:
         batch.append(one)
@@ -154,7 +175,7 @@ class PolicyLevel:
         action = decision.action
         was = decision.winner if self.has_winner else action
         flip = None
-        if was != winner and was >= 0:
+        if was != winner and (was >= 0 or self._has_to_win(decision)):
             tolerance = self.tally.rules.tolerance
             flip = find_flip(decision.index, decision.q_values, was, winner, tolerance)
             name = "winner" if self.has_winner else "action"
@@ -163,6 +184,10 @@ class PolicyLevel:
         if self.has_winner and one.is_hold_known and decision.verdict == _OK:
             differences += self._action_differences(one, values, winner)
         self.tally.add(decision.index, 2 + self.has_winner, differences, flip)
+
+    def _has_to_win(self, decision: Decision) -> bool:
+        """Whether some action was preferred: none is where the policy failed."""
+        return self.has_winner and decision.verdict in ASKED_VALUES
 
     def _action_differences(self, one: Asked, values: QValues, winner: int) -> list[Difference]:
         contract, slot, now = self.policy.contract, one.decision.slot, winner

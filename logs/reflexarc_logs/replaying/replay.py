@@ -2,24 +2,21 @@
 
 Two levels check each other. `policy`: the retina of each tick goes through the policy. `node`: the
 messages that arrived go through the whole controller; it needs the log of a loop (`run --record`).
+Beside them each recorded command is compared with its tick. What is not compared is said.
 """
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from tempfile import TemporaryDirectory
-from typing import Literal, get_args
+from typing import get_args
 
 from reflexarc_logs.reading.reader import Log, read_log
-from reflexarc_logs.replaying.comparison import EqualityRules, LevelResult, ReplayReport
-from reflexarc_logs.replaying.node_level import replay_node, why_not
-from reflexarc_logs.replaying.policy_level import replay_policy
-from reflexarc_runtime.errors import LogError, PolicyError, ReflexarcError, UsageError
-from reflexarc_runtime.loop.trials.trial import Trial
-from reflexarc_runtime.policy.model_file import policy_hash
-from reflexarc_runtime.policy.policy import Backend, LoadedPolicy, load_policy
-
-Level = Literal["policy", "node"]
+from reflexarc_logs.replaying.asked_policy import asked_policy
+from reflexarc_logs.replaying.log_account import LogAccount
+from reflexarc_logs.replaying.other_robots import replay_others
+from reflexarc_logs.replaying.report import ReplayReport
+from reflexarc_logs.replaying.robot_replay import Level, merged, replay_robot, rules_for
+from reflexarc_logs.replaying.stream_uses import stream_uses
+from reflexarc_runtime.errors import UsageError
+from reflexarc_runtime.policy.policy import Backend, LoadedPolicy
 
 
 def replay(
@@ -44,15 +41,15 @@ def replay(
     """
     if level is not None and level not in get_args(Level):
         raise UsageError(f"--level: expected policy or node, got {level!r}")
-    source = log if isinstance(log, Log) else read_log(log)
-    chosen = _policy(source, policy, backend)
-    rules = EqualityRules(
-        exact=Backend.NUMPY == chosen.backend == source.run.backend,
-        same_policy=chosen.policy_hash == source.run.policy_hash,
-        tolerance=chosen.contract.q_tolerance,
-    )
+    source = log if isinstance(log, Log) else read_log(Path(log))
+    chosen = asked_policy(source, policy, backend)
     source.tick_descriptor()  # a log without ticks says so before any level begins
-    results, notes = _run(source, chosen, rules, level)
+    rules = rules_for(source, chosen)
+    account = LogAccount(source)
+    found = replay_robot(account, chosen, rules, level)
+    others = replay_others(account, chosen, level, is_candidate=policy is not None)
+    notes = [] if source.complete else ["the log is truncated: its intact part was replayed"]
+    found = merged([found, *others])
     return ReplayReport(
         log=str(source.path),
         policy_hash=chosen.policy_hash,
@@ -60,90 +57,8 @@ def replay(
         recorded_backend=source.run.backend,
         backend=chosen.backend.value,
         actions=tuple(action.name for action in chosen.contract.actions),
-        levels=tuple(results),
-        notes=tuple(notes),
+        levels=tuple(found.levels),
+        notes=(*notes, *found.notes),
+        commands=tuple(found.commands),
+        streams=tuple(stream_uses(account, found)),
     )
-
-
-def attached_policy(log: Log, backend: Backend | str | None = None) -> LoadedPolicy:
-    """The policy that a log carries.
-
-    Raises:
-        LogError: it carries none, or not the one that it names.
-        PolicyError, ContractError: the policy is not intact.
-    """
-    if log.policy is None:
-        raise LogError(f"{log.path}: no policy is attached; give one with --policy")
-    _check_identity(log)
-    try:
-        return _loaded(log.policy, backend or log.run.replay_backend)
-    except ReflexarcError as error:
-        raise type(error)(f"{log.path}: attached {error}") from None
-
-
-def _policy(
-    log: Log, given: LoadedPolicy | Path | str | None, backend: Backend | str | None
-) -> LoadedPolicy:
-    if given is None:
-        return attached_policy(log, backend)
-    if not isinstance(given, LoadedPolicy):
-        return _loaded(given, backend or log.run.replay_backend)
-    if backend is None or given.backend == Backend(backend):
-        return given
-    return _loaded(given.data, backend)
-
-
-def _loaded(source: Path | str | bytes, backend: Backend | str) -> LoadedPolicy:
-    """Load a policy; for onnxruntime, whose graphs may loop, after a process of its own has."""
-    if Backend(backend) is Backend.ONNXRUNTIME:
-        _try(source)
-    return load_policy(source, backend, bounds=None)
-
-
-def _try(source: Path | str | bytes) -> None:
-    with _policy_file(source) as path, Trial(path, Backend.ONNXRUNTIME.value) as trial:
-        try:
-            trial.finding()
-        except PolicyError as error:
-            name = "policy" if isinstance(source, bytes) else str(source)
-            raise PolicyError(str(error).replace(str(path), name)) from None
-
-
-@contextmanager
-def _policy_file(source: Path | str | bytes) -> Iterator[Path]:
-    """The file of a policy; a temporary one, if only its bytes are there."""
-    if not isinstance(source, bytes):
-        yield Path(source)
-        return
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / "policy.onnx"
-        path.write_bytes(source)
-        yield path
-
-
-def _check_identity(log: Log) -> None:
-    if policy_hash(log.policy or b"") != log.run.policy_hash:
-        raise LogError(
-            f"{log.path}: the attached policy is not the one that the log names "
-            f"({log.run.policy_hash[:12]}…); could not compare"
-        )
-
-
-def _run(
-    log: Log, policy: LoadedPolicy, rules: EqualityRules, level: Level | None
-) -> tuple[list[LevelResult], list[str]]:
-    results: list[LevelResult] = []
-    notes = [] if log.complete else ["the log is truncated: its intact part was replayed"]
-    if level != "node":
-        results.append(replay_policy(log, policy, rules))
-    if level != "policy":
-        obstacle = why_not(log)
-        if obstacle and level == "node":
-            raise LogError(f"{log.path}: no replay at level node: {obstacle}; use --level policy")
-        if obstacle:
-            notes.append(f"level node was left out: {obstacle}")
-        else:
-            result, told = replay_node(log, policy, rules)
-            results.append(result)
-            notes += told
-    return results, notes

@@ -3,15 +3,14 @@
 from dataclasses import dataclass
 
 from reflexarc_logs.reading.reader import Log
-from reflexarc_logs.replaying.beginning import begin, keep
+from reflexarc_logs.replaying.beginning import begin
 from reflexarc_logs.replaying.comparison import EqualityRules, Tally
 from reflexarc_logs.replaying.loop_events import loop_events
-from reflexarc_logs.replaying.stepping import Stepping
+from reflexarc_logs.replaying.walk import Walk
 from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.controller_state import State
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages.topics import TICK
-from reflexarc_runtime.messages.wire import Message
 from reflexarc_runtime.policy.policy import Backend, LoadedPolicy
 
 
@@ -49,15 +48,18 @@ def state_at_tick(log: Log, policy: LoadedPolicy, index: int) -> KnownState:
         )
     exact = Backend.NUMPY == policy.backend == log.run.backend
     rules = EqualityRules(exact, True, policy.contract.q_tolerance)
-    stepping, tally = Stepping.at(beginning, policy, log, rules), Tally("node", rules)
-    at_ns = _earliest_ns(log)
-    while stepping.state.index < index and (event := next(events, None)) is not None:
-        if isinstance(event, Message):
-            keep(stepping.waiting, event, log)
-        elif isinstance(event, pb.Tick):
-            stepping.compare(event, tally)
+    tally = Tally("node", rules)
+    walk, at_ns = Walk(log, policy, beginning, rules, tally), _earliest_ns(log)
+    while walk.state.index < index and (event := next(events, None)) is not None:
+        walk.take(event)
+        if isinstance(event, pb.Tick):
             at_ns = event.decision.now_ns
-    return KnownState(stepping.state, at_ns, _notes(tally, index))
+    if walk.is_lost or walk.state.index > index:
+        raise LogError(
+            f"{log.path}: what the controller knew in front of tick {index} is not known: ticks or "
+            "inputs are missing before it; cut elsewhere"
+        )
+    return KnownState(walk.state, at_ns, _notes(tally, index))
 
 
 def _notes(tally: Tally, index: int) -> list[str]:

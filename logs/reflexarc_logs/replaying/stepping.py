@@ -7,6 +7,7 @@ is judged where it arises and not at every tick behind it.
 
 from collections import deque
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,13 +15,13 @@ from reflexarc_logs.reading.reader import Log
 from reflexarc_logs.replaying.beginning import Beginning
 from reflexarc_logs.replaying.comparison import (
     EqualityRules,
-    Flip,
     Tally,
     find_flip,
     is_at_the_edge,
 )
 from reflexarc_logs.replaying.message_fields import Difference, Fields, message_type
 from reflexarc_logs.replaying.recorded_holds import ASKED_VALUES, RecordedHolds
+from reflexarc_logs.replaying.report import Flip
 from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.arrays import Memories
 from reflexarc_runtime.controller import Controller
@@ -59,6 +60,13 @@ def controller_of(log: Log, policy: LoadedPolicy) -> Controller:
     return Controller(policy, contract, sense, policy.policy_hash, rules, guard)
 
 
+class TickComparison(NamedTuple):
+    """How a tick that was decided again differs."""
+
+    differences: list[Difference]
+    flip: Flip | None
+
+
 @dataclass
 class Stepping:
     """A controller on its way through a log."""
@@ -72,6 +80,8 @@ class Stepping:
     rules: EqualityRules
     keyframe_fields: Fields | None = None
     """Those of a keyframe; None where none can be compared."""
+    is_exact: bool = True
+    """Whether the state is the whole one: only then a keyframe can be compared with it."""
     surprises: list[Difference] = field(default_factory=list)
     """What differed from a keyframe; it counts at the next tick."""
     counts_from_ns: int | None = None
@@ -93,14 +103,20 @@ class Stepping:
         """
         theirs = message_type(log.tick_descriptor(), "decision")
         decisions = Fields(pb.Decision.DESCRIPTOR, theirs)  # type: ignore[arg-type]  # one of two stubs
-        keyframes = _keyframe_fields(log) if beginning.is_exact and rules.same_policy else None
+        keyframes = _keyframe_fields(log) if rules.same_policy else None
         state = beginning.state or State()
         controller = controller_of(log, policy)
-        return cls(controller, state, beginning.waiting, decisions, rules, keyframes)
+        is_exact = beginning.is_exact
+        return cls(controller, state, beginning.waiting, decisions, rules, keyframes, is_exact)
+
+    def go_on(self, state: State, *, is_exact: bool) -> None:
+        """Go on from another state, behind what is missing."""
+        self.state, self.is_exact, self.surprises = state, is_exact, []
+        self._holds = RecordedHolds(self.controller.contract, state.hold, state.index)
 
     def meet(self, keyframe: pb.Keyframe) -> None:
         """Compare what the controller knows with what it knew."""
-        if self.keyframe_fields is None:
+        if self.keyframe_fields is None or not self.is_exact:
             return
         ours = pb.Keyframe.FromString(encode_state(self.state, self.controller.policy_hash))
         self.surprises += [
@@ -111,16 +127,23 @@ class Stepping:
 
     def compare(self, tick: pb.Tick, tally: Tally) -> None:
         """Decide a tick again, and compare it."""
+        self.count(tick, self.decide(tick), tally)
+
+    def decide(self, tick: pb.Tick) -> TickComparison:
+        """Decide a tick again; how it differs."""
         recorded = tick.decision
         replayed = decision_to_protobuf(self.step(recorded))
-        tally.ticks += 1
-        if self._warms_up(recorded):
-            tally.warming_up += 1
-            return
         differences = [*self.surprises, *self.fields.differences(recorded, replayed)]
         self.surprises = []
-        flip = self._flip(recorded, replayed)
-        tally.add(recorded.index, self.fields.count, differences, flip)
+        return TickComparison(differences, self._flip(recorded, replayed))
+
+    def count(self, tick: pb.Tick, comparison: TickComparison, tally: Tally) -> None:
+        """Count a tick that was decided again."""
+        tally.ticks += 1
+        if self._warms_up(tick.decision):
+            tally.warming_up += 1
+        else:
+            tally.add(tick.decision.index, self.fields.count, *comparison)
 
     def step(self, recorded: pb.Decision) -> Decision:
         """Decide a tick again."""

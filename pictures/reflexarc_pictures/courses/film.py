@@ -21,6 +21,7 @@ from reflexarc_pictures.courses.retina_strip import RetinaStrip
 from reflexarc_pictures.courses.top_view import TopView
 from reflexarc_pictures.log_pictures.decision_strips import INK
 from reflexarc_runtime.errors import UsageError
+from reflexarc_runtime.words.shown import plain
 from reflexarc_sim_bridge.worlds.silhouettes import Area
 
 RATE_HZ = 10.0
@@ -56,7 +57,7 @@ class Frames:
         above.set(xticks=[], yticks=[])
         self._view = TopView(above, course, NOSE_M)
         self._strip = RetinaStrip(strip, now, course)
-        figure.text(0.012, 0.977, course.title, color=INK, va="center", parse_math=False)
+        figure.text(0.012, 0.977, plain(course.title), color=INK, va="center", parse_math=False)
         self._facts = figure.text(0.988, 0.977, "", color=INK, va="center", ha="right")
         self._moving: list[Artist] = [*self._view.artists, *self._strip.artists, self._facts]
         for artist in self._moving:

@@ -12,6 +12,7 @@ from reflexarc_pictures.courses.retina_strip import RetinaStrip
 from reflexarc_pictures.courses.top_view import TopView
 from reflexarc_pictures.log_pictures.decision_strips import INK
 from reflexarc_pictures.log_pictures.logged_poses import Floats
+from reflexarc_runtime.words.shown import plain
 from reflexarc_sim_bridge.worlds.silhouettes import Area
 
 WIDTH_IN, DPI = 8.0, 100
@@ -46,7 +47,7 @@ def draw_stretch(course: Course, path: Path) -> None:
 def _title(course: Course) -> str:
     duration_s = (len(course.snapshots) - 1) * course.period_s
     met = len(course.contacts)
-    return f"{course.title}: {duration_s:.0f} s, {met} contact{'' if met == 1 else 's'}"
+    return f"{plain(course.title)}: {duration_s:.0f} s, {met} contact{'' if met == 1 else 's'}"
 
 
 def _into_the_period(course: Course) -> Floats:

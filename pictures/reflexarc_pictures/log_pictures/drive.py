@@ -20,7 +20,7 @@ from matplotlib.patches import Ellipse, Patch, Polygon, Rectangle
 
 from reflexarc_logs.reading.reader import Log
 from reflexarc_pictures.log_pictures.decision_strips import INK, Decisions
-from reflexarc_pictures.log_pictures.logged_poses import Floats, poses_of
+from reflexarc_pictures.log_pictures.logged_poses import Floats, are_places, poses_of
 from reflexarc_pictures.log_pictures.panels import Panels
 from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.messages.topics import CONTACT, SCENE
@@ -127,7 +127,9 @@ def _obstacles(log: Log) -> tuple[Floats, Floats, list[Floats]]:
             boxes.update(_extent(shape) for shape in entity.cubes)
             discs.update(_extent(shape) for shape in entity.cylinders)
             polygons.update(_corners(shape) for shape in entity.triangles)
-    outlines = [_rows(corners, 2) for corners in sorted(polygons)]
+    outlines = [
+        _rows(corners, 2) for corners in sorted(polygons) if len(_rows(corners, 2)) == len(corners)
+    ]
     return _rows(sorted(boxes), 4), _rows(sorted(discs), 4), outlines
 
 
@@ -142,4 +144,6 @@ def _corners(shape: TriangleListPrimitive) -> tuple[tuple[float, float], ...]:
 
 
 def _rows(rows: object, columns: int) -> Floats:
-    return np.array(rows, np.float64).reshape(-1, columns)
+    """Those rows that a picture can show."""
+    table = np.array(rows, np.float64).reshape(-1, columns)
+    return table[are_places(table)]

@@ -4,6 +4,7 @@ The plan shows where beams ended, computed with the poses, and the path, each st
 the decision that was made there. World frame: x to the right, y upwards, metres.
 """
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,9 +16,11 @@ from matplotlib.lines import Line2D
 
 from reflexarc_logs.reading.reader import Log
 from reflexarc_pictures.log_pictures.decision_strips import INK, Decisions, colour_of
-from reflexarc_pictures.log_pictures.logged_poses import Floats, Times, poses_of
+from reflexarc_pictures.log_pictures.logged_poses import FARTHEST_M, Floats, Times, poses_of
 from reflexarc_pictures.log_pictures.panels import Panels
 from reflexarc_runtime.messages.topics import SCAN, TICK
+from reflexarc_runtime.sensing.mounting import CENTRED, Mount, mount_of, mounted
+from reflexarc_runtime.sensing.scan import Scan, UnusableScanError
 
 MAX_POINTS = 120_000
 """Enough that walls look like lines; more points only make the file larger."""
@@ -73,13 +76,32 @@ def floor_plan_of(log: Log, decisions: Decisions) -> FloorPlan:
 
 
 def beam_ends(scan: LaserScan, x_m: float, y_m: float, heading_rad: float) -> Floats:
-    """Where beams hit an obstacle, x and y in metres: (hits, 2)."""
-    ranges_m = np.array(scan.ranges, np.float64)
-    bearings_rad = heading_rad + np.linspace(scan.start_angle, scan.end_angle, len(ranges_m))
-    hits = np.isfinite(ranges_m) & (ranges_m > 0.0)
-    ranges_m, bearings_rad = ranges_m[hits], bearings_rad[hits]
-    x, y = x_m + ranges_m * np.cos(bearings_rad), y_m + ranges_m * np.sin(bearings_rad)
+    """Where beams hit an obstacle, x and y in metres: (hits, 2).
+
+    Args:
+        scan: as its scanner sits on the robot; none of its beams hits if its angles are none.
+        x_m: where the robot is.
+        y_m: see `x_m`.
+        heading_rad: where it looks.
+    """
+    seen = mounted(Scan(scan.start_angle, scan.end_angle, np.array(scan.ranges)), _mount(scan))
+    if not math.isfinite(seen.start_rad + seen.end_rad):
+        return np.empty((0, 2))
+    bearings_rad = heading_rad + np.linspace(seen.start_rad, seen.end_rad, len(seen.ranges_m))
+    hits = (seen.ranges_m > 0.0) & (seen.ranges_m <= FARTHEST_M)
+    ranges_m, bearings_rad = seen.ranges_m[hits], bearings_rad[hits]
+    cos, sin = math.cos(heading_rad), math.sin(heading_rad)
+    x = x_m + cos * seen.x_m - sin * seen.y_m + ranges_m * np.cos(bearings_rad)
+    y = y_m + sin * seen.x_m + cos * seen.y_m + ranges_m * np.sin(bearings_rad)
     return np.stack([x, y], axis=1)
+
+
+def _mount(scan: LaserScan) -> Mount:
+    """How the scanner sits; in the middle if its pose is none."""
+    try:
+        return mount_of(scan.pose) if scan.HasField("pose") else CENTRED
+    except UnusableScanError:
+        return CENTRED
 
 
 def _draw_walls(axes: Axes, plan: FloorPlan) -> None:

@@ -7,8 +7,9 @@ from reflexarc_logs.reading.reader import Log, read_log
 from reflexarc_pictures.log_pictures.decision_strips import decisions_of
 from reflexarc_pictures.log_pictures.drive import draw_drive, drive_of
 from reflexarc_pictures.log_pictures.floor_plan import draw_floor_plan, floor_plan_of
+from reflexarc_pictures.log_pictures.logged_poses import poses_of
 from reflexarc_runtime.errors import UsageError
-from reflexarc_runtime.messages.topics import POSE, SCAN, Topic
+from reflexarc_runtime.messages.topics import POSE, SCAN
 
 Kind: TypeAlias = Literal["auto", "drive", "floor"]
 
@@ -46,8 +47,6 @@ def draw_log(path: Path, picture: Path, kind: Kind = "auto") -> Literal["drive",
 
 def _missing_for_floor(log: Log) -> list[str]:
     """The streams without which there is no floor plan."""
-    return [topic.name for topic in (SCAN, POSE) if not _has(log, topic)]
-
-
-def _has(log: Log, topic: Topic) -> bool:
-    return next(log.records(log.topic(topic.name)), None) is not None
+    has_scans = next(log.records(log.topic(SCAN.name)), None) is not None
+    has_poses = has_scans and len(poses_of(log).places) > 0
+    return [topic.name for topic, there in ((SCAN, has_scans), (POSE, has_poses)) if not there]

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from matplotlib import rc_context
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -16,11 +17,14 @@ from reflexarc_pictures.log_pictures.decision_strips import (
     draw_q_values,
     draw_retinas,
 )
+from reflexarc_runtime.words.shown import plain
 
 WIDE = 1.6
 """A map at least so many times wider than high is above its strips, not beside them."""
 _HEIGHTS = (2.2, 2.0, 0.35)
 """Heights of the three strips, in proportion."""
+_WORDS = rc_context({"text.parse_math": False})
+"""Names of files and actions are words: what stands between two `$` is no formula."""
 
 
 class Panels:
@@ -31,6 +35,7 @@ class Panels:
         extent_m: width and height of the map; None: there is no map.
     """
 
+    @_WORDS
     def __init__(self, decisions: Decisions, extent_m: tuple[float, float] | None) -> None:
         if extent_m is None:
             self._figure, self.map, strips = _strips_only()
@@ -42,9 +47,10 @@ class Panels:
             draw(axes, decisions)
         self._entries: list[Artist] = [*action_patches(decisions)]
 
+    @_WORDS
     def save(self, path: Path, title: str, entries: Sequence[Artist] = ()) -> None:
         """Add title and legend, with more entries where there are some, and write a PNG."""
-        self._figure.suptitle(title, x=0.01, ha="left", color=INK)
+        self._figure.suptitle(plain(title), x=0.01, ha="left", color=INK)
         handles = [*self._entries, *entries]
         self._figure.legend(
             handles=handles, loc="outside lower center", ncols=len(handles), frameon=False

@@ -26,7 +26,7 @@ def read_results(path: Path) -> Results:
         UsageError: it cannot be read, or is no results of a suite of this version.
     """
     try:
-        document = json.loads(path.read_text())
+        document = json.loads(path.read_text(encoding="utf-8"))
         return Results.from_json(document)
     except OSError as error:
         raise UsageError(f"{path}: cannot be read: {error.strerror}") from None

@@ -8,6 +8,8 @@ import html
 from collections.abc import Iterable
 from typing import TypeAlias
 
+from reflexarc_runtime.words.shown import shown
+
 _EMPTY = frozenset({"meta", "circle", "image", "line", "path", "polygon", "polyline", "rect"})
 """Elements without content."""
 
@@ -46,8 +48,7 @@ def joined(*children: Child) -> Markup:
 
 def text(words: str) -> Markup:
     """Text that is no markup, whatever stands in it."""
-    seen = "".join(c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in words)
-    return Markup(html.escape(seen))
+    return Markup(html.escape(shown(words)))
 
 
 def _content(child: Child) -> str:

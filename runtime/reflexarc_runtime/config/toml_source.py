@@ -1,5 +1,6 @@
 """A small TOML file as it came: its text, what it says, and on which line it says it."""
 
+import codecs
 import re
 import tomllib
 from pathlib import Path
@@ -8,15 +9,19 @@ from typing import Any
 from reflexarc_runtime.config.key_path import KeyPath, dotted, without_indices
 from reflexarc_runtime.config.toml_lines import key_lines, line_of
 from reflexarc_runtime.errors import ReflexarcError, UsageError
+from reflexarc_runtime.files import is_lfs_pointer
 
 MAX_BYTES = 64 * 1024
 """The largest file that is read; those of people have a few KiB."""
+_UTF16 = codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE
 MAX_LINE = 2000
 """Characters. A key of 30,000 parts would keep `tomllib` busy for half a minute."""
 
 
 def read_text(path: Path, name: str, error: type[ReflexarcError] = UsageError) -> str:
-    """The text of a small file.
+    """The text of a small file, as it would be without the marks of Windows.
+
+    An editor there begins it with a byte order mark, and ends lines with two characters.
 
     Args:
         path: where it is.
@@ -33,10 +38,17 @@ def read_text(path: Path, name: str, error: type[ReflexarcError] = UsageError) -
         raise error(f"{name}: cannot be read: {reason.strerror}; give a TOML file") from None
     except ValueError:  # a NUL in the name
         raise error(f"{name!r}: expected the name of a TOML file") from None
+    if is_lfs_pointer(content):
+        raise error(f"{name}: is a Git LFS pointer, not the file itself: git lfs pull")
     if len(content) > MAX_BYTES:
         raise error(f"{name}: expected at most {MAX_BYTES // 1024} KiB of TOML, got more")
+    if content.startswith(_UTF16):
+        raise error(
+            f"{name}:1: expected TOML in UTF-8, got UTF-16, as its byte order mark says; "
+            "save it as UTF-8"
+        )
     try:
-        return content.decode("utf-8")
+        return content.decode("utf-8-sig").replace("\r\n", "\n")
     except UnicodeDecodeError as reason:
         line = content.count(b"\n", 0, reason.start) + 1
         raise error(f"{name}:{line}: expected TOML in UTF-8, got other bytes") from None

@@ -10,6 +10,9 @@ from reflexarc_runtime.contract.golden import GoldenSequence
 from reflexarc_runtime.errors import PolicyError, first_line
 from reflexarc_runtime.policy.agreement import Floats, flips, within_tolerance
 
+_LIKE_ROUNDING = 1e-3
+"""A difference that float32 may make with large weights, times the larger of 1 and |Q|."""
+
 
 class Graph(Protocol):
     """The graph of a policy, ready to be computed by one of the backends."""
@@ -112,10 +115,35 @@ def _require_equal(
     if end is not None and got[2] is not None:
         agree = agree and _same(got[2], end, tolerance)
     if not agree:
+        apart = _apart(got[0], q_values)
+        if end is not None and got[2] is not None:
+            apart = max(apart, _apart(got[2], end))
         raise PolicyError(
-            f"golden {what} are not reproduced on {graph.name}: the weights are not those "
-            "that were exported; copy or export the file again"
+            f"golden {what} are not reproduced on {graph.name}: {_reason(apart, tolerance)}"
         )
+
+
+def _apart(got: Floats, expected: Floats) -> float:
+    """The largest difference, times the larger of 1 and the expected value."""
+    exact = expected.astype(np.float64)
+    with np.errstate(invalid="ignore"):
+        return float(np.max(np.abs(got - exact) / np.maximum(1.0, np.abs(exact))))
+
+
+def _reason(apart: float, tolerance: float) -> str:
+    """What a difference says: rounding is small, other weights are not."""
+    if not tolerance < apart <= _LIKE_ROUNDING:  # so what is not a number counts as large
+        return "the weights are not those that were exported; copy or export the file again"
+    if not tolerance:
+        return (
+            f"they differ by {apart:.3g} of max(1, |Q|), where the bits must be equal: they were "
+            "made by something else than this backend, or the file is damaged; export it again"
+        )
+    return (
+        f"they differ by {apart:.3g} of max(1, |Q|), more than the q_tolerance of its contract "
+        f"allows, {tolerance:.3g}: that is too small for its weights, or the file is damaged; "
+        "export it again (reflexarc.export finds the tolerance)"
+    )
 
 
 def _same(got: Floats, expected: Floats, tolerance: float) -> bool:

@@ -9,31 +9,44 @@ A graph is compiled once into a list of steps; running it makes one NumPy call f
 for the recurrent ones, which make a few.
 """
 
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 import onnx
-from onnx import numpy_helper
 
 from reflexarc_runtime.arrays import Actions, Memories, QValues, RetinaBatch
 from reflexarc_runtime.errors import PolicyError
-from reflexarc_runtime.policy.operator import Tensor
-from reflexarc_runtime.policy.operators import OPERATORS
-from reflexarc_runtime.policy.recurrent_operators import MANY_OPERATORS
+from reflexarc_runtime.policy.numpy_limits import (
+    ELEMENTS_AT_ONCE,
+    ELEMENTS_OF_ONE,
+    SHAPE_INPUTS,
+    Meter,
+)
+from reflexarc_runtime.policy.operators.graph_node import (
+    ABSENT,
+    LATEST_OPSET,
+    OLDEST_OPSET,
+    ONNX_DOMAINS,
+    OnnxNode,
+    Operator,
+    Tensor,
+    array_of,
+)
+from reflexarc_runtime.policy.operators.operator_table import (
+    compiled,
+    supported_operators,
+)
 
-_ABSENT = ""
-"""How ONNX names an optional input that is not given, and an output that nobody wants."""
+__all__ = ["GraphStep", "NumpyGraph", "supported_operators"]
 
 
 class GraphStep(NamedTuple):
     """One node of the graph: an operator, where its inputs lie and where its outputs go."""
 
-    operator: Callable[..., Any]
+    operator: Operator
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
-    is_many: bool
-    """Whether the operator returns a tuple, one for each output."""
+    node: OnnxNode
 
 
 class NumpyGraph:
@@ -46,21 +59,71 @@ class NumpyGraph:
     name = "numpy"
 
     def __init__(self, model: onnx.ModelProto) -> None:
-        constants = {t.name: _constant(t) for t in model.graph.initializer}
-        self._constants: dict[str, Any] = {_ABSENT: None, **constants}
-        self._steps = [_compile(node) for node in model.graph.node]
+        opset = _opset(model)
+        constants = {t.name: array_of(t) for t in model.graph.initializer}
+        self._constants: dict[str, Any] = {ABSENT: None, **constants}
+        self._steps = [_step(node, opset) for node in model.graph.node]
+        self._rows_at_once = 0
+        """How many decisions are computed together; 0 while it is not known."""
+        self._measured: set[int] = set()
+        """Numbers of decisions whose cost has been found small enough."""
+        self._has_fixed_shapes = not _shapes_hang_on_inputs(self._steps)
 
     def run(
         self, retinas: RetinaBatch, memories: Memories | None = None
     ) -> tuple[QValues, Actions, Memories | None]:
-        """See `Graph.run`; stacks are (n, frames, eyes, rays, channels)."""
+        """See `Graph.run`; stacks are (n, frames, eyes, rays, channels).
+
+        Raises:
+            PolicyError: a decision would take more memory or work than `numpy_limits` allows.
+        """
+        if not self._rows_at_once:
+            self._rows_at_once = self._find_rows_at_once(retinas, memories)
+        count, most = len(retinas), self._rows_at_once
+        if count <= most:
+            return self._compute(retinas, memories)
+        starts = range(0, count, most)
+        parts = [
+            self._compute(
+                retinas[start : start + most],
+                None if memories is None else memories[start : start + most],
+            )
+            for start in starts
+        ]
+        return _joined(parts)
+
+    def end_run(self) -> None:
+        """See `Graph.end_run`: none of its operators loops, so there is nothing to end."""
+
+    def _find_rows_at_once(self, retinas: RetinaBatch, memories: Memories | None) -> int:
+        """Compute one decision and count what it takes."""
+        one = np.zeros((1, *retinas.shape[1:]), retinas.dtype)
+        its = None if memories is None else np.zeros((1, *memories.shape[1:]), memories.dtype)
+        meter = Meter(ELEMENTS_OF_ONE, 1)
+        self._compute(one, its, meter)
+        return max(1, ELEMENTS_AT_ONCE // max(1, meter.made))
+
+    def _meter_for(self, count: int) -> Meter | None:
+        """None where the cost is known: it hangs on the number of decisions alone."""
+        if self._has_fixed_shapes and count in self._measured:
+            return None
+        self._measured.add(count)
+        return Meter(ELEMENTS_OF_ONE if count == 1 else ELEMENTS_AT_ONCE, count)
+
+    def _compute(
+        self, retinas: RetinaBatch, memories: Memories | None, meter: Meter | None = None
+    ) -> tuple[QValues, Actions, Memories | None]:
+        meter = meter or self._meter_for(len(retinas))
         values: dict[str, Any] = {**self._constants, "retina": retinas}
         if memories is not None:
             values["state"] = memories.astype(np.float64)
         with np.errstate(all="ignore"):  # what is not finite is a verdict, not a warning
-            for operator, inputs, outputs, is_many in self._steps:
-                result = operator(*[values[name] for name in inputs])
-                if is_many:
+            for operator, inputs, outputs, node in self._steps:
+                given = [values[name] for name in inputs]
+                if meter is not None:
+                    meter.count(node, given)
+                result = operator(*given)
+                if isinstance(result, tuple):
                     _store(values, outputs, result)
                 else:
                     values[outputs[0]] = result
@@ -68,50 +131,43 @@ class NumpyGraph:
             next_memories = None if following is None else following.astype(np.float32)
             return values["q_values"].astype(np.float32), values["action"], next_memories
 
-    def end_run(self) -> None:
-        """See `Graph.end_run`: none of its operators loops, so there is nothing to end."""
-
-
-def supported_operators() -> tuple[str, ...]:
-    """Names of the ONNX operators that the NumPy backend has."""
-    return tuple(sorted((*OPERATORS, *MANY_OPERATORS)))
-
 
 def _store(values: dict[str, Any], names: tuple[str, ...], results: tuple[Tensor, ...]) -> None:
-    values.update((n, r) for n, r in zip(names, results, strict=False) if n != _ABSENT)
+    values.update((n, r) for n, r in zip(names, results, strict=False) if n != ABSENT)
 
 
-def _constant(tensor: onnx.TensorProto) -> Tensor:
-    array: Tensor = numpy_helper.to_array(tensor)
-    return array.astype(np.float64) if array.dtype.kind == "f" else array
+def _step(node: onnx.NodeProto, opset: int) -> GraphStep:
+    form, operator = compiled(node, opset)
+    return GraphStep(operator, form.inputs, form.outputs, form)
 
 
-def _compile(node: onnx.NodeProto) -> GraphStep:
-    kind = node.op_type
-    if kind not in supported_operators() or node.domain not in ("", "ai.onnx"):
+def _shapes_hang_on_inputs(steps: list[GraphStep]) -> bool:
+    """Whether a shape in the graph hangs on what is seen, and not on how much of it there is."""
+    hanging = {"retina", "state"}
+    for step in steps:
+        said = step.inputs[SHAPE_INPUTS.get(step.node.kind, slice(0, 0))]
+        if not hanging.isdisjoint(said):
+            return True
+        if step.node.kind not in ("Shape", "Size") and not hanging.isdisjoint(step.inputs):
+            hanging.update(step.outputs)
+    return False
+
+
+def _joined(
+    parts: list[tuple[QValues, Actions, Memories | None]],
+) -> tuple[QValues, Actions, Memories | None]:
+    q_values, actions = (np.concatenate([part[i] for part in parts]) for i in range(2))
+    memories = [part[2] for part in parts if part[2] is not None]
+    return q_values, actions, np.concatenate(memories) if memories else None
+
+
+def _opset(model: onnx.ModelProto) -> int:
+    """The version of the operator set, which says what a node means."""
+    versions = [o.version for o in model.opset_import if o.domain in ONNX_DOMAINS]
+    version = versions[0] if versions else 0
+    if not OLDEST_OPSET <= version <= LATEST_OPSET:
         raise PolicyError(
-            f"operator {kind} (node {node.name or node.output[0]!r}) is not in the NumPy "
-            f"backend, which has {', '.join(supported_operators())}; use --backend onnxruntime"
+            f"its operators are of set {version}; the NumPy backend knows sets {OLDEST_OPSET} to "
+            f"{LATEST_OPSET}: export it with another opset, or use --backend onnxruntime"
         )
-    is_many = kind in MANY_OPERATORS
-    outputs = tuple(node.output) if is_many else (node.output[0],)
-    return GraphStep(_operator(node), _inputs(node), outputs, is_many)
-
-
-def _operator(node: onnx.NodeProto) -> Callable[..., Any]:
-    kind = node.op_type
-    attributes = {a.name: onnx.helper.get_attribute_value(a) for a in node.attribute}
-    try:
-        if kind in MANY_OPERATORS:
-            return MANY_OPERATORS[kind](attributes, node)
-        return OPERATORS[kind](attributes)
-    except KeyError as error:
-        raise PolicyError(f"operator {kind}: attribute {error} is missing") from None
-
-
-def _inputs(node: onnx.NodeProto) -> tuple[str, ...]:
-    """Names of the inputs; absent ones at the end are left to the operator's defaults."""
-    names = list(node.input)
-    while names and names[-1] == _ABSENT:
-        names.pop()
-    return tuple(names)
+    return version

@@ -1,13 +1,23 @@
 """The onnxruntime backend: runs any ONNX operator, on one thread.
 
 It agrees with the NumPy backend in the action, and in the Q-values to the contract's `q_tolerance`.
+
+Nothing else imports onnxruntime. From version 1.29 on it tells its maker about the machine that it
+is imported on: it looks a name up and keeps an identifier below the home folder. That is switched
+off before the import; and `policy.py` imports this module only where a policy runs on it.
 """
 
+import os
+
 import numpy as np
-import onnxruntime
+
+os.environ["ORT_DISABLE_TELEMETRY"] = "1"  # read at the import
+
+import onnxruntime  # after its switch
 
 from reflexarc_runtime.arrays import Actions, Memories, QValues, RetinaBatch
-from reflexarc_runtime.errors import DecisionEndedError, PolicyError, first_line
+from reflexarc_runtime.errors import DecisionEndedError, PolicyError
+from reflexarc_runtime.policy.onnxruntime_refusal import refusal
 
 
 class OnnxruntimeGraph:
@@ -30,7 +40,7 @@ class OnnxruntimeGraph:
                 model, options, providers=["CPUExecutionProvider"]
             )
         except Exception as error:  # onnxruntime raises classes of its own, one a status code
-            raise PolicyError(f"onnxruntime refuses the model: {first_line(error)}") from None
+            raise PolicyError(f"onnxruntime refuses the model: {refusal(error)}") from None
 
     def run(
         self, retinas: RetinaBatch, memories: Memories | None = None
@@ -62,4 +72,4 @@ class OnnxruntimeGraph:
         except Exception as error:
             if self._run_options.terminate:
                 raise DecisionEndedError("the run was ended from another thread") from error
-            raise
+            raise PolicyError(refusal(error)) from None

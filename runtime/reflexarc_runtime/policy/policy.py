@@ -22,14 +22,12 @@ from reflexarc_runtime.errors import PolicyError, ReflexarcError, first_line
 from reflexarc_runtime.policy.golden_check import Graph, reproduce_golden_vectors, start_of
 from reflexarc_runtime.policy.model_file import (
     check_names,
-    check_size,
     contract_text,
     parse_model,
     policy_hash,
     read_model,
 )
 from reflexarc_runtime.policy.numpy_backend import NumpyGraph
-from reflexarc_runtime.policy.onnxruntime_backend import OnnxruntimeGraph
 
 USUAL_BOUNDS = Bounds()
 
@@ -164,7 +162,6 @@ def load_contract(
     """
     where, data = _read(source)
     try:
-        check_size(len(data))
         return _contract_of(parse_model(data), bounds)
     except ReflexarcError as error:
         raise type(error)(f"{where}: {error}") from None
@@ -207,10 +204,16 @@ def _check_reserved(contract: PolicyContract) -> None:
 
 def _build(model: onnx.ModelProto, data: bytes, backend: Backend) -> Graph:
     try:
-        return NumpyGraph(model) if backend is Backend.NUMPY else OnnxruntimeGraph(data)
+        return NumpyGraph(model) if backend is Backend.NUMPY else _on_onnxruntime(data)
     except PolicyError:
         raise
     except Exception as error:  # a damaged file can break any part of it
         raise PolicyError(
             f"the graph is damaged ({type(error).__name__}: {first_line(error)}); export it again"
         ) from None
+
+
+def _on_onnxruntime(data: bytes) -> Graph:
+    from reflexarc_runtime.policy.onnxruntime_backend import OnnxruntimeGraph
+
+    return OnnxruntimeGraph(data)

@@ -40,6 +40,10 @@ from reflexarc_sim_bridge.worlds.layers import (
 from reflexarc_sim_bridge.worlds.shapes import Rectangles
 from reflexarc_sim_bridge.worlds.world import AfterContact, Edges, World
 
+WIDEST_BELT_M = 500.0
+"""A belt holds a whole period, and putting an agent into a world draws all of it. Around wider ones
+the few chunks near an agent are drawn instead: the widest world, 10 km, took minutes."""
+
 
 def world_tables(
     worlds: Sequence[World],
@@ -208,6 +212,8 @@ def _write_motion(row: Table, layer: Layer) -> None:
 def _has_belt(layer: Layer, world: World, contract: PolicyContract) -> bool:
     """Whether it is nothing but white boxes of one kind, near ones within half a period."""
     if not isinstance(layer, Scatter) or world.edges is not Edges.PERIODIC:
+        return False
+    if world.width_m > WIDEST_BELT_M:
         return False
     boxes = len(layer.shapes) == 1 and isinstance(layer.shapes[0], Rectangles)
     even = layer.gap_m == 0.0 and not layer.sections

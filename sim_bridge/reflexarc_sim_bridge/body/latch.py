@@ -42,7 +42,8 @@ class StopLatch:
     def _read(self) -> str:
         """A file that is there stops, whatever is in it."""
         try:
-            return self.path.read_text(errors="replace")[:200] or "a stop without a reason"
+            said = self.path.read_bytes().decode(errors="replace")
+            return said[:200] or "a stop without a reason"
         except FileNotFoundError:
             return ""
         except OSError as error:

@@ -5,6 +5,7 @@ bins divide the width of the world; in a corridor, the room between its walls. E
 seed is an independent sample; errors are standard errors over them.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
@@ -24,6 +25,10 @@ BINS = 40
 
 _LENGTH_M = 10_000.0
 _FIRST_COLUMNS, _MOST_COLUMNS = 64, 1024
+_SHARED_M = 500.0
+"""Up to this width places lie so near each other that they share the obstacles that are drawn for
+them. In a wider world every place costs as much as a column of a narrow one: fewer are looked at,
+and the errors say so. (At 10 km the same number would take minutes.)"""
 _WANTED_ERROR = 0.01
 _WALL_MARGIN_M = 0.1
 """Largest distance between the straight pieces of a wall and its curve."""
@@ -70,8 +75,10 @@ def measure_profile(source: WorldSource, seeds: Sequence[int], progress: Progres
     """
     generator = np.random.default_rng(_RANDOM_SEED)
     worlds = [source.drawn(seed) for seed in seeds]
-    first = [_shares(w, s, _FIRST_COLUMNS, generator) for w, s in zip(worlds, seeds, strict=True)]
-    columns, shares = _columns_for(float(np.mean(first)), len(seeds)), []
+    few = min(1.0, _SHARED_M / max(_room_m(world) for world in worlds))
+    least, most = math.ceil(few * _FIRST_COLUMNS), math.ceil(few * _MOST_COLUMNS)
+    first = [_shares(w, s, least, generator) for w, s in zip(worlds, seeds, strict=True)]
+    columns, shares = _columns_for(float(np.mean(first)), len(seeds), least, most), []
     for done, (world, seed) in enumerate(zip(worlds, seeds, strict=True), start=1):
         shares.append(_shares(world, seed, columns, generator))
         progress(done, len(seeds))
@@ -130,12 +137,12 @@ def _shares(world: World, seed: int, columns: int, generator: np.random.Generato
     return share
 
 
-def _columns_for(cover: float, seeds: int) -> int:
+def _columns_for(cover: float, seeds: int, least: int, most: int) -> int:
     """Columns a seed for the wanted error of a deviation, √((1 − c) / (c n)) for n columns."""
     if cover == 0.0:
-        return _FIRST_COLUMNS
+        return least
     columns = (1.0 - cover) / cover / _WANTED_ERROR**2 / seeds
-    return int(np.clip(columns, _FIRST_COLUMNS, _MOST_COLUMNS))
+    return int(np.clip(columns, least, most))
 
 
 def _deviations(shares: Floats) -> tuple[Floats, Floats]:

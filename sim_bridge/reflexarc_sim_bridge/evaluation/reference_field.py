@@ -17,9 +17,11 @@ import numpy as np
 import numpy.typing as npt
 
 from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.errors import UsageError
 from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_sim_bridge.evaluation.driving.crowd_guard import CrowdGuard, Interventions
 from reflexarc_sim_bridge.evaluation.driving.pilot import Pilot
+from reflexarc_sim_bridge.evaluation.protocol.foreign_code import foreign_code
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.files import world_named
 from reflexarc_sim_bridge.worlds.reference_contract import WORLD_NAME
@@ -82,8 +84,11 @@ def measure(
         progress: called after each step with the steps done and the steps in all.
 
     Raises:
+        UsageError: what cannot be measured: no policy, no contract, no agents, no steps or no
+            seeds; or the policy raised something, or decided for others than it was asked.
         WorldError: a contract that the simulator does not support.
     """
+    _check(policy, contract, agents, steps, discard, seeds)
     seeds = test_seeds(agents) if seeds is None else np.resize(seeds, agents)
     field = world or world_named(WORLD_NAME)
     crowd = None if guard is None else CrowdGuard(guard, contract, field.drawn(0).dt_s)
@@ -94,11 +99,51 @@ def measure(
         if step == discard:
             before = (simulation.distance_m.copy(), simulation.contacts.copy())
         simulation.sense()
-        pilot.begin_anew(simulation.step(pilot.act(simulation.stacks)))
+        with foreign_code("the policy"):
+            actions = pilot.act(simulation.stacks)
+        _check_actions(actions, agents, len(simulation.contract.actions))
+        pilot.begin_anew(simulation.step(actions))
         if progress is not None:
             progress(step + 1, discard + steps)
     did = None if crowd is None else crowd.did
     return _score(simulation.distance_m - before[0], simulation.contacts - before[1], did)
+
+
+def _check(
+    policy: object,
+    contract: object,
+    agents: int,
+    steps: int,
+    discard: int,
+    seeds: npt.NDArray[np.uint64] | None,
+) -> None:
+    """Refuse what cannot be measured, before anything is built."""
+    if not callable(getattr(policy, "decide", None)):
+        raise UsageError(f"policy: expected an object with decide, got {type(policy).__name__}")
+    if not isinstance(contract, PolicyContract):
+        raise UsageError(f"contract: expected a PolicyContract, got {type(contract).__name__}")
+    for name, number, least in (
+        ("agents", agents, 1),
+        ("steps", steps, 1),
+        ("discard", discard, 0),
+    ):
+        if not isinstance(number, int | np.integer) or number < least:
+            raise UsageError(f"{name}: expected a whole number of {least} or more, got {number!r}")
+    if seeds is not None and not np.size(seeds):
+        raise UsageError("seeds: expected at least one, got none")
+
+
+def _check_actions(actions: object, agents: int, count: int) -> None:
+    """Refuse decisions that are none, as nothing can be said of who made them."""
+    chosen = np.asarray(actions)
+    if chosen.shape != (agents,) or not np.issubdtype(chosen.dtype, np.integer):
+        raise UsageError(
+            f"the policy: expected winners of shape ({agents},), whole numbers, got "
+            f"{chosen.dtype} of shape {chosen.shape}"
+        )
+    if chosen.min() < 0 or chosen.max() >= count:
+        wrong = int(chosen.min() if chosen.min() < 0 else chosen.max())
+        raise UsageError(f"the policy: expected winners from 0 to {count - 1}, got {wrong}")
 
 
 def _score(

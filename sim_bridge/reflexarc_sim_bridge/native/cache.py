@@ -14,6 +14,7 @@ import fcntl
 import hashlib
 import inspect
 import logging
+import os
 import shutil
 import tempfile
 import threading
@@ -102,7 +103,7 @@ def cache_folder() -> Path | None:
         home = home.expanduser()
         folder = home / f"{_PREFIX}{source_key(COMPILED_FROM)}"
         folder.mkdir(parents=True, exist_ok=True)
-        folder.touch()
+        os.utime(folder)  # `touch` would call a folder that cannot be written a directory
         tempfile.TemporaryFile(dir=folder).close()
     except (OSError, RuntimeError) as error:  # of what is no home, and of a user without one
         _log.warning(

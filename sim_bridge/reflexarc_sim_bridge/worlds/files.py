@@ -100,13 +100,13 @@ class WorldFamily:
         return _world(self._source, world_ranges.drawn(int(seed)))
 
 
-def read_world(path: Path) -> WorldSource:
+def read_world(path: Path | str) -> WorldSource:
     """Read a world, or a family where numbers are ranges, from a TOML file.
 
     Raises:
         WorldError: the file cannot be read, or says what no world can be; with line and field.
     """
-    return parse_world(read_text(path, str(path), WorldError), str(path))
+    return parse_world(read_text(Path(path), str(path), WorldError), str(path))
 
 
 def parse_world(text: str, name: str = "") -> WorldSource:
@@ -152,13 +152,14 @@ def world_text(name: str) -> str:
     return read_text(path, str(path), WorldError)
 
 
-def world_named(name: str) -> WorldSource:
+def world_named(name: Path | str) -> WorldSource:
     """The world of that name, or of that file.
 
     Raises:
         WorldError: no such world; or the file says what no world can be.
     """
-    return WORLDS[name] if name in WORLDS else read_world(_path_of(name))
+    asked = str(name)
+    return WORLDS[asked] if asked in WORLDS else read_world(_path_of(asked))
 
 
 class _ShippedWorlds(Mapping[str, WorldSource]):

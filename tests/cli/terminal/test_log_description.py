@@ -3,9 +3,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from rich.console import Console
 
 from reflexarc.terminal.log_description import describe_log
+from reflexarc.terminal.plain_console import PlainConsole
 from reflexarc_logs.reading.summary import summarise
 from reflexarc_runtime.contract.body_limits import BodyLimits
 from reflexarc_runtime.contract.body_spec import Footprint
@@ -18,7 +18,7 @@ DRIVEN = BodyInfo("crossing", 'name = "crossing"', 7, 1, 0.02, BodyLimits(1.0, 0
 
 def described(log: Path, body: BodyInfo | None, **known: Any) -> list[str]:
     """What a terminal of 80 columns shows, each line without runs of spaces."""
-    console = Console(width=80, highlight=False, color_system=None)
+    console = PlainConsole(width=80, color_system=None)
     with console.capture() as capture:
         console.print(describe_log(log, replace(summarise(log), body=body, **known)))
     return [" ".join(line.split()) for line in capture.get().splitlines()]

@@ -2,8 +2,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from rich.console import Console, RenderableType
+from rich.console import RenderableType
 
+from reflexarc.terminal.plain_console import PlainConsole
 from reflexarc.terminal.policy_description import describe_policy
 from reflexarc_runtime.contract.body_spec import BodySpec, Footprint
 from reflexarc_runtime.contract.contract import PolicyContract
@@ -29,7 +30,7 @@ RICH = PolicyContract(
 
 def lines(shown: RenderableType) -> list[str]:
     """What a terminal of 80 columns shows, each line without runs of spaces."""
-    console = Console(width=80, highlight=False, color_system=None)
+    console = PlainConsole(width=80, color_system=None)
     with console.capture() as capture:
         console.print(shown)
     said = capture.get().splitlines()

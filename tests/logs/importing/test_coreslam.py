@@ -59,14 +59,35 @@ def test_the_outer_70_beams_on_each_side_are_unknown_whatever_they_give(tmp_path
 
 
 def test_zero_is_no_return_and_error_codes_are_unknown(tmp_path: Path):
-    middle = [0, 1, 6, 19, -5, 20, 5600, "x", "2.5", "1_000"]
-    said, log = imported(tmp_path, coreslam([0] * 70 + middle + [300] * 532 + [0] * 70))
-    seen = list(scans(log)[0].ranges)[70:80]
+    middle = [0, 1, 6, 19, "2.5", 20, 5600, -5, "x", "1_000", "nan", "1e999"]
+    said, log = imported(tmp_path, coreslam([0] * 70 + middle + [300] * 530 + [0] * 70))
+    seen = list(scans(log)[0].ranges)[70:82]
     assert seen[0] == math.inf
     assert seen[5:7] == [0.02, 5.6]
     assert all(map(math.isnan, seen[1:5] + seen[7:]))
     assert said.no_return == 1
-    assert said.unknown == {"error code": 4, "no number": 3, "blind": 140}
+    assert said.unknown == {"error code": 7, "no number": 2, "blind": 140}
+
+
+def test_decimals_behind_every_number_change_nothing(tmp_path: Path):
+    ranges = [0, 6, *range(300, 980)]
+    (plain,) = scans(imported(tmp_path, coreslam(ranges, 1_234_567))[1])
+    (tmp_path / "out.mcap").unlink()
+    decimals = " ".join(f"{word}.0" for word in coreslam(ranges, 1_234_567).split()) + "\n"
+    (scan,) = scans(imported(tmp_path, decimals)[1])
+    assert scan.SerializeToString() == plain.SerializeToString()
+
+
+@pytest.mark.parametrize("time", ["1e999999999", "nan", "1_0", "1,5", "0e99999999999999999999"])
+def test_a_time_that_is_no_number_breaks_its_line_alone(tmp_path: Path, time: str):
+    said, _ = imported(tmp_path, coreslam([300] * 682, time) + coreslam([300] * 682))
+    assert (said.scans, sum(said.broken_lines.values())) == (1, 1)
+
+
+def test_a_file_of_which_no_beam_is_known_is_refused(tmp_path: Path):
+    with pytest.raises(LogError, match=r"no beam of its 2 scans .*\(1084 no number, 280 blind\)"):
+        imported(tmp_path, coreslam(["x"] * 682) * 2)
+    assert not list(tmp_path.glob("out*"))
 
 
 def test_broken_lines_are_counted_by_kind(tmp_path: Path):

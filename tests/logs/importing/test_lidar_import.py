@@ -15,6 +15,7 @@ from mcap.reader import make_reader
 from mcap.writer import Writer
 from mcap_protobuf.schema import register_schema
 
+from reflexarc_logs.importing import lidar_reading
 from reflexarc_logs.importing import text_blocks as text_file
 from reflexarc_logs.importing.lidar_import import import_log
 from reflexarc_runtime.errors import LogError
@@ -25,9 +26,9 @@ Place = tuple[float, float, float, Decimal]
 Slow = tuple[str, LaserScan | PoseInFrame | FrameTransform]
 
 
-def slow_scan(ranges: list[float], half_width_rad: float, time_s: Decimal) -> Slow:
+def slow_scan(ranges: list[float], right_deg: float, left_deg: float, time_s: Decimal) -> Slow:
     scan = LaserScan(frame_id="robot0", ranges=ranges)
-    scan.start_angle, scan.end_angle = -half_width_rad, half_width_rad
+    scan.start_angle, scan.end_angle = math.radians(right_deg), math.radians(left_deg)
     scan.pose.orientation.w = 1.0
     scan.timestamp.seconds, scan.timestamp.nanos = divmod(int(time_s * 10**9), 10**9)
     return "scan", scan
@@ -72,7 +73,8 @@ def slow_carmen_messages(lines: list[bytes]) -> Iterator[list[Slow]]:
             continue
         metres = [float(word) for word in numbers[:-6]]
         known = [math.inf if r >= 50 else r if r > 0 else math.nan for r in metres]
-        messages = [slow_scan(known, math.pi / 2, pose[3])]
+        left_deg = 89.0 if len(known) == 180 else 90.0  # SICK scanners leave out their last beam
+        messages = [slow_scan(known, -90.0, left_deg, pose[3])]
         messages += [slow_pose("pose", "world", pose), slow_transform(pose)]
         odometry = newest if numbers[-6:-3] == numbers[-3:] else wheels
         newest = None
@@ -87,7 +89,7 @@ def slow_coreslam_messages(lines: list[bytes]) -> Iterator[list[Slow]]:
             metres = [math.inf if n == 0 else n / 1000 if n >= 20 else math.nan for n in numbers]
             metres[:70] = metres[-70:] = [math.nan] * 70
             time_s = Decimal(words[0].decode()).scaleb(-6)
-            yield [slow_scan(metres, math.radians(120), time_s)]
+            yield [slow_scan(metres, -120.0, 120.0, time_s)]
 
 
 def slow_import(text: bytes, kind: str) -> bytes:
@@ -187,5 +189,17 @@ def test_a_full_disk_is_an_error_and_leaves_nothing(
     source.write_text(flaser())
     monkeypatch.setattr("reflexarc_logs.container.writing.LogWriter.add", full)
     with pytest.raises(LogError, match="cannot be written: No space left on device"):
+        import_log(source, tmp_path / "out.mcap", "carmen")
+    assert [path.name for path in tmp_path.iterdir()] == ["in.log"]
+
+
+@pytest.mark.parametrize("filler", ["\n", "IMU 1\n", "rubbish\n"])
+def test_a_file_without_scans_is_given_up_before_its_end(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, filler: str
+):
+    monkeypatch.setattr(lidar_reading, "MOST_LINES", 50_000)
+    source = tmp_path / "in.log"
+    source.write_text(flaser() + filler * 200_000)
+    with pytest.raises(LogError, match=r"found no scan in \d+ lines from line"):
         import_log(source, tmp_path / "out.mcap", "carmen")
     assert [path.name for path in tmp_path.iterdir()] == ["in.log"]

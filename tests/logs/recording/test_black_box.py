@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from foxglove_schemas_protobuf.Log_pb2 import Log
 
-from reflexarc_logs.container.first_look import survey
+from reflexarc_logs.container.first_look import look
 from reflexarc_logs.container.manifest import read_manifest
 from reflexarc_logs.container.rejected import LogEntry
 from reflexarc_logs.reading.log_paths import log_paths
@@ -66,7 +66,7 @@ def test_around_a_gap_so_much_is_written_and_it_replays_at_both_levels(policy, t
     report = replay(tmp_path / "a.mcap")
     assert report.exit_status == 0
     assert {level.level for level in report.levels} == {"policy", "node"}
-    said = survey(tmp_path / "a.mcap").metadata[PART]
+    said = look(tmp_path / "a.mcap").metadata[PART]
     assert said["trigger"].startswith("stale input: ")
     assert said["trigger"].endswith(f"(tick {began})")
 
@@ -115,7 +115,7 @@ def test_a_box_that_could_not_be_written_is_written_again_with_all_that_it_holds
     second = tmp_path / "a.part2.mcap"
     assert replay(second).exit_status == 0
     assert any(d.verdict == Verdict.STALE_INPUT for d in ticks_of(second))
-    assert survey(second).metadata[PART]["after"] == "No space left on device"
+    assert look(second).metadata[PART]["after"] == "No space left on device"
 
 
 def test_a_place_that_cannot_be_written_is_refused_at_once(tmp_path):
@@ -141,7 +141,7 @@ def said_on(topic: Topic, payload: bytes, received_ns: int = 0) -> Message:
 def test_a_contact_and_a_person_s_word_make_it_write(topic, payload, words, policy, tmp_path):
     after = [said_on(topic, payload)]
     drive(tmp_path / "a.mcap", policy, nominal(100), 100, box=SPAN, after=after)
-    assert survey(tmp_path / "a.mcap").metadata[PART]["trigger"] == words.replace("0)", "100)")
+    assert look(tmp_path / "a.mcap").metadata[PART]["trigger"] == words.replace("0)", "100)")
     assert replay(tmp_path / "a.mcap").exit_status == 0
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from reflexarc_logs.container import writing as log_file
-from reflexarc_logs.container.first_look import survey
+from reflexarc_logs.container.first_look import look
 from reflexarc_logs.container.manifest import read_manifest
 from reflexarc_logs.reading.reader import read_log
 from reflexarc_logs.reading.recover import recover
@@ -85,7 +85,7 @@ def test_a_disk_that_fails_ends_a_part_and_the_next_begins_with_a_keyframe(
     first, other = read_manifest(tmp_path / "a.parts.jsonl")
     assert (first.state, first.why, first.path.name) == ("failed", os.strerror(number), "a.mcap")
     assert (other.state, other.why, other.path) == ("finished", os.strerror(number), second)
-    said = survey(second).metadata[PART]
+    said = look(second).metadata[PART]
     assert (said["part"], said["of"], said["after"]) == ("2", "a.mcap", os.strerror(number))
     report = replay(second)
     assert report.exit_status == 0
@@ -168,7 +168,7 @@ def test_a_file_whose_folder_was_renamed_is_a_whole_log_there(tmp_path):
     with recorder_at(path) as recorder:
         path.parent.rename(tmp_path / "before")
         until(lambda: recorder.state != "on")
-    assert survey(tmp_path / "before" / "a.mcap.partial").complete
+    assert look(tmp_path / "before" / "a.mcap.partial").complete
 
 
 def test_a_name_that_somebody_takes_is_said_and_the_log_keeps_the_other_one(tmp_path, caplog):
@@ -182,7 +182,7 @@ def test_a_name_that_somebody_takes_is_said_and_the_log_keeps_the_other_one(tmp_
     assert recorder.state.startswith("stopped: ")
     assert (tmp_path / "a.mcap").read_bytes() == b"precious"
     assert recorder.parts == (tmp_path / "a.mcap.partial",)
-    assert survey(tmp_path / "a.mcap.partial").complete
+    assert look(tmp_path / "a.mcap.partial").complete
 
 
 @pytest.fixture
@@ -220,7 +220,7 @@ def test_a_new_part_waits_for_twice_the_reserve(tmp_path, free):
         free["blocks"] = 1000
         recorder.put(message)
         until(lambda: recorder.state.startswith("on, again in a.part2.mcap"))
-    assert survey(tmp_path / "a.part2.mcap").metadata[PART]["lost"] == "5"
+    assert look(tmp_path / "a.part2.mcap").metadata[PART]["lost"] == "5"
     assert len(list(read_log(tmp_path / "a.part2.mcap").records())) == 1
 
 
@@ -257,7 +257,7 @@ def test_a_reserve_ends_the_part_as_a_finished_log(tmp_path, free):
         until(lambda: (tmp_path / "a.mcap").exists())
     assert recorder.failed
     assert recorder.parts == (tmp_path / "a.mcap",)
-    assert survey(tmp_path / "a.mcap").complete
+    assert look(tmp_path / "a.mcap").complete
 
 
 @pytest.mark.parametrize("number", [errno.EIO, errno.ENOSPC, errno.EDQUOT])
@@ -309,7 +309,7 @@ def test_what_was_dropped_is_said_and_is_in_the_log_before_its_end(tmp_path, mon
         cut = tmp_path / "cut.mcap.partial"
         cut.write_bytes((tmp_path / "a.mcap.partial").read_bytes())
         recorder.put(next(iter(nominal(1)[1])))
-    assert survey(cut, salvage=True).dropped == 1
+    assert look(cut).dropped == 1
     assert "the disk is too slow: 1 records dropped" in caplog.text
     assert read_log(tmp_path / "a.mcap").dropped == 2
     assert recorder.failed

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from reflexarc_logs.container import writing as log_file
-from reflexarc_logs.container.first_look import survey
+from reflexarc_logs.container.first_look import look
 from reflexarc_logs.container.manifest import read_manifest
 from reflexarc_logs.reading.log_paths import log_paths
 from reflexarc_logs.reading.reader import read_log
@@ -64,7 +64,7 @@ def test_parts_by_time_hold_together_what_one_log_holds_and_each_replays(policy,
         assert report.exit_status == 0
         assert [(lv.level, lv.ticks) for lv in report.levels][1] == ("node", len(ticks_of(part)))
         assert next(read_log(part).records()).topic == "/robot0/keyframe"
-    assert survey(parts[1]).metadata[PART] == {
+    assert look(parts[1]).metadata[PART] == {
         "part": "2",
         "of": "a.mcap",
         "after": "3 s",

@@ -8,17 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from reflexarc_logs.replaying.comparison import (
-    Divergence,
-    EqualityRules,
-    Flip,
-    LevelResult,
-    ReplayReport,
-    Tally,
-    find_flip,
-    is_close,
-)
+from reflexarc_logs.replaying.comparison import EqualityRules, Tally, find_flip, is_close
 from reflexarc_logs.replaying.message_fields import Difference, Fields
+from reflexarc_logs.replaying.report import Divergence, Flip, LevelResult, ReplayReport
 from reflexarc_runtime.messages_pb2 import Command, Decision, Input
 from reflexarc_runtime.policy.agreement import Q_TOLERANCE, flips, within_tolerance
 

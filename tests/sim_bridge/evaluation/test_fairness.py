@@ -105,6 +105,18 @@ def test_the_reference_field_is_fair(reference: WorldReport) -> None:
     assert reference.clutter == pytest.approx(0.081)
 
 
+def test_a_world_of_ten_kilometres_is_measured_as_any_other() -> None:
+    text = 'name = "x"\nwidth_m = 10000.0\n[[layers]]\nkind = "scatter"\ndensity_per_m2 = 0.3'
+    report = check_world(parse_world(text), seeds=2)
+    mean_area_m2 = 0.9 * 0.75
+    assert report.cover == pytest.approx(
+        1.0 - math.exp(-0.3 * mean_area_m2), abs=4 * 0.012
+    )  # of 2 · 52 · 40 places
+    rate = report.expected_blind_contacts_per_100m
+    assert rate is not None
+    assert report.blind_contacts_per_100m == pytest.approx(rate, abs=5 * report.blind_error)
+
+
 def test_the_papers_world_is_caught_as_unfair(legacy: WorldReport) -> None:
     assert not legacy.fair
     (reason,) = legacy.reasons

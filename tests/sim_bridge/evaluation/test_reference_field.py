@@ -1,10 +1,12 @@
 import math
+from typing import Any
 
 import numpy as np
 import pytest
 
 from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
 from reflexarc_runtime.contract.eye import RetinaSpec
+from reflexarc_runtime.errors import UsageError
 from reflexarc_sim_bridge.evaluation.reference_field import measure
 from reflexarc_sim_bridge.evaluation.simple_policies import BlindPolicy, RandomPolicy
 from reflexarc_sim_bridge.worlds.reference_contract import reference_contract, reference_retina
@@ -79,3 +81,61 @@ def test_the_interval_is_as_wide_as_poisson_s() -> None:
     score = measure(BlindPolicy(), reference_contract(), agents=512, steps=150, discard=10)
     sigma = score.contacts_per_100m / math.sqrt(score.contacts)
     assert (score.high - score.low) / (2 * 1.96 * sigma) == pytest.approx(1.0, abs=0.25)
+
+
+def said_of(policy: object, **wishes: Any) -> str:
+    contract = wishes.pop("contract", reference_contract())
+    few = {"agents": 4, "steps": 3, "discard": 0} | wishes
+    with pytest.raises(UsageError) as error:
+        measure(policy, contract, **few)  # type: ignore[arg-type]  # what somebody may give
+    assert "\n" not in str(error.value)
+    return str(error.value)
+
+
+class Deciding:
+    """Decides what it was told to, whatever it sees."""
+
+    def __init__(self, winners: object) -> None:
+        self._winners = winners
+
+    def decide(self, retinas: RetinaBatch) -> tuple[QValues, object]:
+        if isinstance(self._winners, Exception):
+            raise self._winners
+        return np.zeros((len(retinas), 3), np.float32), self._winners
+
+
+@pytest.mark.parametrize("policy", [None, "reflex", object(), 3.5, lambda retinas: retinas])
+def test_what_is_no_policy_is_refused(policy: object) -> None:
+    assert said_of(policy).startswith("policy: expected an object with decide, got ")
+
+
+@pytest.mark.parametrize(
+    ("wishes", "words"),
+    [
+        ({"steps": 0}, "steps: expected a whole number of 1 or more, got 0"),
+        ({"agents": 0}, "agents: expected a whole number of 1 or more, got 0"),
+        ({"agents": -3}, "agents: expected"),
+        ({"steps": math.nan}, "steps: expected"),
+        ({"steps": 2.5}, "steps: expected"),
+        ({"discard": -1}, "discard: expected a whole number of 0 or more, got -1"),
+        ({"seeds": np.empty(0, np.uint64)}, "seeds: expected at least one, got none"),
+        ({"contract": None}, "contract: expected a PolicyContract, got NoneType"),
+    ],
+)
+def test_what_says_nothing_cannot_be_measured(wishes: dict[str, Any], words: str) -> None:
+    assert said_of(BlindPolicy(), **wishes).startswith(words)
+
+
+@pytest.mark.parametrize(
+    ("winners", "words"),
+    [
+        (np.zeros(3, np.int64), "got int64 of shape (3,)"),
+        (np.zeros((4, 1), np.int64), "got int64 of shape (4, 1)"),
+        (np.full(4, np.nan), "got float64 of shape (4,)"),
+        (np.array([0, 0, 0, 3]), "from 0 to 2, got 3"),
+        (np.array([0, -1, 0, 0]), "from 0 to 2, got -1"),
+        (ValueError("a\nb"), "the policy raised ValueError: a"),
+    ],
+)
+def test_decisions_that_are_none_are_refused(winners: object, words: str) -> None:
+    assert words in said_of(Deciding(winners))

@@ -81,6 +81,11 @@ density_per_m2 = 0.3
 """
 
 
+def test_around_a_very_wide_world_there_is_no_belt() -> None:
+    worlds = [World("wide", width_m=width_m, layers=(Scatter(),)) for width_m in (500.0, 501.0)]
+    assert [gathered(world) for world in worlds] == [{"scatter belt"}, {"scatter"}]
+
+
 def test_in_a_family_one_world_may_have_a_belt_and_the_next_none() -> None:
     family, seeds = parse_world(NARROW_OR_WIDE), np.arange(12, dtype=np.uint64)
     together = Simulation(family, reference_contract(), seeds)

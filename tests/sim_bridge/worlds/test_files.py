@@ -208,6 +208,7 @@ def test_what_is_no_world_is_refused_by_line_and_field(name: str, tmp_path: Path
     [
         (b'name = "x"\ndescription = "\xff"', r":2: expected TOML in UTF-8"),
         (b"#" * (MAX_BYTES + 1), r": expected at most 64 KiB of TOML"),
+        (b"version https://git-lfs.github.com/spec/v1\nsize 9\n", r": is a Git LFS pointer"),
         (b"name = '\x00'", r":1: expected TOML"),
     ],
 )

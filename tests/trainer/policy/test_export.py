@@ -16,6 +16,7 @@ from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.contract.motion import Action
 from reflexarc_runtime.errors import PolicyError
 from reflexarc_runtime.policy.agreement import flips, within_tolerance
+from reflexarc_runtime.policy.model_file import with_contract
 from reflexarc_runtime.policy.policy import load_policy
 from reflexarc_trainer.config.presets import PRESETS
 from reflexarc_trainer.config.train_config import NetworkConfig
@@ -186,7 +187,8 @@ class Sorting(nn.Module):
 @pytest.mark.parametrize(
     ("module", "message"),
     [
-        (nn.Sequential(nn.Flatten(), nn.Linear(16, 3), nn.Softmax(1)), "operator Softmax"),
+        (nn.Sequential(nn.Flatten(), nn.Linear(16, 3), nn.Softmax(0)), "over the batch"),
+        (nn.Sequential(nn.Flatten(), nn.Linear(16, 3), nn.Softshrink()), "operator Softshrink"),
         (nn.Sequential(nn.Flatten(), nn.Linear(16, 3), nn.Flatten(0)), "expected Q-values"),
         (nn.Sequential(nn.Flatten(), nn.Linear(16, 4)), "expected Q-values"),
         (nn.Sequential(nn.Flatten(), nn.Linear(8, 3)), "the module fails on retinas"),
@@ -194,7 +196,10 @@ class Sorting(nn.Module):
         (TwoResults(), r"expected Q-values .*state\.size is 0\), got 2 tensors"),
         (Branching(), "cannot be traced"),
         (Sorting(), "operator sort"),
-        (nn.Sequential(nn.Flatten(), nn.Linear(16, 3), Huge()), "float32 itself is that inexact"),
+        (
+            nn.Sequential(nn.Flatten(), nn.Linear(16, 3), Huge()),
+            "numbers leave when they cancel",
+        ),
     ],
     ids=str,
 )
@@ -246,8 +251,87 @@ def test_onnxruntime_that_disagrees_is_noticed(
     assert not list(tmp_path.iterdir())
 
 
-def test_module_that_is_not_finite_is_refused(tmp_path: Path) -> None:
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), 3e38])
+def test_module_that_is_not_finite_is_refused(value: float, tmp_path: Path) -> None:
     module = nn.Sequential(nn.Flatten(), nn.Linear(16, 3))
-    nn.init.constant_(module[1].bias, float("nan"))
-    with pytest.raises(PolicyError):
+    nn.init.constant_(module[1].bias, value)
+    nn.init.constant_(module[1].weight, abs(value))
+    with pytest.raises(PolicyError, match="its values are not finite"):
         export(module, CONTRACT, tmp_path / "p.onnx")
+
+
+def large_network(seed: int, gain: float) -> nn.Module:
+    """Two layers of 64 units, as learners begin: orthogonal weights, the last of a gain."""
+    torch.manual_seed(seed)
+    layers = [nn.Linear(16, 64), nn.ReLU(), nn.Linear(64, 64), nn.ReLU(), nn.Linear(64, 3)]
+    for layer, scale in zip(layers[::2], (2**0.5, 2**0.5, gain), strict=True):
+        nn.init.orthogonal_(layer.weight, scale)
+        nn.init.zeros_(layer.bias)
+    return nn.Sequential(nn.Flatten(), *layers)
+
+
+class OfBytes(nn.Module):
+    """A network of bytes, not of numbers in [0, 1]."""
+
+    def __init__(self, inner: nn.Module) -> None:
+        super().__init__()
+        self.inner = inner
+
+    def forward(self, x: Tensor) -> Tensor:
+        inner: Tensor = self.inner(x * 255.0)
+        return inner
+
+
+@pytest.mark.parametrize("gain", [10.0, 100.0, 1000.0])
+@pytest.mark.parametrize("kind", [nn.Identity, OfBytes])
+def test_large_values_are_no_reason_to_refuse(
+    kind: type[nn.Module], gain: float, tmp_path: Path
+) -> None:
+    module = large_network(3, gain) if kind is nn.Identity else OfBytes(large_network(3, gain))
+    written = export(module, CONTRACT, tmp_path / "p.onnx")
+    assert written.q_tolerance > 1e-4
+    load_policy(tmp_path / "p.onnx", "onnxruntime")
+
+
+def test_a_file_whose_tolerance_is_too_small_is_refused_for_that(tmp_path: Path) -> None:
+    path = tmp_path / "p.onnx"
+    written = export(large_network(3, 1000.0), CONTRACT, path)
+    other = dataclasses.replace(written, q_tolerance=1e-6)
+    model = with_contract(path.read_bytes(), other)
+    load_policy(model)
+    with pytest.raises(PolicyError, match=r"more than the q_tolerance .* too small"):
+        load_policy(model, "onnxruntime")
+
+
+class Halved(nn.Module):
+    """Uses numbers that float32 does not have."""
+
+    def forward(self, x: Tensor) -> Tensor:
+        return (x.flatten(1)[:, :3] * 0.1 - 0.7).float() * 1e5
+
+
+def test_numbers_that_float32_does_not_have_are_rounded_and_no_reason_to_refuse(
+    tmp_path: Path,
+) -> None:
+    written = export(Halved(), CONTRACT, tmp_path / "p.onnx")
+    retinas = random_retinas(CONTRACT)
+    expected = torch_q_values(Halved(), retinas).astype(np.float32)
+    q_values, _ = load_policy(tmp_path / "p.onnx").decide(retinas)
+    assert within_tolerance(q_values, expected, written.q_tolerance)
+
+
+def test_q_values_that_cancel_out_pass_in_a_smaller_unit(tmp_path: Path) -> None:
+    class Cancelling(nn.Module):
+        """Large numbers whose differences are small beside them."""
+
+        def __init__(self, unit: float) -> None:
+            super().__init__()
+            self.unit = unit
+
+        def forward(self, x: Tensor) -> Tensor:
+            x = torch.flatten(x, 1)[:, :3]
+            return ((x * 3e3 + 3e6) - 3.0015e6) / self.unit
+
+    with pytest.raises(PolicyError, match="in a smaller unit would pass: divide them by"):
+        export(Cancelling(1.0), CONTRACT, tmp_path / "p.onnx")
+    export(Cancelling(700.0), CONTRACT, tmp_path / "p.onnx")

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import onnx
+import torch
 from torch import nn
 
 from reflexarc_runtime.arrays import RetinaBatch
@@ -21,12 +22,13 @@ from reflexarc_trainer.policy.probes import probe_retinas
 from reflexarc_trainer.policy.torch_parity import check_module, torch_decide
 from reflexarc_trainer.policy.translation.graph_builder import Translation
 from reflexarc_trainer.policy.translation.onnx_graph import translate
+from reflexarc_trainer.policy.translation.tracing import without_casts
 
 
 def export(
     module: nn.Module,
     contract: PolicyContract,
-    path: Path,
+    path: Path | str,
     *,
     recorded: RetinaBatch | None = None,
 ) -> PolicyContract:
@@ -51,18 +53,34 @@ def export(
     module = as_exported(module)
     retinas = probe_retinas(contract, recorded)
     check_module(module, contract, retinas)
-    original = Original("torch", lambda *inputs: torch_decide(module, *inputs), is_double=True)
-    return export_graph(build_model(module, contract), original, contract, path, retinas)
+    translation = Translation()
+    model = build_model(module, contract, translation)
+    original = Original(
+        "torch", lambda *inputs: torch_decide(module, *inputs), is_double=translation.is_exact
+    )
+    return export_graph(model, original, contract, Path(path), retinas)
 
 
 def as_exported(module: nn.Module) -> nn.Module:
     """A copy in float64, with the weights rounded to the float32 values that the file will hold."""
-    return copy.deepcopy(module).float().double().eval()
+    module = copy.deepcopy(module).float()
+    for part in module.modules():
+        if isinstance(part, nn.RMSNorm) and part.eps is None:
+            part.eps = torch.finfo(torch.float32).eps  # which else follows the precision
+    return without_casts(module.double().eval())
 
 
-def build_model(module: nn.Module, contract: PolicyContract) -> onnx.ModelProto:
-    """The ONNX model of a module that `as_exported` made, without a contract."""
-    translation = Translation()
+def build_model(
+    module: nn.Module, contract: PolicyContract, translation: Translation | None = None
+) -> onnx.ModelProto:
+    """The ONNX model of a module that `as_exported` made, without a contract.
+
+    Args:
+        module: the module.
+        contract: what it sees and does.
+        translation: an empty graph to fill, for who wants to know how it went.
+    """
+    translation = Translation() if translation is None else translation
     full_scale = translation.constant("full_scale", np.array(FULL_SCALE, np.float32))
     pixels = translation.node("Cast", ["retina"], to=onnx.TensorProto.FLOAT)
     inputs = {translation.node("Div", [pixels, full_scale]): contract.retina.stack_shape}

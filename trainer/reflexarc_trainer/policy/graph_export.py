@@ -28,9 +28,9 @@ from reflexarc_runtime.files import write_atomically
 from reflexarc_runtime.policy.model_file import with_contract
 from reflexarc_runtime.policy.numpy_backend import NumpyGraph
 from reflexarc_trainer.policy.golden_vectors import golden_of
-from reflexarc_trainer.policy.parity import Original, check_model, check_parity
+from reflexarc_trainer.policy.parity import Original, check_finite, check_model, check_parity
 from reflexarc_trainer.policy.probes import Probes, probe_memories, reached_memories
-from reflexarc_trainer.policy.rounding.rounding_bound import tolerance_for
+from reflexarc_trainer.policy.rounding.rounding_bound import rounding_bound, tolerance_for
 from reflexarc_trainer.policy.translation.graph_builder import Translation
 
 OPSET = 17
@@ -64,9 +64,17 @@ def export_graph(
     """
     data = model.SerializeToString(deterministic=True)
     check_model(data)
-    contract, probes = _proven(model, contract, retinas)
+    reference = NumpyGraph(model)
+    probes = _probes(reference, contract, retinas)
+    check_finite(reference, probes)
+    bound = rounding_bound(model, probes)
+    contract = dataclasses.replace(
+        contract,
+        q_tolerance=tolerance_for(bound, contract.q_tolerance),
+        golden=golden_of(reference, contract, retinas),
+    )
     data = with_contract(data, contract)
-    check_parity(original, data, probes)
+    check_parity(original, data, probes, bound)
     write_atomically(path, data)
     return contract
 
@@ -89,20 +97,12 @@ def finished(
     return _model(graph, contract)
 
 
-def _proven(
-    model: onnx.ModelProto, contract: PolicyContract, retinas: RetinaBatch
-) -> tuple[PolicyContract, Probes]:
-    """The contract with what proves the policy, and the inputs to check it with."""
-    reference = NumpyGraph(model)
-    reached = reached_memories(reference, contract) if contract.state.size else None
-    memories = None if reached is None else probe_memories(contract, reached, len(retinas))
-    probes = Probes(retinas, memories)
-    contract = dataclasses.replace(
-        contract,
-        q_tolerance=tolerance_for(model, probes, contract.q_tolerance),
-        golden=golden_of(reference, contract, retinas),
-    )
-    return contract, probes
+def _probes(reference: NumpyGraph, contract: PolicyContract, retinas: RetinaBatch) -> Probes:
+    """The inputs to check it with: memories beside the retinas, if it has one."""
+    if not contract.state.size:
+        return Probes(retinas, None)
+    reached = reached_memories(reference, contract)
+    return Probes(retinas, probe_memories(contract, reached, len(retinas)))
 
 
 def _model(translation: Translation, contract: PolicyContract) -> onnx.ModelProto:

@@ -1,8 +1,9 @@
 """The parity check before a policy file is written: its original, NumPy and onnxruntime must agree.
 
-- What the file was made from, if it computes in float64 and rounds once (torch does), and the NumPy
-  reference: to 1e-6 · max(1, |value|), and in the action. An original in float32 is held to what
-  onnxruntime is held to.
+- What the file was made from, if it computes in float64 with the file's own numbers and rounds once
+  (torch does), and the NumPy reference: to 1e-6 · max(1, |value|) and what float64 itself may get
+  wrong with these weights, and in the action. An original in float32, or with constants that
+  float32 does not have, is held to what onnxruntime is held to: no more can be known of it.
 - onnxruntime in float32 and the NumPy reference: to the contract's tolerance, and in the action
   except where their values differ by rounding only; in batches of many and of one.
 - With a memory, for memories of all kinds, the next ones included; and along the golden sequences,
@@ -20,15 +21,16 @@ from reflexarc_runtime.arrays import Actions, Memories, QValues, RetinaBatch
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.errors import PolicyError
 from reflexarc_runtime.policy.agreement import Floats, flips, within_tolerance
-from reflexarc_runtime.policy.golden_check import start_of
+from reflexarc_runtime.policy.golden_check import Graph, start_of
 from reflexarc_runtime.policy.policy import load_policy
 from reflexarc_trainer.policy.probes import Probes, golden_sequences
-from reflexarc_trainer.policy.rounding.rounding_bound import LARGEST_TOLERANCE
+from reflexarc_trainer.policy.refusal_reasons import Refusing, not_finite
 
 NUMPY_TOLERANCE = 1e-6
+_DOUBLE = 2.0**-29
+"""What float64 rounds by, in units of what float32 does."""
 SINGLES = 32
 """Number of retinas that are also given one at a time."""
-_AMPLIFIES = "the memory makes rounding grow from tick to tick: learn smaller weights; "
 
 Decided: TypeAlias = tuple[QValues, Actions, Memories | None]
 
@@ -41,15 +43,16 @@ class Original:
     decide: Callable[[RetinaBatch, Memories | None], Decided]
     """Q-values (n, actions), actions (n,), and the next memories (n, size) if some were given."""
     is_double: bool
-    """Whether it computes in float64, as the NumPy reference does."""
+    """Whether it computes in float64 with the numbers of the file, as the NumPy reference does."""
 
-    def tolerance(self, contract: PolicyContract) -> float:
+    def tolerance(self, contract: PolicyContract, bound: float) -> float:
         """How near to it the NumPy reference has to come, times max(1, |value|)."""
-        return NUMPY_TOLERANCE if self.is_double else contract.q_tolerance
+        return NUMPY_TOLERANCE + self.rounding(contract, bound)
 
-    def rounding(self, contract: PolicyContract) -> float:
+    def rounding(self, contract: PolicyContract, bound: float) -> float:
         """Up to which difference of values another winner is rounding."""
-        return 0.0 if self.is_double else contract.q_tolerance
+        in_double = _DOUBLE * bound if self.is_double else bound
+        return min(in_double, contract.q_tolerance)
 
 
 def check_model(model: bytes) -> None:
@@ -65,33 +68,49 @@ def check_model(model: bytes) -> None:
         raise PolicyError(f"export: the ONNX checker refuses the graph: {reason}") from None
 
 
-def check_parity(original: Original, model: bytes, probes: Probes) -> None:
+def check_finite(reference: Graph, probes: Probes) -> None:
+    """Check that the reference computes numbers that float32 has.
+
+    Raises:
+        PolicyError: it does not.
+    """
+    q_values, _, following = reference.run(probes.retinas, probes.memories)
+    if not np.isfinite(q_values).all():
+        raise PolicyError(f"export: {not_finite(q_values)}; nothing was written")
+    if following is not None and not np.isfinite(following).all():
+        raise PolicyError(f"export: the memory: {not_finite(following)}; nothing was written")
+
+
+def check_parity(original: Original, model: bytes, probes: Probes, bound: float) -> None:
     """Check that an ONNX file computes what it was made from.
 
     Args:
         original: with the weights of the file.
         model: content of the ONNX file, contract and golden vectors included.
         probes: what to check it with.
+        bound: of what float32 gets wrong (`rounding_bound.py`); infinite if none is known.
 
     Raises:
         PolicyError: two of the original, NumPy and onnxruntime differ.
     """
     contract = load_policy(model, "numpy", bounds=None).contract
+    refusing = Refusing(bound)
     got = _decided(model, "numpy", probes, len(probes.retinas))
     expected = original.decide(probes.retinas, probes.memories)
-    allowed, rounding = original.tolerance(contract), original.rounding(contract)
-    _require(f"NumPy and {original.name}", got, expected, allowed, rounding)
+    allowed, rounding = original.tolerance(contract, bound), original.rounding(contract, bound)
+    _require(f"NumPy and {original.name}", got, expected, allowed, rounding, refusing.translated)
     few = Probes(probes.retinas[:SINGLES], _first(probes.memories, SINGLES))
     singles, together = (_decided(model, "numpy", few, batch) for batch in (1, SINGLES))
     who = "NumPy with one retina at a time and with many"
-    _require(who, singles, together, NUMPY_TOLERANCE, 0.0)
+    in_batches = NUMPY_TOLERANCE + _DOUBLE * min(bound, 1.0)
+    _require(who, singles, together, in_batches, _DOUBLE * min(bound, 1.0), refusing.rounded)
     for some, batch in ((probes, len(probes.retinas)), (few, 1)):
         got = _decided(model, "onnxruntime", some, batch)
         expected = _decided(model, "numpy", some, len(some.retinas))
         who = f"onnxruntime (batch {batch}) and NumPy"
-        _require(who, got, expected, contract.q_tolerance, contract.q_tolerance, _why(contract))
+        _require(who, got, expected, contract.q_tolerance, contract.q_tolerance, refusing.rounded)
     for sequence in golden_sequences(contract):
-        _check_sequence(original, model, contract, sequence)
+        _check_sequence(original, model, contract, sequence, bound)
     load_policy(model, "onnxruntime", bounds=None)  # as a robot will, golden vectors and all
 
 
@@ -108,24 +127,28 @@ def _decided(model: bytes, backend: str, probes: Probes, batch: int) -> Decided:
 
 
 def _check_sequence(
-    original: Original, model: bytes, contract: PolicyContract, sequence: RetinaBatch
+    original: Original,
+    model: bytes,
+    contract: PolicyContract,
+    sequence: RetinaBatch,
+    bound: float,
 ) -> None:
     """Each goes its own way, tick by tick, from its own memory."""
     graphs = [
         load_policy(model, name, verify=False, bounds=None).graph
         for name in ("numpy", "onnxruntime")
     ]
-    start = start_of(contract, 1)
+    own, rounding = original.tolerance(contract, bound), original.rounding(contract, bound)
+    refusing, start = Refusing(bound), start_of(contract, 1)
     reference, fast, slow = start, start, start
     for tick, retina in enumerate(sequence[:, np.newaxis], start=1):
         expected = graphs[0].run(retina, reference)
         by_runtime, by_original = graphs[1].run(retina, fast), original.decide(retina, slow)
         where = f"{tick} ticks into a sequence"
-        allowed, rounding = original.tolerance(contract), original.rounding(contract)
-        who = f"NumPy and {original.name}, {where},"
-        _require(who, expected, by_original, tick * allowed, tick * rounding)
+        who, why = f"NumPy and {original.name}, {where},", refusing.grown
+        _require(who, expected, by_original, tick * own, tick * rounding, why)
         allowed, who = tick * contract.q_tolerance, f"onnxruntime and NumPy, {where},"
-        _require(who, by_runtime, expected, allowed, allowed, _AMPLIFIES)
+        _require(who, by_runtime, expected, allowed, allowed, why)
         reference, fast, slow = expected[2], by_runtime[2], by_original[2]
 
 
@@ -134,7 +157,12 @@ def _first(memories: Memories | None, count: int, start: int = 0) -> Memories | 
 
 
 def _require(
-    who: str, got: Decided, expected: Decided, tolerance: float, rounding: float, why: str = ""
+    who: str,
+    got: Decided,
+    expected: Decided,
+    tolerance: float,
+    rounding: float,
+    why: Callable[[float, QValues], str],
 ) -> None:
     """Refuse what differs by more than the tolerance; in the winners, by more than rounding."""
     agree = within_tolerance(got[0], expected[0], tolerance)
@@ -146,16 +174,11 @@ def _require(
     if not agree:
         raise PolicyError(
             f"export: {who} do not agree (largest difference {apart:.3g} of max(1, |value|), "
-            f"allowed {tolerance:.3g}); {why}nothing was written"
+            f"allowed {tolerance:.3g}): {why(apart, expected[0])}; nothing was written"
         )
 
 
 def _largest(got: Floats, expected: Floats) -> float:
     exact = expected.astype(np.float64)
-    return float(np.max(np.abs(got - exact) / np.maximum(1.0, np.abs(exact))))
-
-
-def _why(contract: PolicyContract) -> str:
-    if contract.q_tolerance < LARGEST_TOLERANCE:
-        return ""
-    return "the weights are so large that float32 itself is that inexact: learn smaller ones; "
+    with np.errstate(invalid="ignore"):  # what is not finite is a verdict, not a warning
+        return float(np.max(np.abs(got - exact) / np.maximum(1.0, np.abs(exact))))

@@ -46,8 +46,9 @@ def torch_decide(
             q_values, following = module(pixels), None
         else:
             q_values, following = module(pixels, torch.from_numpy(memories).double())
-    rounded: QValues = q_values.numpy().astype(np.float32)
-    next_memories = None if following is None else following.numpy().astype(np.float32)
+    with np.errstate(over="ignore"):  # what is not finite is a verdict, not a warning
+        rounded: QValues = q_values.numpy().astype(np.float32)
+        next_memories = None if following is None else following.numpy().astype(np.float32)
     return rounded, np.argmax(rounded, axis=-1), next_memories
 
 

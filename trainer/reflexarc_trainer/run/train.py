@@ -74,9 +74,9 @@ RowCallback = Callable[[Row], None]
 
 def train(
     config: TrainConfig,
-    out: Path,
+    out: Path | str,
     *,
-    init_from: Path | None = None,
+    init_from: Path | str | None = None,
     progress: ProgressCallback | None = None,
     measured: RowCallback | None = None,
     should_stop: Callable[[], bool] | None = None,
@@ -99,15 +99,15 @@ def train(
     """
     weights: Weights | None = None
     if init_from is not None:
-        weights, name = weights_of(init_from, config)
+        weights, name = weights_of(Path(init_from), config)
         config = dataclasses.replace(config, init_from=name)
-    run = _Run(RunFolder(out), new_learner(config, weights), progress, measured, should_stop)
+    run = _Run(RunFolder(Path(out)), new_learner(config, weights), progress, measured, should_stop)
     run.folder.begin(config)
     return run.go()
 
 
 def resume(
-    out: Path,
+    out: Path | str,
     *,
     progress: ProgressCallback | None = None,
     measured: RowCallback | None = None,
@@ -118,7 +118,7 @@ def resume(
     Raises:
         UsageError: `out` has no checkpoint of this version.
     """
-    folder = RunFolder(out)
+    folder = RunFolder(Path(out))
     saved = folder.load()
     run = _Run(folder, saved.learner(), progress, measured, should_stop, saved.history, saved.best)
     return run.go()

@@ -181,6 +181,7 @@ class RunCommand:
         bus.subscribe([controller.sense.topic], came.hear)
         ranges = [topic for topic in (controller.ranges_topic,) if topic is not None]
         bus.subscribe([*ranges, STOP, RESET], inbox.put)
+        self._look_for_rivals(bus)
         robot, lockstep = self.joining.robot, self.lockstep
         watching = self.watching.watch(
             bus, inbox, policy, robot=robot, run_id=run_id, lockstep=lockstep
@@ -191,10 +192,18 @@ class RunCommand:
         waiting = awaiting_input(bus, self.input, key, came)
         # The watchdog ends first: what it watches has ended, and the others take a moment to.
         with notices, waiting, watching as watch:
-            words = f"{self.policy} on {self.backend}; {said}; watchdog {watch.state}"
+            words = f"{plain(str(self.policy))} on {self.backend}; {said}; watchdog {watch.state}"
             aside.print(f"reflexarc run: {words}", soft_wrap=True)
             node = self._node(controller, inbox, outlets, sinks, run_id, bus.sender, watch, notices)
             return node.run(stop, self.ticks)
+
+    def _look_for_rivals(self, bus: "Bus") -> None:
+        """Say whom the body obeys in place of this runtime; in lockstep all have one name."""
+        from reflexarc.wiring.rivals import Rivals
+        from reflexarc_runtime.messages.topics import LEASE
+
+        if not self.lockstep:
+            bus.subscribe([LEASE], Rivals(bus.sender, self._say, bus.robot).hear)
 
     def _say(self, words: str) -> None:
         aside.print(f"reflexarc run: {plain(words)}", soft_wrap=True)

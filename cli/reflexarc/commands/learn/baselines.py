@@ -5,9 +5,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
-from rich.markup import escape
 
-from reflexarc.terminal.output import aside, console, facts, print_json, progress_bar
+from reflexarc.terminal.output import aside, console, facts, plain, print_json, progress_bar
 from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:
@@ -164,7 +163,7 @@ def _table(rows: list[dict[str, Any]]) -> "Table":
         parameters = _words(row["parameters"])
         exports = "yes" if row["exports"] else f"no: {row['python_only_because']}"
         told = (row["source"], row["fidelity"], row["sees"], row["home_world"])
-        table.add_row(row["name"], *map(escape, told), parameters, exports)
+        table.add_row(row["name"], *map(plain, told), parameters, exports)
     return table
 
 

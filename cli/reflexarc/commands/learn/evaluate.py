@@ -8,6 +8,7 @@ import tyro
 
 from reflexarc.terminal.output import aside, console, print_json, progress_bar
 from reflexarc.terminal.signals import terminated_as_interrupted
+from reflexarc.wiring.policy_trials import BackendName
 from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:
@@ -66,6 +67,8 @@ class EvaluateCommand:
     guard: bool = False
     """Drive behind the guard that `reflexarc run` has, and say how often it stepped in. The agent
     that never steers drives without one."""
+    backend: BackendName = "numpy"
+    """What computes the policies."""
     jobs: int = 0
     """Processes of a suite; by default as many as there are processors."""
     out: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
@@ -93,6 +96,7 @@ class EvaluateCommand:
             self.baseline,
             guard=self.guard,
             rate_hz=self.rate or None,
+            backend=self.backend,
         )
         if self.against:
             return self._run_comparison(entrants)
@@ -135,7 +139,8 @@ class EvaluateCommand:
 
         if len(entrants) != 1:
             raise UsageError(f"--against: expected one policy to judge, got {len(entrants)}")
-        old = entrant_of(self.against, guard=self.guard, rate_hz=self.rate or None)
+        rate_hz = self.rate or None
+        old = entrant_of(self.against, guard=self.guard, rate_hz=rate_hz, backend=self.backend)
         suite = suite_named(self.suite or "lite")
         suite = suite.only(self.family) if self.family else suite
         setting = Setting.FIELD if self.setting == "both" else Setting(self.setting)
@@ -159,13 +164,13 @@ class EvaluateCommand:
         return STATUS[claim]
 
     def _run_field(self, entrants: "list[Entrant]") -> int:
+        from reflexarc.commands.learn.field_scores import FieldPlan, distances, field_scores
         from reflexarc.terminal.field_tables import (
             contacts_table,
             distances_table,
             plain_distance,
             plain_score,
         )
-        from reflexarc.wiring.field_scores import FieldPlan, distances, field_scores
 
         contenders = [each.contender() for each in entrants]
         plan = FieldPlan(self.agents, self.steps, self.world, self.rate or None)

@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import tyro
-from rich.markup import escape
 
-from reflexarc.terminal.output import aside, console, print_json
+from reflexarc.terminal.output import aside, console, plain, print_json
 from reflexarc.terminal.signals import StopFlag
 from reflexarc_runtime.errors import UsageError
+from reflexarc_runtime.words.suggestion import pasteable
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -101,7 +101,7 @@ class StudyCommand:
             print_json({**_facts(study), "cells": cells, **counts, "estimate_s": seconds})
             return 0
         for cell in study.cells:
-            console.print(f"{escape(cell.name)}  ({cell.config.steps:,} steps)")
+            console.print(f"{plain(cell.name)}  ({cell.config.steps:,} steps)")
         seeds = f"{len(study.cells)} cells × {len(study.seeds)} seeds"
         console.print(f"{seeds} = {len(todo.units)} runs, {len(todo.pending)} of them to do: about")
         console.print(f"{seconds / 60:.1f} minutes with --jobs {self._processes}, in {out}")
@@ -126,8 +126,8 @@ class StudyCommand:
             from reflexarc_trainer.study.answer import answer
 
             console.print(_table(study, result))
-            console.print(escape(answer(study, result.summaries)))
-            console.print(f"page: {result.page}")
+            console.print(answer(study, result.summaries))
+            console.print(f"page: {plain(str(result.page))}")
         return self._answer(result)
 
     def _answer(self, result: "StudyResult") -> int:
@@ -136,12 +136,13 @@ class StudyCommand:
             said = "results of other code are not used; --any-code uses them"
             aside.print(f"{result.unused} {said}")
         for words in result.failures:
-            aside.print(f"failed: {escape(words)}")
+            aside.print(f"failed: {plain(words)}")
         for words in result.missed:
-            aside.print(f"missed: {escape(words)}")
+            aside.print(f"missed: {plain(words)}")
         if result.interrupted:
-            where = f"{self.study} -o {result.out}" if self.out else self.study
-            aside.print(f"interrupted; go on with: reflexarc study {where}")
+            where = ("-o", result.out) if self.out else ()
+            again = pasteable("reflexarc", "study", self.study, *where)
+            aside.print(f"interrupted; go on with: {again}", soft_wrap=True)
         return NOT_AS_WANTED if result.failures or result.missed else 0
 
 
@@ -164,7 +165,7 @@ def _list_table(rows: "list[dict[str, object]]") -> "Table":
     table.add_column("question")
     for row in rows:
         runs = f"{row['cells']} × {row['seeds']}"
-        table.add_row(str(row["name"]), runs, escape(str(row["question"])))
+        table.add_row(str(row["name"]), runs, plain(str(row["question"])))
     return table
 
 
@@ -178,7 +179,7 @@ def _table(study: "Study", result: "StudyResult") -> "Table":
     for name in ("seeds", "mean", "95 % interval", "of blind"):
         table.add_column(name, justify="right")
     for summary in result.summaries:
-        table.add_row(escape(summary.cell.name), *_row(summary))
+        table.add_row(plain(summary.cell.name), *_row(summary))
     return table
 
 

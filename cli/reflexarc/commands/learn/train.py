@@ -12,6 +12,7 @@ from reflexarc.terminal.output import aside, console, facts, print_json
 from reflexarc.terminal.signals import StopFlag
 from reflexarc_runtime.contract.stopping import check_speed
 from reflexarc_runtime.errors import UsageError
+from reflexarc_runtime.words.suggestion import pasteable
 
 if TYPE_CHECKING:
     from reflexarc_trainer.config.train_config import TrainConfig
@@ -198,7 +199,8 @@ class TrainCommand:
         if result.reached:
             aside.print("ended early: --stop-at is reached")
         if result.interrupted:
-            aside.print(f"interrupted; go on with: reflexarc train --out {out} --resume")
+            again = pasteable("reflexarc", "train", "--out", out, "--resume")
+            aside.print(f"interrupted; go on with: {again}", soft_wrap=True)
 
 
 def _summary(result: "TrainResult") -> dict[str, object]:

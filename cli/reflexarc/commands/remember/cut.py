@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 
 from reflexarc.terminal.output import console, facts, print_json
+from reflexarc.wiring.policy_trials import BackendName
 
 if TYPE_CHECKING:
     from reflexarc_logs.cutting.cut import CutReport
@@ -32,6 +33,8 @@ class CutCommand:
     """First tick, or seconds; by default, the beginning."""
     until: Annotated[str, tyro.conf.arg(name="to")] = ""
     """Tick before which it ends, or seconds; by default, the end."""
+    backend: BackendName | None = None
+    """What computes the policy for the part's first keyframe; by default what did in the log."""
     json: bool = False
     """Print one JSON object."""
 
@@ -43,10 +46,10 @@ class CutCommand:
         from reflexarc_logs.replaying.replay import replay
 
         log = read_log(self.log)
-        part = cut(log, span_of(log, self.since, self.until), self.out)
+        part = cut(log, span_of(log, self.since, self.until), self.out, self.backend)
         verdict, status = "not replayed: no policy is attached", 0
         if log.policy is not None:
-            report = replay(part.path)
+            report = replay(part.path, backend=self.backend)
             verdict, status = report.verdict, report.exit_status
         if self.json:
             print_json({**asdict(part), "replay": verdict})

@@ -49,9 +49,9 @@ class DecideCommand:
         from reflexarc_logs.deciding.decide import decide
         from reflexarc_logs.reading.reader import read_log
         from reflexarc_logs.replaying.replay import replay
-        from reflexarc_runtime.policy.policy import load_policy
+        from reflexarc_runtime.loop.trials.tried_policy import load_tried_policy
 
-        policy = load_policy(self.policy, self.backend)
+        policy = load_tried_policy(self.policy, self.backend)
         decided = decide(
             read_log(self.log),
             policy,

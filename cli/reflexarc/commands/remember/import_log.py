@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import tyro
 
 from reflexarc.terminal.output import aside, console, facts, print_json
+from reflexarc_runtime.words.suggestion import pasteable
 
 if TYPE_CHECKING:
     from reflexarc_logs.importing.lidar_import import ImportReport
@@ -16,9 +17,9 @@ if TYPE_CHECKING:
 class ImportCommand:
     """Import a lidar log of another system: CARMEN (Radish) or CoreSLAM, plain or gzip.
 
-    The log holds scans, corrected poses and odometry, as far as the file has them. Malformed lines
-    are counted and left out; distances that the sensor could not measure stay unknown. Recorded
-    times are kept only on request and only if they grow, because in many logs they do not.
+    The log holds scans, poses and odometry of one laser, as far as the file has them. Malformed
+    lines are counted and left out; distances that the sensor could not measure stay unknown.
+    Recorded times are kept only on request and only if they grow, because in many logs they do not.
 
     Examples:
       reflexarc import carmen intel.log.gz -o runs/intel.mcap
@@ -51,7 +52,7 @@ class ImportCommand:
         console.print(facts(_rows(imported)))
         for note in imported.notes:
             aside.print(f"note: {note}")
-        aside.print(f"try: reflexarc play {self.out}")
+        aside.print(f"try: {pasteable('reflexarc', 'play', self.out)}", soft_wrap=True)
         return 0
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 import tyro
 
 from reflexarc.terminal.output import console, print_json
+from reflexarc.wiring.policy_trials import BackendName
 from reflexarc_runtime.errors import UsageError
 
 MCAP_MAGIC = b"\x89MCAP"
@@ -18,6 +19,8 @@ class InfoCommand:
     Of a policy: all its speeds, what it waits for, the body that it learned with, and what a robot
     would refuse without a flag. Of a log: also the guard's settings, the watchdog, and, where a
     body drove, the world, its seed and the body's limits; with --json the text of the world's file.
+    A log of over 4 MiB is counted by its index, the CRC of its data checked. Of a log of another
+    system (a bag of ROS 2 in MCAP): its topics, types, counts and times.
 
     Examples:
       reflexarc info runs/reflex-0/policy.onnx
@@ -26,6 +29,8 @@ class InfoCommand:
 
     file: tyro.conf.Positional[Path]
     """A policy (ONNX) or a log (MCAP)."""
+    backend: BackendName = "numpy"
+    """What has to be able to compute the policy."""
     json: bool = False
     """Print one JSON object."""
 
@@ -38,9 +43,10 @@ class InfoCommand:
     def _of_policy(self) -> int:
         from reflexarc.terminal.policy_description import describe_policy
         from reflexarc_runtime.contract.bounds import excesses
-        from reflexarc_runtime.policy.policy import USUAL_BOUNDS, load_policy
+        from reflexarc_runtime.loop.trials.tried_policy import load_tried_policy
+        from reflexarc_runtime.policy.policy import USUAL_BOUNDS
 
-        policy = load_policy(self.file, verify=False, bounds=None)
+        policy = load_tried_policy(self.file, self.backend, verify=False)
         if not self.json:
             console.print(describe_policy(self.file, policy))
             return 0
@@ -56,12 +62,14 @@ class InfoCommand:
         return 0
 
     def _of_log(self) -> int:
-        from reflexarc.terminal.log_description import describe_log
-        from reflexarc_logs.reading.summary import summarise
+        from reflexarc.terminal.log_description import describe_foreign, describe_log
+        from reflexarc_logs.reading.summary import ForeignSummary, describe_any
 
-        summary = summarise(self.file)
+        summary = describe_any(self.file)
         if self.json:
             print_json(summary)
+        elif isinstance(summary, ForeignSummary):
+            console.print(describe_foreign(self.file, summary))
         else:
             console.print(describe_log(self.file, summary))
         return 0

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import tyro
 
 from reflexarc.terminal.output import console, facts, kibibytes, print_json, progress_bar
+from reflexarc.wiring.policy_trials import BackendName, try_policy
 from reflexarc_pictures.rendering import (
     PICTURE,
     DrawnPart,
@@ -28,7 +29,7 @@ MIN_SECONDS, MAX_SECONDS = 0.5, 120.0
 MOST_FROM_S = 36_000.0
 _RESULTS = ".json"
 _CELL = ":"
-_OF_WORLDS = "policy", "seed", "lane", "from_", "guard"
+_OF_WORLDS = "policy", "seed", "lane", "from_", "guard", "backend"
 _OF_CELLS = "setting", "rate"
 
 
@@ -80,6 +81,8 @@ class RenderCommand:
     """In a cell: decisions a second, instead of the contract's."""
     guard: bool = False
     """In a world: drive behind the guard that `reflexarc run` has."""
+    backend: BackendName | None = None
+    """In a world: what computes the policy, numpy by default."""
     suite: str = ""
     """Of results: the file of their suite, if it is none that is shipped."""
     kind: Literal["auto", "drive", "floor"] = "auto"
@@ -148,7 +151,10 @@ class RenderCommand:
         source = self.policy or BLIND
         if self.rate is not None and not 0.1 <= self.rate <= 10_000.0:
             raise UsageError(f"--rate: expected 0.1 to 10000, got {self.rate}")
-        return Entrant(source, source, self.guard, self.rate).contender()
+        backend = self.backend or "numpy"
+        if self.policy and not Entrant(source, source).is_code:
+            try_policy(self.policy, backend)
+        return Entrant(source, source, self.guard, self.rate, backend).contender()
 
     def _refuse_for(self, what: str, *names: str) -> None:
         """Refuse flags that would change nothing."""

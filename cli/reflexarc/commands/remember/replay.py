@@ -6,7 +6,7 @@ from typing import Literal
 
 import tyro
 
-from reflexarc.terminal.output import console, print_json
+from reflexarc.terminal.output import console, plain, print_json
 
 
 @dataclass(frozen=True)
@@ -15,7 +15,9 @@ class ReplayCommand:
 
     Level `policy` runs every recorded retina through the policy; level `node` runs every recorded
     message through the controller and compares every field of every decision. By default it does
-    both where the log allows it. Exit status 0: all equal; 1: different; 2: nothing to compare.
+    both where the log allows it, for every robot in it, and compares each recorded command with its
+    tick. What is not compared is said. Exit status 0: all equal; 1: different; 2: nothing to
+    compare.
 
     Examples:
       reflexarc replay runs/drive.mcap
@@ -42,5 +44,5 @@ class ReplayCommand:
         if self.json:
             print_json(report.as_dict())
         else:
-            console.print("\n".join(report.lines()), soft_wrap=True)
+            console.print("\n".join(map(plain, report.lines())), soft_wrap=True)
         return report.exit_status

@@ -5,9 +5,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
-from rich.markup import escape
 
-from reflexarc.terminal.output import console, facts, print_json, progress_bar
+from reflexarc.terminal.output import console, facts, plain, print_json, progress_bar
 from reflexarc_pictures.rendering import check_place
 from reflexarc_runtime.errors import UsageError
 
@@ -124,7 +123,7 @@ def _rows(report: "WorldReport") -> dict[str, object]:
     blind = f"{report.blind_contacts_per_100m:.2f} ± {report.blind_error:.2f} contacts per 100 m"
     path_m = report.mean_free_path_m
     return {
-        "world": f"{escape(report.name)}, {report.seeds} seeds",
+        "world": f"{plain(report.name)}, {report.seeds} seeds",
         "verdict": "fair" if report.fair else f"unfair: {'; '.join(report.reasons)}",
         "cover": f"{report.cover:.1%}",
         "flat within": f"{report.flatness:.1%} ± {report.flatness_error:.1%} of it",

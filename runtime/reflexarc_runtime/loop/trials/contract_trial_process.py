@@ -15,6 +15,7 @@ from reflexarc_runtime.contract.provenance import Provenance
 from reflexarc_runtime.errors import ReflexarcError
 from reflexarc_runtime.loop.trials.trial import READY
 from reflexarc_runtime.loop.trials.trial_process import ALONE_S, limit_memory
+from reflexarc_runtime.policy.model_file import MAX_FILE_BYTES
 from reflexarc_runtime.policy.policy import load_contract
 
 MOST_CHARACTERS = 1 << 16
@@ -24,7 +25,7 @@ MOST_CHARACTERS = 1 << 16
 def main() -> None:
     """Read a policy file from standard input; print its contract."""
     signal.alarm(ALONE_S)
-    limit_memory()
+    limit_memory(MAX_FILE_BYTES)
     print(READY, flush=True)
     print(json.dumps(_read(sys.stdin.buffer.read())))
 

@@ -25,8 +25,10 @@ LOADING_S = 5.0
 """How long a policy may take to be loaded, checked and measured."""
 STARTING_S = 60.0
 """How long a new process may take until it has loaded its modules, on a slow or busy machine."""
-MEMORY_BYTES = 4 << 30
-"""Address space that the policy may take beyond that of the process without one."""
+MEMORY_BYTES = 320 << 20
+"""Address space that a policy may take beyond that of the process without one; with `PER_BYTE`."""
+PER_BYTE = 8
+"""What each byte of the file may take beside: read, parsed, widened to float64, and copied."""
 
 DECISIONS = 24
 """How many decisions are measured, at most."""
@@ -105,7 +107,7 @@ class Trial:
             raise PolicyError(
                 f"{self._path}: the process that tried it broke (status "
                 f"{self._process.returncode}): it is damaged, or wants more than "
-                f"{MEMORY_BYTES >> 30} GiB"
+                f"{MEMORY_BYTES >> 20} MiB"
             ) from None
         if "error" in answer:
             raise PolicyError(answer["error"])

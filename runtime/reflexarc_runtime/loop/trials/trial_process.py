@@ -5,6 +5,7 @@
 It prints `ready` when it has loaded its own modules, then one JSON object.
 """
 
+import importlib
 import json
 import resource
 import signal
@@ -19,9 +20,10 @@ import numpy as np
 
 from reflexarc_runtime.errors import ReflexarcError
 from reflexarc_runtime.loop.clock import MonotonicClock
-from reflexarc_runtime.loop.trials.trial import DECISIONS, MEMORY_BYTES, READY, Finding
+from reflexarc_runtime.loop.trials.trial import DECISIONS, MEMORY_BYTES, PER_BYTE, READY, Finding
 from reflexarc_runtime.policy.golden_check import start_of
-from reflexarc_runtime.policy.policy import LoadedPolicy, load_policy
+from reflexarc_runtime.policy.model_file import MAX_FILE_BYTES
+from reflexarc_runtime.policy.policy import Backend, LoadedPolicy, load_policy
 
 UNTIMED = 4
 """Decisions before the first one that is measured."""
@@ -34,7 +36,10 @@ ALONE_S = 60
 def main(path: Path, backend: str) -> None:
     """Try a policy and print what was found."""
     signal.alarm(ALONE_S)
-    limit_memory()
+    if backend == Backend.ONNXRUNTIME:
+        # Its library is none of what the policy takes, and takes its time.
+        importlib.import_module("reflexarc_runtime.policy.onnxruntime_backend")
+    limit_memory(_size_of(path))
     print(READY, flush=True)
     print(json.dumps(_try(path, backend)))
 
@@ -57,12 +62,24 @@ def measure(policy: LoadedPolicy, now_ns: Callable[[], int]) -> int:
     return round(median(times_ns[UNTIMED:]))
 
 
-def limit_memory() -> None:
-    """Limit the address space to what the process has and `MEMORY_BYTES` more, where it can be."""
+def limit_memory(file_bytes: int) -> None:
+    """Limit the address space to what the process has and what a policy may take, if possible.
+
+    Args:
+        file_bytes: size of the policy's file.
+    """
     with suppress(OSError, ValueError):
         pages = int(Path("/proc/self/statm").read_text().split()[0])
-        limit = pages * resource.getpagesize() + MEMORY_BYTES
+        limit = pages * resource.getpagesize() + MEMORY_BYTES + PER_BYTE * file_bytes
         resource.setrlimit(resource.RLIMIT_AS, (limit, resource.getrlimit(resource.RLIMIT_AS)[1]))
+
+
+def _size_of(path: Path) -> int:
+    """Of a file; what is none, or too large, is refused later."""
+    try:
+        return min(path.stat().st_size, MAX_FILE_BYTES)
+    except OSError:
+        return 0
 
 
 def _try(path: Path, backend: str) -> dict[str, str | int]:
@@ -72,7 +89,7 @@ def _try(path: Path, backend: str) -> dict[str, str | int]:
     except ReflexarcError as error:
         return {"error": str(error)}
     except MemoryError:
-        return {"error": f"{path}: wants more than {MEMORY_BYTES >> 30} GiB of memory"}
+        return {"error": f"{path}: wants more than {MEMORY_BYTES >> 20} MiB of memory"}
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ from reflexarc_sim_bridge.body.camera.formats.facts import UnreadableImageError
 from reflexarc_sim_bridge.body.camera.names import in_order, refuse_several_series, shown
 from reflexarc_sim_bridge.body.camera.picture import (
     FULL_16,
+    MOST_BYTES,
     Picture,
     eight_bits,
     read_picture,
@@ -139,9 +140,12 @@ def picture_in(path: Path) -> Picture:
         UnreadableImageError: it cannot be read, or holds none that can be shown.
     """
     try:
-        data = path.read_bytes()
+        with path.open("rb") as file:
+            data = file.read(MOST_BYTES + 1)
     except OSError as error:
         raise UnreadableImageError(f"cannot be read: {error.strerror}") from None
+    if len(data) > MOST_BYTES:
+        raise UnreadableImageError(f"is larger than {MOST_BYTES >> 20} MiB")
     return read_picture(data)
 
 

@@ -20,6 +20,10 @@ from reflexarc_sim_bridge.body.camera.formats.tiff import upright
 
 FULL_16 = 65535
 """White of a picture that uses 16 bits."""
+MOST_PIXELS = 1 << 25
+"""Of one picture. A small file may say more, and decoding would take all memory."""
+MOST_BYTES = 1 << 28
+"""Of one file: more than so many pixels have without any compression."""
 
 _FULL_8 = 255
 _HALF_16 = 32768
@@ -51,6 +55,11 @@ def read_picture(data: bytes) -> Picture:
         UnreadableImageError: there is no image, or none that can be shown truly.
     """
     facts = inspect(data)
+    if facts.width * facts.height > MOST_PIXELS:
+        raise UnreadableImageError(
+            f"says that it has {facts.width} × {facts.height} pixels; scale it to "
+            f"{MOST_PIXELS // 1_000_000} million at most"
+        )
     raw = _decoded(upright(data) if data.startswith(TIFF_STARTS) else data)
     picture = turned(_red_first(raw, facts), facts.orientation)
     return Picture(picture, _white_of(picture, facts))

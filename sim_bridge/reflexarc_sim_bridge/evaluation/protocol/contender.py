@@ -19,7 +19,8 @@ from typing import TYPE_CHECKING, Any
 
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.errors import ReflexarcError, UsageError, first_line
-from reflexarc_runtime.policy.policy import load_policy
+from reflexarc_runtime.loop.trials.tried_policy import load_tried_policy
+from reflexarc_runtime.policy.policy import Backend
 from reflexarc_sim_bridge.evaluation.simple_policies import BlindPolicy, RandomPolicy
 from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
 
@@ -49,12 +50,15 @@ class Contender:
         return any(action.angular_radps for action in self.contract.actions)
 
 
-def contender_of(source: str, *, is_guarded: bool = False) -> Contender:
+def contender_of(
+    source: str, *, is_guarded: bool = False, backend: Backend | str = Backend.NUMPY
+) -> Contender:
     """The contender of a text.
 
     Args:
         source: see above.
         is_guarded: whether it drives behind a guard.
+        backend: what computes it, if it is a file.
 
     Raises:
         ReflexarcError: no such file, module or class; or what is there is no policy.
@@ -65,7 +69,7 @@ def contender_of(source: str, *, is_guarded: bool = False) -> Contender:
         return Contender(source, RandomPolicy(_RANDOM_SEED), reference_contract())
     if ":" in source and not Path(source).exists():
         return _by_name(source, is_guarded)
-    loaded = load_policy(Path(source), bounds=None)
+    loaded = load_tried_policy(Path(source), backend)
     return Contender(source, loaded, loaded.contract, is_guarded=is_guarded)
 
 

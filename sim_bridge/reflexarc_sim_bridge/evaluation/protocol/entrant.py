@@ -6,6 +6,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from reflexarc_runtime.policy.model_file import policy_hash, read_model
+from reflexarc_runtime.policy.policy import Backend
 from reflexarc_sim_bridge.evaluation.protocol.contender import (
     BLIND,
     RANDOM,
@@ -29,6 +30,8 @@ class Entrant:
     is_guarded: bool = False
     rate_hz: float | None = None
     """Instead of its contract's."""
+    backend: str = Backend.NUMPY.value
+    """What computes it, if it is a file."""
 
     def contender(self) -> Contender:
         """Made anew.
@@ -36,7 +39,8 @@ class Entrant:
         Raises:
             ReflexarcError: see `contender_of`.
         """
-        made = replace(contender_of(self.source, is_guarded=self.is_guarded), name=self.name)
+        made = contender_of(self.source, is_guarded=self.is_guarded, backend=self.backend)
+        made = replace(made, name=self.name)
         if self.rate_hz is None:
             return made
         return replace(made, contract=replace(made.contract, rate_hz=self.rate_hz))
@@ -49,12 +53,16 @@ class Entrant:
     def content_hash(self) -> str:
         """SHA-256 of the file; of a class, of its package's code and of the files beside it.
 
+        Of a file on another backend than the usual one, of that too.
+
         What a class reads elsewhere does not show in it.
         """
         if self.source in (BLIND, RANDOM):
             return ""
         if not self.is_code:
-            return policy_hash(read_model(Path(self.source)))
+            own = policy_hash(read_model(Path(self.source)))
+            is_usual = self.backend == Backend.NUMPY
+            return own if is_usual else hashlib.sha256((own + self.backend).encode()).hexdigest()
         digest = hashlib.sha256()
         name = self.source.partition(_CODE)[0]
         for path in _files_of(name):

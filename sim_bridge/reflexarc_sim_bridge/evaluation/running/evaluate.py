@@ -25,14 +25,14 @@ RESULTS, TIMES = "results.json", "times.json"
 
 def evaluate(
     policies: Iterable[str | Path | object] | str | Path | object,
-    suite: str | Suite = "lite",
+    suite: str | Path | Suite = "lite",
     *,
     families: Sequence[str] = (),
     settings: Sequence[Setting] = BOTH,
     rate_hz: float | None = None,
     guard: bool = False,
     jobs: int = 0,
-    out: Path | None = None,
+    out: Path | str | None = None,
     resume: bool = False,
 ) -> Results:
     """Measure policies in all worlds of a suite, beside an agent that never steers.
@@ -57,16 +57,17 @@ def evaluate(
     Raises:
         ReflexarcError: a policy cannot be loaded or cannot drive; in one line.
     """
-    asked = suite_named(suite) if isinstance(suite, str) else suite
+    asked = suite if isinstance(suite, Suite) else suite_named(str(suite))
+    folder = None if out is None else Path(out)
     entrants = named_apart([_entrant(each, guard, rate_hz) for each in _several(policies)])
     run = run_suite(
         asked.only(tuple(families)) if families else asked,
         entrants,
         settings,
-        RunOptions(jobs or processors(), out, resume),
+        RunOptions(jobs or processors(), folder, resume),
     )
-    if out is not None:
-        write_results(out, run, score_cards(run.results))
+    if folder is not None:
+        write_results(folder, run, score_cards(run.results))
     return run.results
 
 

@@ -1,7 +1,7 @@
 """Obstacles scattered over the plane: how those near an agent are found, and how they are drawn.
 
-White boxes around a wide enough period are kept on a belt (`belt.py`) and not gathered chunk by
-chunk.
+White boxes around a period that is wide enough, and no wider than pays, are kept on a belt
+(`belt.py`) and not gathered chunk by chunk.
 """
 
 import math

@@ -1,12 +1,15 @@
 import os
 from pathlib import Path
+from typing import IO, Any
 
 import cv2
 import numpy as np
 import pytest
 
 from reflexarc_runtime.errors import UsageError
+from reflexarc_sim_bridge.body.camera import image_files
 from reflexarc_sim_bridge.body.camera.eye import Image
+from reflexarc_sim_bridge.body.camera.formats.facts import UnreadableImageError
 from reflexarc_sim_bridge.body.camera.sources import ImageSource, source_named
 from support.images import BLUE, RED, bar, write_image
 
@@ -64,14 +67,14 @@ def test_a_file_without_the_right_to_read_it_is_said(
 ):
     write_image(tmp_path / "1.png", solid(RED))
     write_image(tmp_path / "2.png", solid(RED))
-    read = Path.read_bytes
+    opened = Path.open
 
-    def locked(path: Path) -> bytes:
+    def locked(path: Path, mode: str) -> IO[Any]:
         if path.name == "2.png":  # root may read everything, so the mode alone shows nothing
             raise PermissionError(13, "Permission denied", str(path))
-        return read(path)
+        return opened(path, mode)
 
-    monkeypatch.setattr(Path, "read_bytes", locked)
+    monkeypatch.setattr(Path, "open", locked)
     said: list[str] = []
     assert firsts(source_named(str(tmp_path), say=said.append)) == [RED, None]
     assert said == ["2.png cannot be read: Permission denied; not shown"]
@@ -158,3 +161,10 @@ def test_an_image_of_any_name_is_read_as_an_image(tmp_path: Path):
     (tmp_path / "1.png").rename(tmp_path / "grab")
     with pytest.raises(UsageError, match="--bits 12"):
         source_named(str(tmp_path / "grab"))
+
+
+def test_a_file_without_end_is_not_read_to_its_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(image_files, "MOST_BYTES", 1 << 20)
+    (tmp_path / "x.png").symlink_to("/dev/zero")
+    with pytest.raises(UnreadableImageError, match="larger than 1 MiB"):
+        image_files.picture_in(tmp_path / "x.png")

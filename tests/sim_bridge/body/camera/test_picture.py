@@ -14,7 +14,9 @@ from PIL import Image as Pillow
 from PIL import ImageOps
 
 from reflexarc_runtime.errors import UsageError
+from reflexarc_sim_bridge.body.camera import picture
 from reflexarc_sim_bridge.body.camera.formats.facts import UnreadableImageError
+from reflexarc_sim_bridge.body.camera.formats.inspect import inspect
 from reflexarc_sim_bridge.body.camera.picture import eight_bits, read_picture
 
 RGB = np.arange(5 * 7 * 3, dtype=np.uint8).reshape(5, 7, 3) * 2
@@ -212,3 +214,51 @@ def test_a_preview_beside_the_image_of_a_tiff_is_no_second_image():
     preview.encoderinfo = {"tiffinfo": {254: 1}}
     data = saved(main, "TIFF", save_all=True, append_images=[preview])
     assert np.array_equal(decoded(data), RGB)
+
+
+KINDS = {
+    "PNG": {},
+    "JPEG": {},
+    "BMP": {},
+    "TIFF": {},
+    "PPM": {},
+    "WEBP": {},
+    "WEBP lossless": {"lossless": True},
+    "WEBP with metadata": {"exif": b"Exif\0\0II*\0\x08\0\0\0\0\0\0\0\0\0"},
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_file_tells_its_size_before_it_is_decoded(kind: str) -> None:
+    data = saved(Pillow.new("RGB", (37, 11)), kind.split()[0], **KINDS[kind])
+    facts = inspect(data)
+    assert (facts.width, facts.height) == (37, 11)
+
+
+def test_a_bitmap_of_before_windows_3_tells_its_size() -> None:
+    head = b"BM" + struct.pack("<IHHI", 0, 0, 0, 26) + struct.pack("<IHHHH", 12, 37, 11, 1, 24)
+    assert (inspect(head).width, inspect(head).height) == (37, 11)
+    with pytest.raises(UnreadableImageError, match="is cut"):
+        inspect(head[:20])
+
+
+def test_black_and_white_pictures_in_bits_tell_their_size() -> None:
+    facts = inspect(saved(Pillow.new("1", (37, 11)), "PPM"))
+    assert (facts.width, facts.height) == (37, 11)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_says_more_pixels_than_memory_has_is_refused(
+    kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    data = saved(Pillow.new("RGB", (37, 11)), kind.split()[0], **KINDS[kind])
+    monkeypatch.setattr(picture, "MOST_PIXELS", 37 * 11)
+    read_picture(data)
+    monkeypatch.setattr(picture, "MOST_PIXELS", 37 * 11 - 1)
+    with pytest.raises(UnreadableImageError, match="37 × 11 pixels"):
+        read_picture(data)
+
+
+def test_a_small_file_that_says_a_billion_pixels_is_refused() -> None:
+    with pytest.raises(UnreadableImageError, match="1000000 × 1000000 pixels"):
+        read_picture(b"P5 1000000 1000000 255\n" + bytes(100))

@@ -212,11 +212,11 @@ class OneOutput(nn.Module):
         return x.flatten(1)[:, :3] + state[:, :3]
 
 
-class FromNothing(nn.Module):
-    """Makes a tensor of its own, which no table has."""
+class Summing(nn.Module):
+    """Sums along its memory, which no table has."""
 
     def forward(self, x: Tensor, state: Tensor) -> tuple[Tensor, Tensor]:
-        return x.flatten(1)[:, :3], state * torch.softmax(state, 1)
+        return x.flatten(1)[:, :3], state * torch.cumsum(state, 1)
 
 
 @pytest.mark.parametrize(
@@ -230,7 +230,7 @@ class FromNothing(nn.Module):
         (Layers("LSTM", 1, True), "fails on retinas"),
         (OneInput(), "fails on retinas"),
         (OneOutput(), r"expected Q-values and next states .*state\.size is 6\), got 1"),
-        (FromNothing(), "operator softmax"),
+        (Summing(), "operator cumsum"),
     ],
     ids=lambda value: type(value).__name__,
 )

@@ -25,11 +25,12 @@ import onnx
 from onnx import numpy_helper
 
 from reflexarc_runtime.policy.agreement import Q_TOLERANCE
-from reflexarc_runtime.policy.operators import OPERATORS
-from reflexarc_runtime.policy.recurrent_operators import MANY_OPERATORS
+from reflexarc_runtime.policy.operators.operator_table import operator_of
 from reflexarc_trainer.policy.probes import Probes
+from reflexarc_trainer.policy.rounding import activation_errors as activations
 from reflexarc_trainer.policy.rounding import choice_errors as choice
 from reflexarc_trainer.policy.rounding import function_errors as functions
+from reflexarc_trainer.policy.rounding import window_errors as windows
 from reflexarc_trainer.policy.rounding.recurrent_errors import gru, lstm
 from reflexarc_trainer.policy.rounding.running_error import (
     TINY,
@@ -55,18 +56,16 @@ _VALUES_AT_A_TIME = 1 << 22
 Error: TypeAlias = Callable[..., Any]
 
 
-def tolerance_for(model: onnx.ModelProto, probes: Probes, least: float = Q_TOLERANCE) -> float:
+def tolerance_for(bound: float, least: float = Q_TOLERANCE) -> float:
     """The `q_tolerance` for a network: its rounding bound, rounded up to two digits.
 
     Where the bound exceeds the largest tolerance, that one is taken: it assumes the worst luck, so
     whether the network agrees is still to be measured.
 
     Args:
-        model: the graph.
-        probes: the inputs.
+        bound: what `rounding_bound` says.
         least: what it is at least.
     """
-    bound = rounding_bound(model, probes)
     tolerance = LARGEST_TOLERANCE if bound >= LARGEST_TOLERANCE else _two_digits(bound)
     return max(least, Q_TOLERANCE, tolerance)
 
@@ -115,26 +114,25 @@ def _run(node: onnx.NodeProto, values: dict[str, Any]) -> None:
     inputs = [values[name] for name in node.input]
     attributes = {a.name: onnx.helper.get_attribute_value(a) for a in node.attribute}
     if node.op_type in _MOVES:
-        results = _moved(node, attributes, inputs)
+        results = _moved(node, inputs)
+    elif node.op_type in _WINDOWS:
+        results = _WINDOWS[node.op_type](operator_of(node), attributes, *inputs)
     else:
         results = _ERRORS[node.op_type](attributes, *inputs)
     results = results if isinstance(results, tuple) else (results,)
     values.update((n, r) for n, r in zip(node.output, results, strict=False) if n)
 
 
-def _moved(node: onnx.NodeProto, attributes: dict[str, Any], inputs: list[Any]) -> Any:
+def _moved(node: onnx.NodeProto, inputs: list[Any]) -> Any:
     """What only moves elements does so with values and errors, by the reference's own operator."""
-    kind = node.op_type
-    whole = inputs if kind == "Concat" else inputs[:1]
+    whole = inputs if node.op_type == "Concat" else inputs[:1]
     others = [x.value.astype(np.int64) for x in inputs[len(whole) :]]
-    values, errors = [x.value for x in whole], [x.error for x in whole]
-    if kind in MANY_OPERATORS:
-        split = MANY_OPERATORS[kind](attributes, node)
-        pairs = zip(split(*values, *others), split(*errors, *others), strict=True)
-        return tuple(Running(*pair) for pair in pairs)
-    move = OPERATORS[kind](attributes)
-    is_whole = all(x.is_whole for x in whole)
-    return Running(move(*values, *others), move(*errors, *others), is_whole)
+    move = operator_of(node)
+    values = move(*[x.value for x in whole], *others)
+    errors = move(*[x.error for x in whole], *others)
+    if isinstance(values, tuple):
+        return tuple(Running(*pair) for pair in zip(values, errors, strict=True))
+    return Running(values, errors, all(x.is_whole for x in whole))
 
 
 def _gemm(attributes: dict[str, Any], a: Running, b: Running, c: Running | None = None) -> Running:
@@ -147,20 +145,15 @@ def _mat_mul(_: dict[str, Any], a: Running, b: Running) -> Running:
 
 
 def _product(x: Running, weights: Running, *biases: Running) -> Running:
-    """With weights that are constants; what else may be multiplied has no bound here."""
+    """With weights that are constants, in most cases; else of two that were both computed."""
     known = not any(part.error.any() for part in (weights, *biases))
     if known and x.is_whole and weights.is_whole:
         return Running(x.value @ weights.value, x.error @ np.abs(weights.value), is_whole=True)
     if known and weights.value.ndim == 1:
         return _product(x, weights.map(lambda row: row[:, np.newaxis])).map(lambda y: y[..., 0])
     if not known or weights.value.ndim != 2:
-        return _unknown(x, weights)
+        return windows.product(x, weights)
     return affine(x, weights.value, *(bias.value for bias in biases))
-
-
-def _unknown(a: Running, b: Running) -> Running:
-    value = a.value @ b.value
-    return Running(value, np.full(value.shape, np.inf))
 
 
 def _plain(error: Callable[..., Running]) -> Error:
@@ -171,11 +164,16 @@ def _of_any_number(error: Callable[[Running, Running], Running]) -> Error:
     return lambda _, *inputs: reduce(error, inputs)
 
 
+def _erf(x: Running) -> Running:
+    return activations.error_function(x, _REFERENCE_ERF(x.value))
+
+
 def _clip(x: Running, low: Running | None = None, high: Running | None = None) -> Running:
     raised = x if low is None else functions.larger(x, low)
     return raised if high is None else functions.smaller(raised, high)
 
 
+_REFERENCE_ERF = operator_of(onnx.helper.make_node("Erf", ["x"], ["y"]))
 _MOVES = frozenset(
     ("Concat", "Flatten", "Reshape", "Slice", "Split", "Squeeze", "Transpose", "Unsqueeze")
 )
@@ -192,7 +190,9 @@ _ERRORS: dict[str, Error] = {
     "Clip": _plain(_clip),
     "Cos": _plain(functions.wave(np.cos)),
     "Div": _plain(divide),
+    "Elu": activations.elu,
     "Equal": _plain(choice.comparison(np.equal)),
+    "Erf": _plain(_erf),
     "Exp": _plain(functions.monotone(np.exp)),
     "Floor": _plain(choice.floor),
     "GRU": gru,
@@ -203,6 +203,7 @@ _ERRORS: dict[str, Error] = {
     "GreaterOrEqual": _plain(choice.comparison(np.greater_equal)),
     "Identity": _plain(lambda x: x),
     "LSTM": lstm,
+    "LeakyRelu": activations.leaky_relu,
     "Less": _plain(choice.comparison(np.less)),
     "LessOrEqual": _plain(choice.comparison(np.less_equal)),
     "MatMul": _mat_mul,
@@ -223,10 +224,18 @@ _ERRORS: dict[str, Error] = {
     "Sigmoid": _plain(sigmoid),
     "Sign": _plain(choice.sign),
     "Sin": _plain(functions.wave(np.sin)),
+    "Softmax": activations.soft_max,
+    "Softplus": _plain(activations.softplus),
     "Sqrt": _plain(square_root),
     "Sub": _plain(subtract),
     "Tanh": _plain(tanh),
     "Where": _plain(choice.chosen),
 }
 """Name of an ONNX operator → its result with its error."""
-_KNOWN = {"ArgMax", *_MOVES, *_ERRORS}
+_WINDOWS: dict[str, Error] = {
+    "AveragePool": windows.mean,
+    "Conv": windows.convolution,
+    "MaxPool": windows.largest,
+}
+"""The same of what slides; it is given the reference's own operator."""
+_KNOWN = {"ArgMax", *_MOVES, *_ERRORS, *_WINDOWS}

@@ -18,7 +18,7 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_runtime.policy.operators import sigmoid as exact_sigmoid
+from reflexarc_runtime.policy.operators.activation_operators import sigmoid as exact_sigmoid
 
 Array: TypeAlias = npt.NDArray[np.float64]
 

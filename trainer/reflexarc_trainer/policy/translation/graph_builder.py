@@ -38,6 +38,8 @@ class Translation:
 
     nodes: list[onnx.NodeProto] = field(default_factory=list)
     constants: list[onnx.TensorProto] = field(default_factory=list)
+    is_exact: bool = True
+    """Whether float32, in which the file holds them, has all the numbers of the module's code."""
 
     def node(self, kind: str, inputs: list[str], output: str = "", **attributes: Any) -> str:
         """Add a node of an ONNX operator (`kind`); returns the name of its output."""
@@ -61,6 +63,30 @@ class Translation:
     def integers(self, name: str, *values: int) -> str:
         """Add a constant of whole numbers, (values,); returns its name."""
         return self.constant(name, np.array(values, np.int64))
+
+    def number(self, value: float) -> str:
+        """Add a number out of the module's code, as float32 has it; returns its name."""
+        return self.constant("number", np.array(self.rounded(value), np.float32))
+
+    def rounded(self, value: float) -> float:
+        """A number as float32 has it."""
+        known = float(np.float32(value))
+        self.is_exact = self.is_exact and known == value
+        return known
+
+    def named(self, argument: Any) -> str:
+        """The name of an argument of a call: of a tensor, or of a number that is added.
+
+        Raises:
+            PolicyError: it is neither.
+        """
+        if isinstance(argument, Value):
+            return argument.name
+        if not isinstance(argument, int | float):
+            said = "a number that depends on the size of the batch"
+            what = said if type(argument).__name__ == "_Varies" else f"a {type(argument).__name__}"
+            raise PolicyError(f"export: {what} is not supported as a tensor")
+        return self.number(argument)
 
     def prune(self, outputs: list[str]) -> None:
         """Drop the nodes and constants that no output needs."""
@@ -101,6 +127,15 @@ class Call:
         if others or len(self.args) > 1 + len(names):
             raise PolicyError(f"export: arguments {', '.join(sorted(others))} are not supported")
         return defaults | known
+
+    def options(self, *names: str, **defaults: Any) -> dict[str, Any]:
+        """The same, or the module's attributes of these names where a module is called."""
+        if self.module is not None:
+            return {name: getattr(self.module, name) for name in names}
+        if "inplace" not in names:
+            defaults = {"inplace": False, **defaults}
+            return self.given(*names, "inplace", **defaults)
+        return self.given(*names, **defaults)
 
 
 Rule: TypeAlias = Callable[[Call], Names]

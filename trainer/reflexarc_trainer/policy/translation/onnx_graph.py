@@ -9,11 +9,11 @@ import operator
 from typing import Any
 
 import numpy as np
-import torch
 from torch import fx, nn
 
 from reflexarc_runtime.errors import PolicyError
-from reflexarc_trainer.policy.q_network import intensity
+from reflexarc_trainer.policy.translation.activations import ACTIVATION_RULES
+from reflexarc_trainer.policy.translation.arithmetic import ARITHMETIC_RULES
 from reflexarc_trainer.policy.translation.graph_builder import (
     Call,
     Names,
@@ -24,8 +24,12 @@ from reflexarc_trainer.policy.translation.graph_builder import (
 )
 from reflexarc_trainer.policy.translation.parameters import weights
 from reflexarc_trainer.policy.translation.recurrent_modules import RECURRENT_RULES
+from reflexarc_trainer.policy.translation.reductions import REDUCTION_RULES
 from reflexarc_trainer.policy.translation.shape_operators import SHAPE_RULES
-from reflexarc_trainer.policy.translation.tracing import VARIES, measure_shapes, trace
+from reflexarc_trainer.policy.translation.tracing import measure_shapes, trace
+from reflexarc_trainer.policy.translation.windows import WINDOW_RULES
+
+_FIELDS = ("values", "indices")
 
 
 def translate(
@@ -74,12 +78,15 @@ def _called(
     kwargs = {key: _filled(argument, values) for key, argument in node.kwargs.items()}
     if node.target is operator.getitem and isinstance(args[0], tuple):
         return args[0][args[1]]
+    if node.target is getattr and isinstance(args[0], tuple):
+        return args[0][_FIELDS.index(args[1])]  # of what `x.max(dim)` returns
     rule = _rule(type(module) if module is not None else node.target, node)
     return _with_shapes(rule(Call(translation, module, args, kwargs, result)), result)
 
 
 def _rule(key: Any, node: fx.Node) -> Rule:
-    rule = _TABLE.get(key)
+    kinds = key.__mro__ if isinstance(key, type) else (key,)  # a weight norm makes a subclass
+    rule = next((_TABLE[kind] for kind in kinds if kind in _TABLE), None)
     if rule is None:
         name = getattr(key, "__name__", str(key))
         known = ", ".join(sorted({getattr(k, "__name__", str(k)) for k in _TABLE}))
@@ -141,48 +148,13 @@ def _linear_of_many(call: Call) -> str:
     return graph.node("Add", [product, graph.constant("bias", weights(module.bias))])
 
 
-def _same(call: Call) -> str:
-    return str(call.args[0].name)
-
-
-def _plain(kind: str) -> Rule:
-    """An operator whose inputs are values or numbers, and that has no attributes."""
-
-    def rule(call: Call) -> str:
-        if any(key != "inplace" for key in call.kwargs):
-            raise PolicyError(f"export: {kind} with {', '.join(call.kwargs)} is not supported")
-        return call.graph.node(kind, [_named(call.graph, a) for a in call.args])
-
-    return rule
-
-
-def _named(translation: Translation, argument: Any) -> str:
-    if isinstance(argument, Value):
-        return argument.name
-    if argument is VARIES:
-        raise PolicyError("export: a number that depends on the size of the batch is not supported")
-    return translation.constant("number", np.array(argument, np.float32))
-
-
 _TABLE: dict[Any, Rule] = {
     **SHAPE_RULES,
+    **ARITHMETIC_RULES,
+    **ACTIVATION_RULES,
+    **REDUCTION_RULES,
+    **WINDOW_RULES,
     **RECURRENT_RULES,
     nn.Linear: _linear,
-    # These add no node: the graph before the module divides by 255, and the others do nothing
-    # in a network that is not being trained.
-    intensity: _same,
-    nn.Identity: _same,
-    nn.Dropout: _same,
-    "contiguous": _same,
-    **dict.fromkeys(
-        (nn.Sigmoid, torch.sigmoid, nn.functional.sigmoid, "sigmoid"), _plain("Sigmoid")
-    ),
-    **dict.fromkeys((nn.Tanh, torch.tanh, nn.functional.tanh, "tanh"), _plain("Tanh")),
-    **dict.fromkeys((nn.ReLU, torch.relu, nn.functional.relu, "relu"), _plain("Relu")),
-    **dict.fromkeys((operator.add, torch.add, "add"), _plain("Add")),
-    **dict.fromkeys((operator.sub, torch.sub, "sub"), _plain("Sub")),
-    **dict.fromkeys((operator.mul, torch.mul, "mul"), _plain("Mul")),
-    **dict.fromkeys((operator.truediv, torch.div, "div"), _plain("Div")),
-    **dict.fromkeys((operator.matmul, torch.matmul, "matmul"), _plain("MatMul")),
 }
 """Class, function or method name of a traced call → what writes it in ONNX."""

@@ -19,3 +19,7 @@ class Facts:
     """One colour stands for "transparent", which OpenCV would show as that colour."""
     pads_colours: bool = False
     """A fourth channel is padding and no transparency."""
+    width: int = 0
+    """Columns that it says it has; 0: it does not say."""
+    height: int = 0
+    """Rows that it says it has."""

@@ -2,7 +2,9 @@
 
 from collections.abc import Callable
 
+from reflexarc_runtime.files import is_lfs_pointer
 from reflexarc_sim_bridge.body.camera.formats import jpeg, png
+from reflexarc_sim_bridge.body.camera.formats.bmp import facts_of_bmp
 from reflexarc_sim_bridge.body.camera.formats.facts import Facts, UnreadableImageError
 from reflexarc_sim_bridge.body.camera.formats.jpeg import facts_of_jpeg
 from reflexarc_sim_bridge.body.camera.formats.png import facts_of_png
@@ -41,7 +43,7 @@ def refuse_stand_in(data: bytes) -> None:
     """
     if not data:
         raise UnreadableImageError("is empty")
-    if data.startswith(b"version https://git-lfs"):
+    if is_lfs_pointer(data):
         raise UnreadableImageError("is a Git LFS pointer, not the file itself: git lfs pull")
     if data.startswith(b"/annex/objects/"):
         raise UnreadableImageError("is a git-annex pointer, not the file itself: git annex get")
@@ -55,6 +57,6 @@ def _reader_of(data: bytes) -> Callable[[bytes], Facts] | None:
         (jpeg.SIGNATURE,): facts_of_jpeg,
         TIFF_STARTS: facts_of_tiff,
         _PNM_STARTS: facts_of_pnm,
-        (b"BM",): lambda _: Facts(pads_colours=True),  # its fourth byte is reserved
+        (b"BM",): facts_of_bmp,
     }
     return next((reader for starts, reader in by_start.items() if data.startswith(starts)), None)

@@ -1,5 +1,6 @@
 """JPEG: its segments, up to the mark of its end (ITU-T T.81, annex B)."""
 
+import struct
 from collections.abc import Iterator
 
 from reflexarc_sim_bridge.body.camera.formats.exif import orientation_of
@@ -20,13 +21,15 @@ def facts_of_jpeg(data: bytes) -> Facts:
     Raises:
         UnreadableImageError: its end is missing (OpenCV fills with grey), or it is CMYK.
     """
-    orientation = 1
+    orientation, width, height = 1, 0, 0
     for mark, body in _segments(data):
         if mark in _FRAMES and body[5:6] == b"\x04":  # inverted or not: no two programs agree
             raise UnreadableImageError("has the colours of a printer (CMYK); save it as RGB")
+        if mark in _FRAMES and len(body) >= 5:
+            height, width = struct.unpack_from(">HH", body, 1)
         if mark == _EXIF and body.startswith(b"Exif\0\0"):
             orientation = orientation_of(body)
-    return Facts(orientation)
+    return Facts(orientation, width=width, height=height)
 
 
 def _segments(data: bytes) -> Iterator[tuple[int, bytes]]:

@@ -16,14 +16,16 @@ def facts_of_png(data: bytes) -> Facts:
     Raises:
         UnreadableImageError: it is cut or damaged, or an animation.
     """
-    orientation, transparent = 1, False
+    orientation, transparent, width, height = 1, False, 0, 0
     for name, body in _chunks(data):
         if name == b"acTL" and (images := int.from_bytes(body[:4], "big")) > 1:
             raise UnreadableImageError(f"is an animation of {images} images; save one a file")
+        if name == b"IHDR" and len(body) >= 8:
+            width, height = struct.unpack_from(">II", body)
         if name == b"eXIf":
             orientation = orientation_of(body)
         transparent = transparent or name == b"tRNS"
-    return Facts(orientation, transparent=transparent)
+    return Facts(orientation, transparent=transparent, width=width, height=height)
 
 
 def _chunks(data: bytes) -> Iterator[tuple[bytes, bytes]]:

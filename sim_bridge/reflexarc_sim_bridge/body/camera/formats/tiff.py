@@ -11,6 +11,7 @@ from reflexarc_sim_bridge.body.camera.formats.exif import (
 )
 from reflexarc_sim_bridge.body.camera.formats.facts import Facts, UnreadableImageError
 
+_WIDTH, _HEIGHT = 256, 257
 _SUBFILE, _BITS, _PHOTOMETRIC, _SAMPLE_FORMAT = 254, 258, 262, 339
 _WHITE_IS_ZERO, _SEPARATED = 0, 5
 _UNSIGNED, _FLOAT = 1, 3
@@ -32,7 +33,9 @@ def facts_of_tiff(data: bytes) -> Facts:
     _check(pages[0], bits)
     # OpenCV widens packed 10, 12 and 14 bits to all of 16.
     white = _FULL_16 if bits in (10, 12, 14) else None
-    return Facts(valid_orientation(pages[0].value(ORIENTATION, 1)), white)
+    width, height = (pages[0].value(tag, 0) for tag in (_WIDTH, _HEIGHT))
+    orientation = valid_orientation(pages[0].value(ORIENTATION, 1))
+    return Facts(orientation, white, width=width, height=height)
 
 
 def upright(data: bytes) -> bytes:

@@ -1,0 +1,52 @@
+"""Loads a policy for onnxruntime after a process of its own has: its graph may loop or be huge."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from reflexarc_runtime.contract.bounds import Bounds
+from reflexarc_runtime.errors import PolicyError
+from reflexarc_runtime.loop.trials.trial import Trial
+from reflexarc_runtime.policy.policy import Backend, LoadedPolicy, load_policy
+
+
+def load_tried_policy(
+    source: Path | str | bytes,
+    backend: Backend | str,
+    *,
+    verify: bool = True,
+    bounds: Bounds | None = None,
+) -> LoadedPolicy:
+    """Load a policy: see `load_policy`. What onnxruntime computes is tried first.
+
+    The NumPy backend bounds memory and work itself, and has no operator that loops.
+
+    Raises:
+        PolicyError: see `load_policy`; or it hangs, or takes too much memory.
+        ContractError: see `load_policy`.
+    """
+    if Backend(backend) is Backend.ONNXRUNTIME:
+        _try(source)
+    return load_policy(source, backend, verify=verify, bounds=bounds)
+
+
+def _try(source: Path | str | bytes) -> None:
+    with _policy_file(source) as path, Trial(path, Backend.ONNXRUNTIME.value) as trial:
+        try:
+            trial.finding()
+        except PolicyError as error:
+            name = "policy" if isinstance(source, bytes) else str(source)
+            raise PolicyError(str(error).replace(str(path), name)) from None
+
+
+@contextmanager
+def _policy_file(source: Path | str | bytes) -> Iterator[Path]:
+    """The file of a policy; a temporary one, if only its bytes are there."""
+    if not isinstance(source, bytes):
+        yield Path(source)
+        return
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "policy.onnx"
+        path.write_bytes(source)
+        yield path

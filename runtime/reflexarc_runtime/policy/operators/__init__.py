@@ -1,0 +1,1 @@
+"""The ONNX operators of the NumPy backend, each a function of arrays."""

@@ -1,0 +1,1 @@
+"""Words from outside: how names are shown, and how commands with them are pasted."""
