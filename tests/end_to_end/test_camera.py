@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from foxglove_schemas_protobuf.CompressedImage_pb2 import CompressedImage
 from foxglove_schemas_protobuf.RawImage_pb2 import RawImage
 
 from reflexarc_logs.reading.reader import read_log
@@ -79,15 +80,18 @@ def test_a_camera_is_guarded_by_the_bumper_of_the_documentation(
 def test_a_video_drives_a_policy(policy: Path, port: int, tmp_path: Path):
     video, log = tmp_path / "drive.avi", tmp_path / "drive.mcap"
     write_video(video, [bar(16 * (number % 4)) for number in range(40)], rate_hz=50.0)
-    with started("camera", video, "--port", port, "--json") as camera:
+    words = ("camera", video, "--frames-hz", 2, "--port", port, "--json")
+    with started(*words) as camera:
         said_line(camera, "waiting for a runtime")
         with started(
             "run", policy, "--no-guard", "--port", port, "--record", log, "--json"
         ) as runtime:
             account = finished(camera)
             summary = finished(runtime, signal.SIGINT)
-    assert account == {"retinas": 40, "undecodable": 0}
+    assert account == {"retinas": 40, "undecodable": 0, "frames": 2}
     assert summary["verdicts"]["OK"] > 0
+    frames = [f for _, f in read_log(log).messages("/robot0/image", CompressedImage)]
+    assert [frame.data[:2] for frame in frames] == [b"\xff\xd8"] * 2  # JPEG
     images = [image for _, image in read_log(log).messages("/robot0/retina", RawImage)]
     assert [max(range(4), key=list(image.data).__getitem__) for image in images] == [
         0,
@@ -115,7 +119,7 @@ def test_a_folder_is_shown_in_the_order_of_its_numbers_and_what_is_broken_is_cou
             assert "frame9.png is cut" in said_line(camera, "frame9")
             account = finished(camera)
             finished(runtime, signal.SIGINT)
-    assert account == {"retinas": 11, "undecodable": 1}
+    assert account == {"retinas": 11, "undecodable": 1, "frames": 0}
     images = [image for _, image in read_log(log).messages("/robot0/retina", RawImage)]
     brightest = [max(range(4), key=list(image.data).__getitem__) for image in images]
     assert brightest == [0] * 6 + [3] * 5

@@ -54,7 +54,7 @@ def test_an_old_log_replays_identically(path: Path):
     assert [level.level for level in report.levels] == levels
     assert all(level.compared > 0 for level in report.levels)
     kind, _, version = path.parent.name.partition("-")
-    of_schemas = {"1": 1, "2": 1, "3": 4}
+    of_schemas = {"1": 1, "2": 1, "3": 4, "4": 4}
     assert read_log(path).run.rules == (int(version) if kind == "rules" else of_schemas[version])
 
 

@@ -4,6 +4,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -76,11 +77,12 @@ def drive(
     stalls: Mapping[int, int] = NO_STALLS,
     before: Iterable[Message] = (),
     after: Iterable[Message] = (),
+    **more: Any,
 ) -> Counter[str]:
     """Record `ticks` ticks and the farewell to `path`; returns the verdict counts.
 
     `stalls` says at which slot the loop oversleeps by how many ns; `before` and `after` go past
-    the loop, straight to the recorder.
+    the loop, straight to the recorder; `more` is for the recorder.
     """
     loaded = policy if isinstance(policy, LoadedPolicy) else load_policy(policy, run.backend)
     inbox = Inbox()
@@ -94,7 +96,9 @@ def drive(
     controller = Controller(loaded, loaded.contract, sense, loaded.policy_hash, guard=guard)
     outlets = Outlets(Nowhere(), Nowhere(), Nowhere())
     config = {"rate_hz": 50.0, "input": run.input}
-    with Recorder(path, run, loaded.data, config, wall_offset_ns=WALL_OFFSET_NS) as recorder:
+    with Recorder(
+        path, run, loaded.data, config, wall_offset_ns=WALL_OFFSET_NS, **more
+    ) as recorder:
         for message in before:
             recorder.put(message)
         summary = Node(controller, pacer, outlets, sink=recorder).run(max_ticks=ticks)

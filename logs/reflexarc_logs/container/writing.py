@@ -142,15 +142,23 @@ class LogWriter:
 
     def finish(self) -> None:
         """Write the index, make the file durable and give it its name."""
-        self.end()
+        self.seal()
+        self.settle()
+
+    def seal(self) -> None:
+        """Write the index; nothing can be added any more."""
+        self._writer.finish()  # type: ignore[no-untyped-call]  # mcap has no type for it
+        self._file.flush()
+
+    def settle(self) -> None:
+        """Make a sealed file durable, close it and give it its name; from any thread."""
+        self._close_durably()
         give_name(self.partial, self.path)
 
     def end(self) -> None:
         """Write the index, make the file durable and close it; it keeps the name `partial`."""
-        self._writer.finish()  # type: ignore[no-untyped-call]  # mcap has no type for it
-        self._file.flush()
-        self.sync()
-        self._file.close()
+        self.seal()
+        self._close_durably()
 
     def abandon(self) -> None:
         """Close the file as it is; the `.partial` stays, for `recover`."""
@@ -161,6 +169,10 @@ class LogWriter:
         """Close the file and remove it."""
         self.abandon()
         self.partial.unlink(missing_ok=True)
+
+    def _close_durably(self) -> None:
+        self.sync()
+        self._file.close()
 
 
 def media_type_of(attachment: str) -> str:

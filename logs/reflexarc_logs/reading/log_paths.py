@@ -1,23 +1,28 @@
-"""Which logs are meant by the files and folders that somebody names."""
+"""Which logs are meant by the files, folders and manifests that somebody names."""
 
+import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from reflexarc_logs.container.manifest import MANIFEST, read_manifest
 from reflexarc_runtime.errors import LogError
 
 SUFFIX = ".mcap"
+_NUMBER = re.compile(r"(\d+)")
 
 
 def log_paths(places: Iterable[Path | str]) -> tuple[Path, ...]:
     """The logs: files as they are named, folders with all `*.mcap` in them, sorted by path.
 
-    Links are followed. A log that is named twice is one.
+    Numbers in names are sorted as numbers: `a.part2.mcap` comes before `a.part10.mcap`. A manifest,
+    `*.parts.jsonl`, stands for those of its recording's parts that are there and finished. Links
+    are followed. A log that is named twice is one.
 
     Args:
-        places: files and folders.
+        places: files, folders and manifests.
 
     Raises:
-        LogError: a folder that holds no log, or nothing is named.
+        LogError: a folder or a manifest that holds no log, or nothing is named.
     """
     found = tuple(dict.fromkeys(path for place in places for path in _in(Path(place))))
     if not found:
@@ -26,10 +31,23 @@ def log_paths(places: Iterable[Path | str]) -> tuple[Path, ...]:
 
 
 def _in(place: Path) -> Iterator[Path]:
-    if not place.is_dir():
-        yield place
-        return
-    logs = sorted(p for p in place.rglob("*") if p.suffix.lower() == SUFFIX and p.is_file())
-    if not logs:
-        raise LogError(f"{place}: expected logs (*{SUFFIX}) in this folder, found none")
+    if place.name.endswith(MANIFEST):
+        logs = [part.path for part in read_manifest(place) if part.path.is_file()]
+        if not logs:
+            raise LogError(f"{place}: expected finished parts beside it, found none")
+    elif place.is_dir():
+        found = (p for p in place.rglob("*") if p.suffix.lower() == SUFFIX and p.is_file())
+        logs = sorted(found, key=_in_order)
+        if not logs:
+            raise LogError(f"{place}: expected logs (*{SUFFIX}) in this folder, found none")
+    else:
+        logs = [place]
     yield from logs
+
+
+def _in_order(path: Path) -> list[tuple[tuple[int, str], ...]]:
+    """Sorts names folder by folder, numbers in them as numbers."""
+    return [
+        tuple((int(piece) if i % 2 else 0, piece) for i, piece in enumerate(_NUMBER.split(name)))
+        for name in path.parts
+    ]

@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import os
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -17,16 +18,20 @@ from reflexarc_logs.container.writing import (
     POLICY_ATTACHMENT,
     LogWriter,
 )
+from reflexarc_logs.recording.keeping import DEFAULT_SYNC_S
 from reflexarc_logs.recording.place import NoRoomError, Place
+from reflexarc_logs.recording.syncer import DiskTask, Syncer
 from reflexarc_runtime.errors import LogError
 
 PART = "reflexarc.part"
-"""Metadata of every part but the first: its number, the first one's name, why it was begun."""
+"""Metadata of every part but the first: its number, the first one's name, why it was begun; of what
+a black box wrote, of the first as well."""
 PART_OF = "of"
-MAX_PARTS = 1000
+MAX_PARTS = 1_000_000
+"""A part every ten seconds for four months."""
 
-_SYNC_S = 0.9
-"""A little less than two periods of a flush, so that it is done at every second one."""
+_EARLY_S = 0.1
+"""A sync is done with a flush, if it is due by then or soon after."""
 _SYNC_SHARE = 4.0
 """A disk that takes long to sync is left alone for so many times as long."""
 
@@ -65,22 +70,35 @@ class Part:
         head: what it begins with.
         place: where it is.
         part: what it says of itself, if it is not the first.
+        sync_s: how often it is synced.
+        syncer: waits for the disk; by default, one of its own.
 
     Raises:
         LogError: it exists, cannot be written, or there is no room.
     """
 
     def __init__(
-        self, path: Path, head: Head, place: Place, part: Mapping[str, str] | None = None
+        self,
+        path: Path,
+        head: Head,
+        place: Place,
+        part: Mapping[str, str] | None = None,
+        sync_s: float = DEFAULT_SYNC_S,
+        syncer: Syncer | None = None,
     ) -> None:
         self.path = path
+        self.begun_ns: int | None = None
+        """Time of its first entry, on the clock of the loop."""
+        self._period_s = max(0.0, sync_s - _EARLY_S)
         self._place = place
+        self._syncer = syncer or Syncer()
+        self._sync: DiskTask | None = None
         self._offset_ns = head.run.wall_offset_ns
         self._publish_shift_ns = head.run.publish_shift_ns
         self._is_finished = False
         self._said: dict[str, str] = {}
         self._file = LogWriter(path)
-        self._sync_due_s = time.monotonic() + _SYNC_S
+        self._sync_due_s = time.monotonic() + self._period_s
         try:
             head.write(self._file, part or {})
             place.check_room()
@@ -104,8 +122,21 @@ class Part:
         """The name that it has now."""
         return self.path if self._is_finished else self.partial
 
+    @property
+    def size_bytes(self) -> int:
+        """What is on the disk; the last flush may be half a second ago."""
+        return os.fstat(self._file.fileno()).st_size
+
+    @property
+    def sync_error(self) -> Exception | None:
+        """Why the last sync failed: then the system refuses whatever comes next, in other words."""
+        return self._sync.error if self._sync is not None and self._sync.is_done else None
+
     def write(self, entry: LogEntry) -> None:
         """Write one entry."""
+        self._hear_of_sync()  # at once: a disk that failed is to be said within two seconds
+        if self.begun_ns is None:
+            self.begun_ns = entry.received_ns
         channel = self._file.channel(f"/{entry.key}", entry.kind, entry.sender)
         log_ns = entry.received_ns + self._offset_ns
         self._file.add(
@@ -121,7 +152,7 @@ class Part:
         return log_ns if entry.sent_ns is None else entry.sent_ns + self._publish_shift_ns
 
     def keep(self, missing: Mapping[str, int]) -> str:
-        """Bring all to the disk, and look whether it is still there.
+        """Hand all to the system, have it synced from time to time, and look whether it is there.
 
         Args:
             missing: how much is missing in its middle, by kind.
@@ -137,8 +168,7 @@ class Part:
         self.say_missing(missing)
         self._file.flush()
         trouble = self._look()
-        if time.monotonic() >= self._sync_due_s:
-            self._sync()
+        self._keep_synced()
         return trouble
 
     def say_missing(self, missing: Mapping[str, int]) -> None:
@@ -148,19 +178,36 @@ class Part:
             self._file.describe(END, said)
             self._said = said
 
-    def finish(self, missing: Mapping[str, int]) -> None:
-        """Finish the log and give it its name.
+    def seal(self, missing: Mapping[str, int]) -> None:
+        """Write the end of the log; `settle` gives it its name.
 
         Raises:
-            OSError: the disk did not take it, or something of that name is there.
+            OSError: the disk did not take it.
             LostPlaceError: the file is no longer where it should be: another one must not get its
                 name.
         """
         self.say_missing(missing)
         with contextlib.suppress(NoRoomError):  # the reserve is there for this
             self._look()
-        self._file.finish()
+        self._file.seal()
+
+    def settle(self) -> None:
+        """Make it durable and give it its name; from any thread.
+
+        Raises:
+            OSError: the disk did not take it, or something of that name is there.
+        """
+        self._file.settle()
         self._is_finished = True
+
+    def finish(self, missing: Mapping[str, int]) -> None:
+        """Do both.
+
+        Raises:
+            OSError, LostPlaceError: see there.
+        """
+        self.seal(missing)
+        self.settle()
 
     def end(self) -> None:
         """Finish the log, which keeps the name of an unfinished one.
@@ -181,11 +228,21 @@ class Part:
     def _look(self) -> str:
         return self._place.look(self.path, self.partial, self._file.fileno())
 
-    def _sync(self) -> None:
-        begin_s = time.monotonic()
-        self._file.sync()
-        end_s = time.monotonic()
-        self._sync_due_s = end_s + max(_SYNC_S, _SYNC_SHARE * (end_s - begin_s))
+    def _keep_synced(self) -> None:
+        """Ask for a sync when one is due, and none is under way."""
+        self._hear_of_sync()
+        if self._sync is None and time.monotonic() >= self._sync_due_s:
+            self._sync = self._syncer.do(self._file.sync)
+
+    def _hear_of_sync(self) -> None:
+        last = self._sync
+        if last is None or not last.is_done:
+            return
+        if last.error is not None:
+            raise last.error
+        self._sync = None
+        pause_s = max(self._period_s - last.took_s, _SYNC_SHARE * last.took_s)
+        self._sync_due_s = time.monotonic() + pause_s
 
 
 def next_path(first: Path, number: int) -> tuple[Path, int] | None:

@@ -69,8 +69,11 @@ class Place:
             return "its folder cannot be written any more"
         return ""
 
-    def check_ready(self) -> None:
-        """Look whether a new file can be begun, well above the reserve.
+    def check_ready(self, *, twice: bool = True) -> None:
+        """Look whether a new file can be begun.
+
+        Args:
+            twice: whether twice the reserve must be free, as after a failure.
 
         Raises:
             LostPlaceError: the disk is not there.
@@ -80,7 +83,7 @@ class Place:
         if self._is_detached():
             raise LostPlaceError("its disk was detached")
         self._folder.mkdir(parents=True, exist_ok=True)
-        self._check_room(os.statvfs(self._folder), twice=True)
+        self._check_room(os.statvfs(self._folder), twice=twice)
 
     def check_room(self) -> None:
         """Look whether more is free than the reserve.

@@ -26,9 +26,15 @@ class Progress:
         if self._busy_since_s is None:
             self._busy_since_s = time.monotonic()
 
-    def behind_in_words(self, waiting: int) -> str:
-        """For how long it has not caught up; empty if it has, or not for long."""
-        since_s = self._busy_since_s
+    def behind_in_words(self, waiting: int, disk_since_s: float | None = None) -> str:
+        """For how long it has not caught up; empty if it has, or not for long.
+
+        Args:
+            waiting: how many records wait.
+            disk_since_s: since when the disk has been asked to sync and has not answered.
+        """
+        known = [t for t in (self._busy_since_s, disk_since_s) if t is not None]
+        since_s = min(known) if known else None
         busy_s = 0.0 if since_s is None else time.monotonic() - since_s
         if busy_s < BEHIND_S:
             return ""

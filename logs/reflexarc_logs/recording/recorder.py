@@ -1,41 +1,42 @@
-"""The recorder: writes one run to one MCAP file, from a thread of its own.
+"""The recorder: writes one run to MCAP files, from a thread of its own.
 
 The loop only puts records into a queue. The owner thread checks that each one can be decoded,
 writes it, and flushes every half second: killed at any moment, a recording loses less than one
 second. With each flush it looks whether the file is still there and the disk has room. A disk that
 fails stops the recording, loudly, and not the robot; once it can take a log again, the recording
-goes on in a new part, from the next keyframe on.
+goes on in a new part, from the next keyframe on. New parts begin as well where a part is full; and
+a black box writes only where something happened.
 
 `log_time` is the arrival on the runtime's monotonic clock plus the wall clock's offset at the
 start: a step of the wall clock does not show in it, and replay gets the arrival back exactly.
 """
 
 import threading
-import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from reflexarc_logs.container.rejected import Intake
 from reflexarc_logs.container.run_info import WALL_CLOCK, RunInfo
-from reflexarc_logs.recording.backlog import Backlog, Entry
+from reflexarc_logs.recording.backlog import Backlog
+from reflexarc_logs.recording.black_box import BlackBox, BoxSpan
 from reflexarc_logs.recording.budget import Budgets
-from reflexarc_logs.recording.part import Head, Part
-from reflexarc_logs.recording.place import DEFAULT_RESERVE_BYTES, LostPlaceError, NoRoomError
+from reflexarc_logs.recording.keeping import DEFAULT_KEEPING, Keeping
+from reflexarc_logs.recording.part import Head
+from reflexarc_logs.recording.part_keeper import PartKeeper
 from reflexarc_logs.recording.progress import Progress
-from reflexarc_logs.recording.recording_notices import RecordingNotices
+from reflexarc_logs.recording.recording_account import RecordingAccount
+from reflexarc_logs.recording.scribe import Scribe
 from reflexarc_logs.recording.series import Series
+from reflexarc_logs.recording.whole_run import Destination, WholeRun
 from reflexarc_runtime.keyframe import Keyframe
 from reflexarc_runtime.messages.wire import Message
 from reflexarc_runtime.policy.model_file import policy_hash
 from reflexarc_runtime.rules import CURRENT_RULES
 
-FLUSH_PERIOD_S = 0.5
 PATIENCE_S = 20.0
 """How long the end of a recording waits for a disk that does nothing."""
-_WAIT_S = 1.0
 
 
 class Recorder:
@@ -48,7 +49,8 @@ class Recorder:
         policy: the policy file, attached as `policy.onnx`; empty where none is known.
         config: the resolved configuration, attached as `config.json`.
         wall_offset_ns: wall clock minus monotonic clock at the start; 0 in lockstep.
-        reserve_bytes: what shall stay free on the disk, at most a tenth of it.
+        keeping: when a new part begins, how much is kept, what stays free.
+        box: write only so much around whatever happens; None: everything.
 
     Raises:
         LogError: the path exists, cannot be written, or there is no room.
@@ -62,7 +64,8 @@ class Recorder:
         config: Mapping[str, Any],
         *,
         wall_offset_ns: int,
-        reserve_bytes: int = DEFAULT_RESERVE_BYTES,
+        keeping: Keeping = DEFAULT_KEEPING,
+        box: BoxSpan | None = None,
     ) -> None:
         run = replace(
             run,
@@ -72,21 +75,20 @@ class Recorder:
             publish_clock=WALL_CLOCK,
             rules=CURRENT_RULES.version,
         )
-        self._begins_with_keyframes = run.recorded_by == "run"
-        self._intake = Intake(run.robot)
-        self._budgets = Budgets(of_loop=self._begins_with_keyframes)
-        self._backlog = Backlog()
-        self._progress, self._notices = Progress(), RecordingNotices()
-        self._failure = ""
-        """Why nothing is recorded just now."""
-        self._failures: list[str] = []
-        self._trouble = ""
+        of_loop = run.recorded_by == "run"
+        self._backlog, self._budgets = Backlog(), Budgets(of_loop=of_loop)
+        self._progress, self._account = Progress(), RecordingAccount(self._backlog, self._budgets)
+        head = Head(run, policy, config)
+        self._series = Series(Path(path), head, keeping, at_once=box is None)
+        keeper = PartKeeper(self._series, self._account)
+        self._destination: Destination = (
+            WholeRun(keeper, keeping, of_loop=of_loop)
+            if box is None
+            else BlackBox(keeper, self._account, box)
+        )
         self._closed = False
-        self._lost = 0
-        self._series = Series(Path(path), Head(run, policy, config), reserve_bytes)
-        self._before = self._left_out()
-        self._held: Entry | None = None
-        self._owner = threading.Thread(target=self._own, name="recorder", daemon=True)
+        scribe = Scribe(run, self._account, self._progress, self._destination)
+        self._owner = threading.Thread(target=scribe.run, name="recorder", daemon=True)
         self._owner.start()
 
     def __enter__(self) -> Self:
@@ -103,7 +105,7 @@ class Recorder:
     @property
     def path(self) -> Path:
         """Where the finished log will be; its first part, if there are several."""
-        return self._series.parts[0].path
+        return self._series.path
 
     @property
     def parts(self) -> tuple[Path, ...]:
@@ -115,14 +117,15 @@ class Recorder:
     @property
     def failed(self) -> bool:
         """Whether anything is missing in the recording that a disk should have taken."""
-        return bool(self._failures or self._backlog.dropped)
+        return bool(self._account.failures or self._backlog.dropped)
 
     @property
     def state(self) -> str:
         """See `Sink.state`: `on`, `off` after close, and what is amiss; or why it stopped."""
-        if self._failure:
-            return f"stopped: {self._failure}"
-        return ", ".join(filter(None, ["off" if self._closed else "on", *self._amiss()]))
+        if self._account.failure:
+            return f"stopped: {self._account.failure}"
+        first = "off" if self._closed else "on"
+        return ", ".join(filter(None, [first, self._destination.words, *self._amiss()]))
 
     @property
     def dropped(self) -> int:
@@ -151,101 +154,20 @@ class Recorder:
         while self._owner.is_alive() and self._progress.steps != done:
             done = self._progress.steps
             self._owner.join(PATIENCE_S)
-        if self._owner.is_alive() and not self._failure:
-            self._note_failure(f"the disk did not answer for {PATIENCE_S:g} s")
+        if self._owner.is_alive() and not self._account.failure:
+            self._account.note_failure(f"the disk did not answer for {PATIENCE_S:g} s")
 
     def _amiss(self) -> list[str]:
+        again = f"again in {self._account.again_in} after: "
         strangers = self._budgets.missing + self._budgets.beside
         return [
-            *(f"again in {self._series.current.path.name} after: {r}" for r in self._failures[-1:]),
-            self._trouble,
-            "" if self._closed else self._progress.behind_in_words(self._backlog.waiting),
+            *(again + reason for reason in self._account.failures[-1:]),
+            self._account.trouble,
+            "" if self._closed else self._behind(),
             f"{self._backlog.dropped} records dropped" if self._backlog.dropped else "",
             f"{strangers} messages of others left out" if strangers else "",
         ]
 
-    def _own(self) -> None:
-        """Run the thread that owns the files."""
-        part: Part | None = self._series.current
-        while part is not None:
-            self._fill(part)
-            part = self._next_part() if self._failure else None
-
-    def _fill(self, part: Part) -> None:
-        """Write a part to its end; whatever happens to a recording, the robot goes on."""
-        try:
-            self._write_until_closed(part)
-            part.finish(self._missing())
-        except NoRoomError as error:
-            self._fail(part, str(error), lambda: part.finish(self._missing()))
-        except LostPlaceError as error:
-            self._fail(part, str(error), part.end)
-        except Exception as error:
-            reason = (error.strerror if isinstance(error, OSError) else None) or repr(error)
-            self._fail(part, reason, part.abandon)
-
-    def _write_until_closed(self, part: Part) -> None:
-        flush_due_s = time.monotonic() + FLUSH_PERIOD_S
-        while self._held is not None or not self._backlog.ended:
-            entry = self._take(flush_due_s - time.monotonic())
-            if entry is not None:
-                self._write(part, entry)
-            if time.monotonic() >= flush_due_s:
-                self._trouble = part.keep(self._missing())
-                self._notices.look(part.path, self._trouble, self._backlog.dropped)
-                flush_due_s = time.monotonic() + FLUSH_PERIOD_S
-
-    def _take(self, timeout_s: float) -> Entry | None:
-        if not self._backlog.waiting:
-            self._progress.rest()
-        held, self._held = self._held, None
-        entry = held or self._backlog.take(timeout_s)
-        self._progress.work()
-        return entry
-
-    def _write(self, part: Part, entry: Entry) -> None:
-        granted = self._budgets.granted(self._intake.sort(entry), time.monotonic())
-        if granted is not None:
-            part.write(granted)
-
-    def _next_part(self) -> Part | None:
-        """Wait until the disk can take a new part, and lose what comes meanwhile.
-
-        A part begins with a keyframe, so that it replays; a listener on the bus has none.
-        """
-        while not self._backlog.ended:
-            entry = self._take(_WAIT_S)
-            if isinstance(entry, Keyframe) or (entry and not self._begins_with_keyframes):
-                part = self._series.begin(self._failure, self._lost)
-                if part is not None:
-                    self._held = entry
-                    self._go_on(part)
-                    return part
-            self._lost += entry is not None
-        return None
-
-    def _go_on(self, part: Part) -> None:
-        self._notices.goes_on(part.path, self._lost)
-        self._failure, self._trouble, self._lost = "", "", 0
-        self._before = self._left_out()
-
-    def _left_out(self) -> dict[str, int]:
-        missing = self._backlog.dropped + self._budgets.missing
-        return {"dropped": missing, "left_out": self._budgets.beside}
-
-    def _missing(self) -> dict[str, int]:
-        """What is missing in the middle of this part."""
-        return {kind: count - self._before[kind] for kind, count in self._left_out().items()}
-
-    def _fail(self, part: Part, reason: str, leave: Callable[[], None]) -> None:
-        self._note_failure(reason)  # at once: leaving a file may take long
-        self._series.failed()
-        try:
-            leave()
-        except Exception:  # it failed already; this is for what may still be saved
-            part.abandon()
-        self._notices.stopped(part.path, reason, part.place_now)
-
-    def _note_failure(self, reason: str) -> None:
-        self._failures.append(reason)
-        self._failure = reason
+    def _behind(self) -> str:
+        disk_since_s = self._series.syncer.waits_since_s
+        return self._progress.behind_in_words(self._backlog.waiting, disk_since_s)

@@ -26,6 +26,14 @@ class RecordingNotices:
         where = f"What was written is in {kept}" if kept.exists() else "What was written is gone"
         _LOG.error("%s: the recording stopped: %s; the robot goes on. %s", path, reason, where)
 
+    def unsettled(self, path: Path, reason: str, kept: Path) -> None:
+        """Say that a part that was written to its end did not get its name."""
+        _LOG.error("%s: could not be finished: %s. What was written is in %s", path, reason, kept)
+
+    def refused(self, path: Path, reason: str) -> None:
+        """Say that the next part could not be begun."""
+        _LOG.error("%s: the next part cannot be begun: %s; the robot goes on", path, reason)
+
     def goes_on(self, path: Path, lost: int) -> None:
         """Say that a new part began."""
         _LOG.warning("%s: the recording goes on; %d records were lost before it", path, lost)

@@ -7,6 +7,7 @@ one. No other place defines topics.
 from dataclasses import dataclass
 from enum import Enum
 
+from foxglove_schemas_protobuf.CompressedImage_pb2 import CompressedImage
 from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform
 from foxglove_schemas_protobuf.LaserScan_pb2 import LaserScan
 from foxglove_schemas_protobuf.Log_pb2 import Log
@@ -65,6 +66,7 @@ STATUS = Topic("status", pb.Status, (RUNTIME_NODE, BODY_NODE), "1 Hz")
 POSE = Topic("pose", PoseInFrame, (BODY_NODE,), "sensor")
 TRANSFORM = Topic("tf", FrameTransform, (BODY_NODE,), "sensor")
 ODOMETRY = Topic("odometry", PoseInFrame, (BODY_NODE,), "sensor")
+IMAGE = Topic("image", CompressedImage, (BODY_NODE,), "if asked for")
 SCENE = Topic("scene", SceneUpdate, (BODY_NODE,), "1 Hz")
 LOG = Topic("log", Log, (RUNTIME_NODE, BODY_NODE), "event")
 CONTACT = Topic("contact", pb.Contact, (BODY_NODE,), "event")
@@ -89,6 +91,7 @@ TOPICS: tuple[Topic, ...] = (
     POSE,
     TRANSFORM,
     ODOMETRY,
+    IMAGE,
     SCENE,
     LOG,
     CONTACT,

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from reflexarc_logs.container.manifest import Manifest
 from reflexarc_logs.reading.log_paths import log_paths
 from reflexarc_runtime.errors import LogError
 
@@ -28,3 +29,24 @@ def test_nothing_is_an_error(tmp_path: Path):
         log_paths([tmp_path])
     with pytest.raises(LogError, match="got nothing"):
         log_paths([])
+
+
+def test_parts_come_in_the_order_of_their_numbers(tmp_path: Path):
+    names = ["a.mcap", *(f"a.part{number}.mcap" for number in range(2, 12))]
+    for name in sorted(names, reverse=True):
+        (tmp_path / name).write_bytes(b"")
+    assert [path.name for path in log_paths([tmp_path])] == names
+
+
+def test_a_manifest_means_the_parts_of_its_recording_that_are_there(tmp_path: Path):
+    manifest = Manifest(tmp_path / "a.mcap", "id")
+    manifest.begin()
+    for number in (1, 2, 3):
+        manifest.say("finished", part=number, name=f"{number}.mcap")
+    for name in ("2.mcap", "3.mcap", "another.mcap"):
+        (tmp_path / name).write_bytes(b"")
+    assert [path.name for path in log_paths([manifest.path])] == ["2.mcap", "3.mcap"]
+    for name in ("2.mcap", "3.mcap"):
+        (tmp_path / name).unlink()
+    with pytest.raises(LogError, match="expected finished parts beside it"):
+        log_paths([manifest.path])

@@ -11,7 +11,7 @@ from reflexarc_logs.container import writing as log_file
 from reflexarc_logs.container.record_stream import stream_records
 from reflexarc_logs.reading.reader import read_log
 from reflexarc_logs.reading.recover import recover
-from reflexarc_logs.recording.recorder import FLUSH_PERIOD_S
+from reflexarc_logs.recording.scribe import FLUSH_PERIOD_S
 from reflexarc_logs.replaying.replay import replay
 from reflexarc_runtime.errors import LogError
 from support.recordings import RUN, drive, nominal

@@ -12,11 +12,14 @@ import pytest
 
 from reflexarc_logs.container import writing as log_file
 from reflexarc_logs.container.first_look import look
+from reflexarc_logs.container.manifest import read_manifest
 from reflexarc_logs.reading.reader import read_log
 from reflexarc_logs.reading.recover import recover
 from reflexarc_logs.recording import recorder as recorder_module
+from reflexarc_logs.recording import scribe as scribe_module
 from reflexarc_logs.recording import series as series_module
 from reflexarc_logs.recording.backlog import Backlog
+from reflexarc_logs.recording.keeping import Keeping
 from reflexarc_logs.recording.part import PART, Head, next_path
 from reflexarc_logs.recording.recorder import Recorder
 from reflexarc_logs.recording.series import Series
@@ -40,7 +43,7 @@ def at_once(monkeypatch):
     """Nothing is waited for: a drive of twelve seconds takes one, and chunks are small."""
     monkeypatch.setattr(log_file, "CHUNK_BYTES", 4096)
     monkeypatch.setattr(series_module, "RETRY_S", 0.0)
-    monkeypatch.setattr(recorder_module, "FLUSH_PERIOD_S", 0.01)
+    monkeypatch.setattr(scribe_module, "FLUSH_PERIOD_S", 0.01)
 
 
 @pytest.fixture
@@ -78,7 +81,10 @@ def test_a_disk_that_fails_ends_a_part_and_the_next_begins_with_a_keyframe(
     assert os.strerror(number) in caplog.text
     assert "the recording goes on" in caplog.text
     second = tmp_path / "a.part2.mcap"
-    assert sorted(tmp_path.iterdir()) == [tmp_path / "a.mcap.partial", second]
+    assert sorted(tmp_path.glob("*.mcap*")) == [tmp_path / "a.mcap.partial", second]
+    first, other = read_manifest(tmp_path / "a.parts.jsonl")
+    assert (first.state, first.why, first.path.name) == ("failed", os.strerror(number), "a.mcap")
+    assert (other.state, other.why, other.path) == ("finished", os.strerror(number), second)
     said = look(second).metadata[PART]
     assert (said["part"], said["of"], said["after"]) == ("2", "a.mcap", os.strerror(number))
     report = replay(second)
@@ -94,7 +100,7 @@ def test_a_disk_that_fails_ends_a_part_and_the_next_begins_with_a_keyframe(
 def test_every_part_counts_and_all_are_named(policy, tmp_path, disks):
     disks(full_after(ROOM), full_after(ROOM))
     drive(tmp_path / "a.mcap", policy, nominal(TICKS), TICKS)
-    names = sorted(path.name for path in tmp_path.iterdir())
+    names = sorted(path.name for path in tmp_path.glob("*.mcap*"))
     assert names == ["a.mcap.partial", "a.part2.mcap.partial", "a.part3.mcap"]
 
 
@@ -123,7 +129,7 @@ def test_a_name_that_is_taken_is_skipped_for_the_next_part(tmp_path):
     (tmp_path / "a.b.part3.mcap.partial").touch()
     (tmp_path / "a.b.part4.mcap").symlink_to("nowhere")
     assert next_path(first, 2) == (tmp_path / "a.b.part5.mcap", 5)
-    assert next_path(first, 1001) is None
+    assert next_path(first, 1_000_001) is None
 
 
 LOSSES = {
@@ -146,7 +152,7 @@ def test_a_file_that_is_lost_is_said_and_the_status_is_not_on(words, tmp_path):
 
 
 def test_another_file_in_its_place_never_becomes_the_log(tmp_path, monkeypatch):
-    monkeypatch.setattr(recorder_module, "FLUSH_PERIOD_S", 60.0)  # only the end looks
+    monkeypatch.setattr(scribe_module, "FLUSH_PERIOD_S", 60.0)  # only the end looks
     partial = tmp_path / "a.mcap.partial"
     with recorder_at(tmp_path / "a.mcap") as recorder:
         partial.unlink()
@@ -222,9 +228,10 @@ def test_parts_that_do_not_last_are_begun_ever_more_rarely(tmp_path, monkeypatch
     now = {"s": 100.0}
     monkeypatch.setattr(time, "monotonic", lambda: now["s"])
     monkeypatch.setattr(series_module, "RETRY_S", 1.0)
-    series = Series(tmp_path / "a.mcap", Head(RUN, b"", {}), 0)
+    series = Series(tmp_path / "a.mcap", Head(RUN, b"", {}), Keeping(reserve_bytes=0))
     waits = []
     for _ in range(8):
+        assert series.current is not None
         series.current.abandon()
         series.failed()
         begun_s = now["s"]

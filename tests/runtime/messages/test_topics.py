@@ -4,19 +4,14 @@ from reflexarc_runtime.messages.topics import BODY_TOPICS, OVERHEARD, SENSORS, T
 
 
 def test_a_log_plays_what_only_a_body_says() -> None:
-    names = {topic.name for topic in BODY_TOPICS}
-    assert names == {"retina", "scan", "pose", "tf", "odometry", "scene", "contact", "body"}
+    beside = {"pose", "tf", "odometry", "image", "scene", "contact", "body"}
+    assert {topic.name for topic in BODY_TOPICS} == {"retina", "scan"} | beside
 
 
 def test_the_loop_records_what_others_say_beside_its_own_input_and_output() -> None:
     names = {topic.name for topic in OVERHEARD}
-    assert names == {"pose", "tf", "odometry", "scene", "contact", "status", "log", "body"} | {
-        "lease",
-        "arm",
-        "hold_to_run",
-        "release",
-        "mark",
-    }
+    of_body = {"pose", "tf", "odometry", "image", "scene", "contact", "status", "log", "body"}
+    assert names == of_body | {"lease", "arm", "hold_to_run", "release", "mark"}
 
 
 def test_every_recorded_stream_reaches_the_log_of_a_loop_in_exactly_one_way() -> None:

@@ -41,6 +41,7 @@ class CameraCommand:
       reflexarc camera drive.avi --policy runs/paper/policy.onnx
       reflexarc camera 0 --right 1
       reflexarc camera "frames/*.png" --rate 10
+      reflexarc camera 0 --frames-hz 5
       reflexarc camera deep/ --bits 12
       reflexarc camera 0 --policy racer.onnx --max-speed-mps 30
     """
@@ -55,6 +56,9 @@ class CameraCommand:
     """Build the eye from this policy; by default, ask the runtime on the bus."""
     rate: float | None = None
     """Images a second; by default the video's own, or the contract's. A camera may give another."""
+    frames_hz: float = 0.0
+    """Publish so many of the images a second as well, at most, on <robot>/image (JPEG), for whoever
+    records or looks. 0: none."""
     bits: int | None = None
     """Bits that the camera gives in images of 16 bits; by default the images must show it."""
     bounds: Bounds = field(default_factory=Bounds)
@@ -68,6 +72,8 @@ class CameraCommand:
 
         if self.rate is not None and not 0.0 < self.rate <= MAX_RATE_HZ:
             raise UsageError(f"--rate: expected 0 to {MAX_RATE_HZ:g} Hz, got {self.rate}")
+        if not 0.0 <= self.frames_hz <= MAX_RATE_HZ:
+            raise UsageError(f"--frames-hz: expected 0 to {MAX_RATE_HZ:g} Hz, got {self.frames_hz}")
         if self.bits is not None and not 9 <= self.bits <= 16:
             raise UsageError(f"--bits: expected 9 to 16, got {self.bits}")
         sources, calibration = self._sources(), self._calibration()
@@ -113,7 +119,8 @@ class CameraCommand:
         if len(sources) > contract.retina.eyes:
             raise UsageError("--right: expected a policy with two eyes, got one with one")
         eye, clock = CameraEye(calibration, contract.retina), MonotonicClock()
-        bridge = CameraBridge(bus, eye, contract.retina, self.joining.robot, clock)
+        robot, frames_hz = self.joining.robot, self.frames_hz
+        bridge = CameraBridge(bus, eye, contract.retina, robot, clock, frames_hz)
         moments: Iterable[Moment] = zip(*(source.frames() for source in sources), strict=False)
         totals = [source.total for source in sources if source.total is not None]
         aside.print(f"reflexarc camera: {plain(self.source)}, {contract.retina.rays} rays")
@@ -135,7 +142,9 @@ class CameraCommand:
         if self.json:
             print_json(account)
             return
-        console.print(facts({"retinas": account.retinas, "not decoded": account.undecodable}))
+        shown = {"retinas": account.retinas, "not decoded": account.undecodable}
+        frames = {"images": account.frames} if self.frames_hz else {}
+        console.print(facts({**shown, **frames}))
 
 
 class _Notices:

@@ -1,19 +1,19 @@
 """`reflexarc run`: the sense–act loop with one policy."""
 
 import uuid
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import tyro
 
-from reflexarc.terminal.output import aside, console, facts, microseconds, plain, print_json
+from reflexarc.terminal.output import aside, console, facts, plain, print_json
 from reflexarc.terminal.signals import StopFlag
 from reflexarc.wiring.bus_flags import Joining
 from reflexarc.wiring.guard_flags import GuardFlags
-from reflexarc.wiring.reserve import Reserve
+from reflexarc.wiring.keeping_logs.black_box_flags import BlackBoxFlags
+from reflexarc.wiring.keeping_logs.recording_flags import RecordingFlags
+from reflexarc.wiring.keeping_logs.run_summary import summary_as_dict, summary_in_words
 from reflexarc.wiring.scan_flags import ScanFlags
 from reflexarc.wiring.sense_flags import SenseFlags
 from reflexarc.wiring.watching import Watching
@@ -22,9 +22,15 @@ from reflexarc_runtime.contract.stopping import check_speed
 from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:
-    from reflexarc.wiring.recorders import Recording
-    from reflexarc.wiring.waiting import Arrival, Waiting
-    from reflexarc_runtime.bus import Bus, Publisher
+    from collections.abc import Mapping
+    from contextlib import AbstractContextManager
+
+    from reflexarc.wiring.keeping_logs.outcome import Recording
+    from reflexarc.wiring.keeping_logs.run_sinks import RunSinks
+    from reflexarc_logs.recording.black_box import BoxSpan
+    from reflexarc_logs.recording.keeping import Keeping
+    from reflexarc_logs.recording.recorder import Recorder
+    from reflexarc_runtime.bus import Bus
     from reflexarc_runtime.controller import Controller
     from reflexarc_runtime.loop.inbox import Inbox
     from reflexarc_runtime.loop.monitor import Summary
@@ -35,8 +41,6 @@ if TYPE_CHECKING:
     from reflexarc_runtime.loop.sink import Sink
     from reflexarc_runtime.loop.watch import Watch
     from reflexarc_runtime.policy.policy import LoadedPolicy
-
-LISTENER_POLL_S = 0.01
 
 
 @dataclass(frozen=True)
@@ -55,6 +59,8 @@ class RunCommand:
     Examples:
       reflexarc run runs/reflex-0/policy.onnx
       reflexarc run runs/reflex-0/policy.onnx --record runs/drive.mcap
+      reflexarc run runs/reflex-0/policy.onnx --record runs/monday --rotate-s 600 --keep-mb 2000
+      reflexarc run runs/reflex-0/policy.onnx --black-box 30 -o runs/incidents
       reflexarc run runs/reflex-0/policy.onnx --input scan --robot rover1
       reflexarc run racer.onnx --max-speed-mps 30
       reflexarc run rover.onnx --input scan --mount 0.1 0 180 --no-return zero
@@ -69,8 +75,10 @@ class RunCommand:
     lockstep: bool = False
     """One tick an input, on the input's own time."""
     record: Path | None = None
-    """Record everything to this MCAP file; after a failure it goes on in NAME.part2.mcap."""
-    reserve: tyro.conf.OmitArgPrefixes[Reserve] = field(default_factory=Reserve)
+    """Record everything to this MCAP file; after a failure, or with --rotate-mb, --rotate-s or
+    --keep-mb, it goes on in NAME.part2.mcap. With these flags it may be a folder."""
+    recording: tyro.conf.OmitArgPrefixes[RecordingFlags] = field(default_factory=RecordingFlags)
+    box: tyro.conf.OmitArgPrefixes[BlackBoxFlags] = field(default_factory=BlackBoxFlags)
     ticks: int | None = None
     """End after so many ticks; by default, at Ctrl-C."""
     fifo: int = 0
@@ -104,15 +112,12 @@ class RunCommand:
         run_id = uuid.uuid4().hex
         with (
             StopFlag() as stop,
-            self._sink(policy, run_id) as sink,
+            self._sinks(policy, run_id) as sinks,
             self.joining.bus(RUNTIME_NODE, lockstep=self.lockstep) as bus,
         ):
-            summary = self._loop(bus, controller, sink, run_id, policy, stop)
-        from reflexarc.wiring.recorders import recording_of
-
-        recording = recording_of(sink)
-        self._tell(summary, recording)
-        return int(recording.failed)
+            summary = self._loop(bus, controller, sinks, run_id, policy, stop)
+        self._tell(summary, sinks.recordings)
+        return int(any(recording.failed for recording in sinks.recordings.values()))
 
     def _tried_policy(self) -> "LoadedPolicy":
         """Load the policy, after a process of its own has."""
@@ -131,7 +136,11 @@ class RunCommand:
 
     def _check_flags(self) -> None:
         self.watching.check()
-        _ = self.reserve.size_bytes
+        if self.recording.keeping("reflexarc run").in_parts and self.record is None:
+            raise UsageError(
+                "--rotate-mb, --rotate-s, --keep-mb: expected --record PATH beside them"
+            )
+        _ = self.box.span
         looks_at_scans = self.input == "scan" or self.guarding.guard_ranges == "scan"
         if self.sensing.scanner != ScanFlags() and not looks_at_scans:
             raise UsageError(
@@ -148,11 +157,12 @@ class RunCommand:
         self,
         bus: "Bus",
         controller: "Controller",
-        sink: "Sink",
+        sinks: "RunSinks",
         run_id: str,
         policy: "LoadedPolicy",
         stop: StopFlag,
     ) -> "Summary":
+        from reflexarc.wiring.awaiting import awaiting_input, wait_for_body
         from reflexarc.wiring.waiting import Arrival
         from reflexarc_runtime.loop import realtime
         from reflexarc_runtime.loop.inbox import Inbox
@@ -163,10 +173,10 @@ class RunCommand:
         inbox, command = Inbox(), bus.publisher(COMMAND)
         release = NoOutlet() if self.lockstep else bus.publisher(RELEASE)
         outlets = Outlets(command, bus.publisher(TICK), bus.publisher(STATUS), release)
-        self._listen_to_the_rest(bus, sink)
+        self._listen_to_the_rest(bus, sinks)
         bus.offer_policy(policy.data)
         if self.lockstep:
-            self._wait_for_body(bus, command, stop)
+            wait_for_body(bus, command, stop)
         came = Arrival(inbox.put)
         bus.subscribe([controller.sense.topic], came.hear)
         ranges = [topic for topic in (controller.ranges_topic,) if topic is not None]
@@ -178,12 +188,13 @@ class RunCommand:
         )
         said = "; ".join(realtime.prepare(self.fifo))  # the watchdog's thread inherits it
         notices = Notices(self._say, controller.contract, self.input)
-        waiting = self._waiting(bus, controller, came)
+        key = controller.sense.topic.key(robot)
+        waiting = awaiting_input(bus, self.input, key, came)
         # The watchdog ends first: what it watches has ended, and the others take a moment to.
         with notices, waiting, watching as watch:
             words = f"{plain(str(self.policy))} on {self.backend}; {said}; watchdog {watch.state}"
             aside.print(f"reflexarc run: {words}", soft_wrap=True)
-            node = self._node(controller, inbox, outlets, sink, run_id, bus.sender, watch, notices)
+            node = self._node(controller, inbox, outlets, sinks, run_id, bus.sender, watch, notices)
             return node.run(stop, self.ticks)
 
     def _look_for_rivals(self, bus: "Bus") -> None:
@@ -194,24 +205,8 @@ class RunCommand:
         if not self.lockstep:
             bus.subscribe([LEASE], Rivals(bus.sender, self._say, bus.robot).hear)
 
-    def _waiting(self, bus: "Bus", controller: "Controller", came: "Arrival") -> "Waiting":
-        """What explains why no input comes."""
-        from reflexarc.wiring.waiting import Waiting, Wish
-
-        key = controller.sense.topic.key(self.joining.robot)
-        wish = Wish("reflexarc run", f"{self.input}s", key, advice=self._advice())
-        return Waiting(bus, wish, came)
-
     def _say(self, words: str) -> None:
         aside.print(f"reflexarc run: {plain(words)}", soft_wrap=True)
-
-    def _advice(self) -> dict[str, str]:
-        """What to do where something else than the expected sensor is heard."""
-        other = "scan" if self.input == "retina" else "retina"
-        return {
-            f"{self.joining.robot}/{other}": f"--input {other}",
-            f"/{self.input}": "another robot, --robot {first}?",
-        }
 
     def _node(
         self,
@@ -250,78 +245,42 @@ class RunCommand:
             LockstepPacer(inbox) if self.lockstep else RatePacer(rate_hz, MonotonicClock(), inbox)
         )
 
-    def _listen_to_the_rest(self, bus: "Bus", sink: "Sink") -> None:
+    def _listen_to_the_rest(self, bus: "Bus", sinks: "RunSinks") -> None:
         """Record the streams that the loop does not decide on; they bypass the inbox."""
         from reflexarc_runtime.messages.topics import OVERHEARD
         from reflexarc_runtime.messages.wire import Message, at_source_time
 
-        if self.record is None:
+        if not sinks.takes_any:
             return
 
         def keep(message: Message) -> None:
-            sink.put(at_source_time(message) if self.lockstep else message)
+            sinks.put(at_source_time(message) if self.lockstep else message)
 
         bus.subscribe(OVERHEARD, keep)
 
-    def _wait_for_body(self, bus: "Bus", command: "Publisher", stop: StopFlag) -> None:
-        """Wait for a body: in lockstep, a command without a listener would never be answered."""
-        import time
+    def _sinks(self, policy: "LoadedPolicy", run_id: str) -> "AbstractContextManager[RunSinks]":
+        """What the run is recorded by."""
+        from reflexarc.wiring.keeping_logs.recorders import recorder_of_run
+        from reflexarc.wiring.keeping_logs.run_sinks import run_sinks
 
-        from reflexarc.wiring.waiting import Waiting, Wish
-        from reflexarc_runtime.messages.topics import COMMAND
-
-        aside.print("reflexarc run: waiting for a body in lockstep …")
-        # Whoever overhears commands would be taken for the body that listens.
-        around = "*/retina", "*/scan", "*/lease", "*/status"
-        wish = Wish("reflexarc run", "a body that listens", COMMAND.key(bus.robot), around)
-        with Waiting(bus, wish, lambda: command.has_listener):
-            while not command.has_listener and not stop():
-                time.sleep(LISTENER_POLL_S)
-
-    @contextmanager
-    def _sink(self, policy: "LoadedPolicy", run_id: str) -> "Iterator[Sink]":
-        from reflexarc_runtime.loop.sink import NoSink
-
-        if self.record is None:
-            yield NoSink()
-            return
-        from reflexarc.wiring.recorders import recorder_of_run
-
-        with recorder_of_run(
-            self.record,
-            policy,
-            run_id=run_id,
-            robot=self.joining.robot,
-            sensor=self.input,
-            lockstep=self.lockstep,
-            guard=self.guarding.settings_for(policy.contract),
-            senses=self.sensing.settings,
-            reserve_bytes=self.reserve.size_bytes,
-        ) as recorder:
-            yield recorder
-
-    def _tell(self, summary: "Summary", recording: "Recording") -> None:
-        if self.json:
-            said = {"recording": recording.in_words, "parts": recording.parts}
-            print_json({**_as_dict(summary), **said})
-            return
-        console.print(
-            facts(
-                {
-                    "ticks": summary.ticks,
-                    "rate": f"{summary.rate_hz:.2f} Hz",
-                    "lateness": f"p50 {microseconds(summary.lateness_p50_ns)}, "
-                    f"p99 {microseconds(summary.lateness_p99_ns)}, "
-                    f"max {microseconds(summary.lateness_max_ns)}",
-                    "skipped slots": summary.skipped_slots,
-                    "verdicts": ", ".join(f"{k} {v}" for k, v in summary.verdicts.items()),
-                    "recording": recording.in_words,
-                }
+        def make(path: Path, keeping: "Keeping", box: "BoxSpan | None") -> "Recorder":
+            return recorder_of_run(
+                path,
+                policy,
+                run_id=run_id,
+                robot=self.joining.robot,
+                sensor=self.input,
+                lockstep=self.lockstep,
+                guard=self.guarding.settings_for(policy.contract),
+                senses=self.sensing.settings,
+                keeping=keeping,
+                box=box,
             )
-        )
 
+        return run_sinks(self.record, self.recording, self.box, make)
 
-def _as_dict(summary: "Summary") -> dict[str, object]:
-    from dataclasses import asdict
-
-    return asdict(summary)
+    def _tell(self, summary: "Summary", recordings: "Mapping[str, Recording]") -> None:
+        if self.json:
+            print_json(summary_as_dict(summary, recordings))
+        else:
+            console.print(facts(summary_in_words(summary, recordings)))

@@ -1,6 +1,5 @@
 """`reflexarc record`: writes every stream of a robot on the bus into one log."""
 
-import datetime
 import math
 import time
 from dataclasses import dataclass, field
@@ -12,11 +11,11 @@ import tyro
 from reflexarc.terminal.output import aside, console, facts, print_json
 from reflexarc.terminal.signals import StopFlag
 from reflexarc.wiring.bus_flags import Joining
-from reflexarc.wiring.reserve import Reserve
+from reflexarc.wiring.keeping_logs.recording_flags import RecordingFlags, first_part, now_in_name
 from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:
-    from reflexarc.wiring.recorders import Recording
+    from reflexarc.wiring.keeping_logs.outcome import Recording
 
 POLL_S = 0.05
 
@@ -27,38 +26,42 @@ class RecordCommand:
 
     The log holds what this process heard, in its own order; it replays at level `policy`. A log
     that replays at level `node` too is made by `reflexarc run --record`. A recording that fails,
-    for example on a full disk, goes on in NAME.part2.mcap once it can. Exit status 1: it failed,
+    for example on a full disk, goes on in NAME.part2.mcap once it can; so does one with a limit for
+    its parts. Exit status 1: it failed,
     or a part of it is missing.
 
     Examples:
       reflexarc record
       reflexarc record -o runs/monday.mcap --robot rover1
+      reflexarc record -o runs/monday --rotate-mb 100 --keep-mb 2000
     """
 
     out: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
-    """Where to write; runs/<date and time>.mcap by default."""
+    """Where to write; runs/<date and time>.mcap by default. With --rotate-mb, --rotate-s or
+    --keep-mb it may be a folder."""
     seconds: float | None = None
     """End after so many seconds; by default, at Ctrl-C."""
-    reserve: tyro.conf.OmitArgPrefixes[Reserve] = field(default_factory=Reserve)
+    recording: tyro.conf.OmitArgPrefixes[RecordingFlags] = field(default_factory=RecordingFlags)
     joining: Joining = field(default_factory=Joining)
     json: bool = False
     """Print one JSON object at the end."""
 
     def run(self) -> int:
         """Record until the end."""
-        from reflexarc.wiring.recorders import recorder_of_bus, recording_of
+        from reflexarc.wiring.keeping_logs.outcome import recording_of
+        from reflexarc.wiring.keeping_logs.recorders import recorder_of_bus
         from reflexarc.wiring.waiting import Arrival, Waiting, Wish
         from reflexarc_runtime.messages.topics import ON_THE_BUS, RECORDER_NODE
 
         if self.seconds is not None and not 0.0 < self.seconds < math.inf:
             raise UsageError(f"--seconds: expected a positive number, got {self.seconds}")
-        reserve_bytes = self.reserve.size_bytes
-        path = self.out or _default_path()
+        keeping = self.recording.keeping("reflexarc record")
+        path = first_part(self.out or Path("runs") / f"{now_in_name()}.mcap", keeping)
         if self.out is None:
             path.parent.mkdir(exist_ok=True)
         with StopFlag() as stop, self.joining.bus(RECORDER_NODE) as bus:
             policy = bus.fetch_policy() or b""
-            with recorder_of_bus(path, policy, self.joining.robot, reserve_bytes) as recorder:
+            with recorder_of_bus(path, policy, self.joining.robot, keeping) as recorder:
                 came = Arrival(recorder.put)
                 bus.subscribe(ON_THE_BUS, came.hear)
                 aside.print(f"reflexarc record: {path} (Ctrl-C ends it)")
@@ -80,8 +83,3 @@ class RecordCommand:
             print_json({"log": path, "state": recording.state, "parts": recording.parts})
         else:
             console.print(facts({"log": path, "recording": recording.in_words}))
-
-
-def _default_path() -> Path:
-    now = datetime.datetime.now().strftime("%Y-%m-%d_%H-%M-%S")
-    return Path("runs") / f"{now}.mcap"

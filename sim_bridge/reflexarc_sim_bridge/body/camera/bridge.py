@@ -9,8 +9,9 @@ from reflexarc_runtime.loop.clock import Clock
 from reflexarc_runtime.loop.throttle import Throttle
 from reflexarc_runtime.messages.body_info import BodyInfo, encode_body
 from reflexarc_runtime.messages.codec import Status, encode_retina, encode_status
-from reflexarc_runtime.messages.topics import BODY, BODY_NODE, RETINA, STATUS
+from reflexarc_runtime.messages.topics import BODY, BODY_NODE, IMAGE, RETINA, STATUS
 from reflexarc_sim_bridge.body.camera.eye import CameraEye, Image
+from reflexarc_sim_bridge.body.camera.frames import FramePace, encode_frame
 
 if TYPE_CHECKING:
     from reflexarc_runtime.bus import Bus
@@ -21,7 +22,7 @@ Moment = tuple[Image | None, ...]
 """One image for each eye, taken at one moment; None where one cannot be decoded."""
 
 
-class FramePace(Protocol):
+class MomentPace(Protocol):
     """Decides when the next image is published."""
 
     def wait(self, should_stop: Callable[[], bool]) -> object | None:
@@ -35,6 +36,8 @@ class CameraBridgeReport:
 
     retinas: int
     undecodable: int
+    frames: int = 0
+    """Images published beside the retinas."""
 
 
 class CameraBridge:
@@ -46,13 +49,23 @@ class CameraBridge:
         spec: what the policy sees.
         robot: whose camera it is.
         clock: source time of the retinas.
+        frames_hz: how many of the images a second are published as well, at most; 0: none.
     """
 
     def __init__(
-        self, bus: "Bus", eye: CameraEye, spec: RetinaSpec, robot: str, clock: Clock
+        self,
+        bus: "Bus",
+        eye: CameraEye,
+        spec: RetinaSpec,
+        robot: str,
+        clock: Clock,
+        frames_hz: float = 0.0,
     ) -> None:
         self._retinas = bus.publisher(RETINA)
         self._status, self._info = bus.publisher(STATUS), bus.publisher(BODY)
+        self._images = bus.publisher(IMAGE) if frames_hz else None
+        self._frames = FramePace(frames_hz) if frames_hz else None
+        self._frames_shown = 0
         self._every_second = Throttle()
         self._eye = eye
         self._spec = spec
@@ -74,7 +87,7 @@ class CameraBridge:
         self,
         moments: Iterable[Moment],
         should_stop: Callable[[], bool],
-        pace: FramePace | None = None,
+        pace: MomentPace | None = None,
         progress: Callable[[int], None] = lambda done: None,
     ) -> CameraBridgeReport:
         """Publish one moment after another.
@@ -96,14 +109,23 @@ class CameraBridge:
             else:
                 undecodable += 1
             progress(retinas + undecodable)
-        return CameraBridgeReport(retinas, undecodable)
+        return CameraBridgeReport(retinas, undecodable, self._frames_shown)
 
     def _show(self, images: tuple[Image, ...]) -> None:
         # The time of exposure is unknown here; that of arrival is the nearest one.
         now_ns = self._clock.now_ns()
         payload = encode_retina(self._eye.look(images), self._spec, now_ns)
         self._retinas.put(payload, now_ns)
+        self._show_frame(images, now_ns)
         self._say_every_second(now_ns)
+
+    def _show_frame(self, images: tuple[Image, ...], now_ns: int) -> None:
+        """Publish the images themselves; behind the retina, which somebody waits for."""
+        if self._images is None or self._frames is None:
+            return
+        if self._frames.is_due(now_ns) and self._images.has_listener:
+            self._images.put(encode_frame(images, self._robot, now_ns), now_ns)
+            self._frames_shown += 1
 
     def _say_every_second(self, now_ns: int) -> None:
         if not self._every_second.is_due(now_ns):

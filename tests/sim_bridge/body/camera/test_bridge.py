@@ -103,3 +103,21 @@ def test_it_waits_for_a_listener():
     camera.wait_for_listener(lambda: False)
     assert bus.publishers["retina"].asked == 3
     assert clock.time_ns == 5_020_000_000
+
+
+def test_images_go_out_at_their_own_rate_while_somebody_listens():
+    bus: Any = FakeBus()
+    clock = ManualClock(now_ns=5_000_000_000)
+    camera = CameraBridge(bus, CameraEye(Calibration(), SPEC), SPEC, "robot0", clock, 0.5)
+    moments = [(bar(0),)] * 12
+    account = camera.show(moments, lambda: False, EverySecond(clock))
+    # Six are due; the first two times nobody listens.
+    assert (account.retinas, account.frames) == (12, 4)
+    times_ns = [t for _, t in bus.publishers["image"].said]
+    assert times_ns == [n * 1_000_000_000 for n in (10, 12, 14, 16)]
+
+
+def test_no_images_go_out_unless_asked_for():
+    camera, bus, _ = bridge()
+    assert camera.show([(bar(0),)], lambda: False).frames == 0
+    assert "image" not in bus.publishers

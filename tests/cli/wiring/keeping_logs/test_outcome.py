@@ -1,17 +1,15 @@
-"""What a command says of its recording, and how much of a disk it leaves free."""
+"""What a command says of its recording."""
 
 from pathlib import Path
 
 import pytest
 
-from reflexarc.wiring.recorders import Recording, recording_of
-from reflexarc.wiring.reserve import Reserve
+from reflexarc.wiring.keeping_logs.outcome import Recording, recording_of
 from reflexarc_logs.recording.recorder import Recorder
-from reflexarc_runtime.errors import UsageError
 from reflexarc_runtime.loop.sink import NoSink
 from support.recordings import RUN
 
-A, B = Path("a.mcap"), Path("a.part2.mcap")
+A, B, C = Path("a.mcap"), Path("a.part2.mcap"), Path("a.part10.mcap")
 
 
 @pytest.mark.parametrize(
@@ -21,6 +19,7 @@ A, B = Path("a.mcap"), Path("a.part2.mcap")
         (Recording("off", (A,)), "a.mcap"),
         (Recording("off, 7 records dropped", (A,), True), "a.mcap, 7 records dropped"),
         (Recording("off, again in B", (A, B), True), "a.mcap, a.part2.mcap, again in B"),
+        (Recording("off", (A, *[B] * 8, C)), "a.mcap … a.part10.mcap (10 parts)"),
         (Recording("stopped: No space", (A,), True), "stopped: No space (a.mcap)"),
         (Recording("stopped: the file was deleted", (), True), "stopped: the file was deleted"),
     ],
@@ -40,14 +39,3 @@ def test_a_recording_whose_file_was_deleted_failed_and_has_no_parts(tmp_path):
     # It was closed before the next look: the end itself finds out.
     assert recording_of(recorder).failed
     assert recording_of(recorder).parts == ()
-
-
-@pytest.mark.parametrize("number", [-1.0, float("nan"), float("inf"), 1e12])
-def test_a_reserve_that_is_no_size_is_refused(number):
-    with pytest.raises(UsageError, match=r"^--reserve-mb: expected 0 to"):
-        _ = Reserve(number).size_bytes
-
-
-def test_a_reserve_is_counted_in_mebibytes():
-    assert Reserve(1.5).size_bytes == 1536 * 1024
-    assert Reserve().size_bytes == 64 << 20

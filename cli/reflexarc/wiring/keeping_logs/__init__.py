@@ -1,0 +1,1 @@
+"""What a command records, how it is kept, and what became of it."""

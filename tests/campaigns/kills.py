@@ -1,0 +1,247 @@
+"""SIGKILL at random moments of `run --record` with parts and a black box: what is lost?
+
+    python tests/campaigns/kills.py [--kills 10] [--seed 0] [--most-s 6] [--json]
+
+A simulated body drives on while one runtime after another is killed: at a seeded moment after its
+start, before its first tick as well. Parts are short, so that many moments lie at the seam of two.
+Each row: everything that is left is recovered and replayed. Exit status 1: a tick that was made
+more than a second before the kill is on no disk, one is missing between two that are, a log does
+not replay, or a manifest does not name what is there.
+"""
+
+import argparse
+import json
+import random
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import TypeAlias
+
+sys.path.insert(0, str(Path(__file__).parents[1]))  # the tests' support package
+
+from reflexarc_logs.container.manifest import MANIFEST, read_manifest
+from reflexarc_logs.reading.log_paths import log_paths
+from reflexarc_logs.reading.reader import read_log
+from reflexarc_logs.reading.recover import recover
+from reflexarc_logs.replaying.replay import replay
+from reflexarc_runtime import messages_pb2 as pb
+from reflexarc_runtime.bus import Bus
+from reflexarc_runtime.bus_config import BusConfig
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.errors import ReflexarcError
+from reflexarc_runtime.messages.topics import TICK
+from reflexarc_runtime.messages.wire import Message
+from support.fault_runs import free_ports
+from support.policies import exported
+from support.processes import said_line, started
+
+MOST_LOST_S = 1.0
+PATIENCE_S = 60.0
+BEFORE_FIRST_TICK = 0.1
+"""This share of the kills falls into the start."""
+START_S = 2.5
+BOX_FLAGS = ("--black-box", 2, "--black-box-after", 1)
+PARTIAL = ".partial"
+
+Ticks: TypeAlias = list[tuple[int, int]]
+"""Index of each, and when it was heard."""
+Logs: TypeAlias = dict[str, list[int]]
+"""Indices of the ticks in each log."""
+
+
+@dataclass
+class Heard:
+    """The ticks that a runtime made, and when they were heard."""
+
+    ticks: Ticks = field(default_factory=list)
+
+    def hear(self, message: Message) -> None:
+        index = pb.Tick.FromString(message.payload).decision.index
+        self.ticks.append((index, message.received_ns))
+
+
+@dataclass
+class Kill:
+    """One kill."""
+
+    number: int
+    rotate_s: float
+    after_s: float
+    of_first_tick: bool
+    ticks: int = 0
+    parts: int = 0
+    boxes: int = 0
+    unborn: int = 0
+    """Files in which not even the head was whole."""
+    cut: list[str] = field(default_factory=list)
+    """Logs that had not come to their end."""
+    lost_s: float = 0.0
+    lost_of_box_s: float = 0.0
+    failures: list[str] = field(default_factory=list)
+
+
+def drawn(number: int, seed: int, most_s: float) -> Kill:
+    """When to kill."""
+    rng = random.Random(f"{seed}/{number}")
+    rotate_s, at_start = rng.choice((1.0, 1.0, 2.0)), rng.random() < BEFORE_FIRST_TICK
+    after_s = rng.uniform(0.0, START_S if at_start else most_s)
+    return Kill(number, rotate_s, after_s, not at_start)
+
+
+def strike(kill: Kill, policy: Path, port: int, heard: Heard, folder: Path) -> None:
+    """Start a runtime, kill it, and judge what is left."""
+    words = ["run", policy, "--port", port, "--record", folder / "whole"]
+    words += ["--rotate-s", kill.rotate_s, *BOX_FLAGS, "-o", folder / "box"]
+    heard.ticks.clear()
+    with started(*words) as process:
+        if kill.of_first_tick:
+            _wait_for_a_tick(heard, process)
+        time.sleep(kill.after_s)
+        struck_ns = time.monotonic_ns()
+        process.kill()
+        process.wait()
+    made = [(index, at_ns) for index, at_ns in heard.ticks if at_ns <= struck_ns]
+    kill.ticks = len(made)
+    whole, box = (_left_in(folder / name, kill) for name in ("whole", "box"))
+    kill.parts, kill.boxes = len(whole), len(box)
+    _judge_whole(kill, whole, made, struck_ns)
+    _judge_box(kill, box, made, struck_ns)
+
+
+def _wait_for_a_tick(heard: Heard, process: "subprocess.Popen[str]") -> None:
+    end_s = time.monotonic() + PATIENCE_S
+    while not heard.ticks:
+        if process.poll() is not None or time.monotonic() > end_s:
+            raise SystemExit(f"no tick came: {process.communicate(timeout=5)[1]}")
+        time.sleep(0.005)
+
+
+def _left_in(folder: Path, kill: Kill) -> Logs:
+    """Recover and replay what is there; the ticks of each log, in order."""
+    if not folder.is_dir():
+        return {}
+    for partial in folder.glob(f"*{PARTIAL}"):
+        try:
+            if not recover(partial, partial.with_suffix("")).was_complete:
+                kill.cut.append(f"{folder.name}/{partial.stem}")
+        except ReflexarcError:
+            kill.unborn += 1
+    if not list(folder.glob("*.mcap")):
+        return {}
+    _compare_manifest(folder, kill)
+    found = ((path, _replayed(path, kill)) for path in log_paths([folder]))
+    return {f"{folder.name}/{path.name}": ticks for path, ticks in found if ticks}
+
+
+def _compare_manifest(folder: Path, kill: Kill) -> None:
+    there = set(folder.glob("*.mcap"))
+    (manifest,) = folder.glob(f"*{MANIFEST}")
+    named = {part.path for part in read_manifest(manifest)}
+    # The last one may have been begun a moment before its line.
+    kill.failures += ["the manifest lacks a part"] * (len(there - named) > 1)
+
+
+def _replayed(path: Path, kill: Kill) -> list[int]:
+    ticks = [tick.decision.index for tick in read_log(path).ticks()]
+    if not ticks:
+        return []  # killed behind the keyframe with which it begins
+    report = replay(path)
+    compared = sum(level.ticks for level in report.levels if level.level == "node")
+    if report.exit_status or compared != len(ticks):
+        said = f"status {report.exit_status}, {compared} of {len(ticks)} ticks"
+        kill.failures.append(f"{path.name}: {said}")
+    return ticks
+
+
+def _lost_s(made: Ticks, kept: set[int], struck_ns: int) -> float:
+    """How long before the kill the first tick was made that is nowhere."""
+    missing_ns = [at_ns for index, at_ns in made if index not in kept]
+    return (struck_ns - min(missing_ns)) * 1e-9 if missing_ns else 0.0
+
+
+def _judge_whole(kill: Kill, logs: Logs, made: Ticks, struck_ns: int) -> None:
+    indices = [index for ticks in logs.values() for index in ticks]
+    kill.lost_s = _lost_s(made, set(indices), struck_ns)
+    gaps = indices != list(range(len(indices)))
+    kill.failures += ["ticks are missing between two parts, or twice"] * gaps
+    kill.failures += [f"{kill.lost_s:.2f} s lost"] * (kill.lost_s > MOST_LOST_S)
+
+
+def _judge_box(kill: Kill, logs: Logs, made: Ticks, struck_ns: int) -> None:
+    """A box that was being written loses no more than a recording; what it had only in memory is
+    lost, as it is meant to be.
+    """
+    for name, ticks in logs.items():
+        gaps = ticks != list(range(ticks[0], ticks[0] + len(ticks)))
+        kill.failures += ["a tick is missing in a box"] * gaps
+        if name in kill.cut:
+            since = [(index, at_ns) for index, at_ns in made if index >= ticks[0]]
+            kill.lost_of_box_s = _lost_s(since, set(ticks), struck_ns)
+            late = kill.lost_of_box_s > MOST_LOST_S
+            kill.failures += [f"{kill.lost_of_box_s:.2f} s of a box lost"] * late
+
+
+@contextmanager
+def _world(folder: Path) -> Iterator[tuple[Path, int, Heard]]:
+    """A body that drives on, and somebody who hears each tick."""
+    policy, heard = folder / "policy.onnx", Heard()
+    policy.write_bytes(exported(PolicyContract(), seed=5))
+    (port,) = free_ports(1)
+    words = ("sim", "--policy", policy, "--port", port, "--state", folder / "state")
+    with (
+        started(*words) as body,
+        Bus(BusConfig(port=port), time.monotonic_ns) as bus,
+    ):
+        said_line(body, "reference-1")
+        bus.subscribe([TICK], heard.hear)
+        yield policy, port, heard
+
+
+def main() -> int:
+    """Kill so many times, and print a line each."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--kills", type=int, default=10)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--most-s", type=float, default=6.0, help="the longest a runtime lives")
+    parser.add_argument("--json", action="store_true")
+    flags = parser.parse_args()
+    kills = []
+    with tempfile.TemporaryDirectory() as place, _world(Path(place)) as (policy, port, heard):
+        for number in range(flags.kills):
+            kill = drawn(number, flags.seed, flags.most_s)
+            with tempfile.TemporaryDirectory() as folder:
+                strike(kill, policy, port, heard, Path(folder))
+            kills.append(kill)
+            print(json.dumps(asdict(kill)) if flags.json else _line(kill), flush=True)
+    if not flags.json:
+        print(_sum(kills))
+    return int(any(kill.failures for kill in kills))
+
+
+def _line(kill: Kill) -> str:
+    since = "tick" if kill.of_first_tick else "start"
+    return (
+        f"{kill.number:4}  {kill.after_s:4.1f} s after its first {since:5}  {kill.ticks:4} ticks  "
+        f"{kill.parts} parts, {kill.boxes} boxes  lost {kill.lost_s:.2f} s, of a box "
+        f"{kill.lost_of_box_s:.2f} s  {'; '.join(kill.failures) or 'ok'}"
+    )
+
+
+def _sum(kills: list[Kill]) -> str:
+    return (
+        f"{len(kills)} kills, {sum(kill.ticks for kill in kills)} ticks, "
+        f"{sum(kill.parts for kill in kills)} parts and {sum(kill.boxes for kill in kills)} boxes "
+        f"replayed, {sum(kill.unborn for kill in kills)} without a head; "
+        f"at most {max(kill.lost_s for kill in kills):.2f} s lost, of a box "
+        f"{max(kill.lost_of_box_s for kill in kills):.2f} s; "
+        f"{sum(bool(kill.failures) for kill in kills)} failed"
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())
