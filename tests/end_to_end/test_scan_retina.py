@@ -22,9 +22,9 @@ from reflexarc_runtime.sensing.scan import Scan
 from reflexarc_runtime.sensing.senses import ScanSense
 from support.lidar import (
     CARMEN,
-    HALF_CARMEN_RAD,
-    HALF_CORESLAM_RAD,
+    CORESLAM_SPAN_RAD,
     carmen_file,
+    carmen_span_rad,
     coreslam_file,
     slow_carmen,
     slow_coreslam,
@@ -47,7 +47,8 @@ def test_every_real_scan_gives_the_retina_of_the_definition(
 ):
     import_log(carmen_file(name), tmp_path / "out.mcap", "carmen")
     ranges = np.array([ranges for ranges, _, _ in slow_carmen(carmen_file(name))])
-    expected = slow_retinas(ranges, HALF_CARMEN_RAD, spec.rays, spec.fov_rad, spec.range_m)
+    span_rad = carmen_span_rad(ranges.shape[1])
+    expected = slow_retinas(ranges, span_rad, spec.rays, spec.fov_rad, spec.range_m)
     assert_rounded(retinas_of(tmp_path / "out.mcap", spec), expected)
 
 
@@ -58,7 +59,7 @@ def test_every_real_scan_of_a_hokuyo_gives_the_retina_of_the_definition(
     import_log(coreslam_file(), tmp_path / "out.mcap", "coreslam")
     _, numbers = slow_coreslam(coreslam_file())
     ranges = np.where(numbers == 0, np.inf, np.where(numbers < 20, np.nan, numbers / 1000))
-    expected = slow_retinas(ranges, HALF_CORESLAM_RAD, spec.rays, spec.fov_rad, spec.range_m)
+    expected = slow_retinas(ranges, CORESLAM_SPAN_RAD, spec.rays, spec.fov_rad, spec.range_m)
     assert_rounded(retinas_of(tmp_path / "out.mcap", spec), expected)
 
 

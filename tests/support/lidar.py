@@ -70,14 +70,17 @@ def slow_coreslam(path: Path) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.flo
 
 def slow_retinas(
     ranges_m: npt.NDArray[np.float64],
-    half_width_rad: float,
+    span_rad: tuple[float, float],
     rays: int,
     fov_rad: float,
     far_m: float,
 ) -> npt.NDArray[np.float64]:
-    """Nearness, 0 to 255 before rounding, (n, rays) of scans (n, beams), by searching all beams."""
+    """Nearness, 0 to 255 before rounding, (n, rays) of scans (n, beams), by searching all beams.
+
+    The first and the last beam lie at the ends of the span.
+    """
     beams = ranges_m.shape[1]
-    angles = np.linspace(-half_width_rad, half_width_rad, beams)
+    angles = np.linspace(*span_rad, beams)
     sector = fov_rad / rays
     bearings = fov_rad / 2 - sector * np.arange(rays) - sector / 2
     backwards = np.abs(angles[::-1] - bearings[:, None])  # halfway belongs to the later beam
@@ -88,5 +91,10 @@ def slow_retinas(
     return 255 * np.where(np.isnan(distances), 1.0, bright)  # what is unknown is not free
 
 
-HALF_CARMEN_RAD = math.pi / 2
-HALF_CORESLAM_RAD = math.radians(120)
+CORESLAM_SPAN_RAD = math.radians(-120), math.radians(120)
+
+
+def carmen_span_rad(beams: int) -> tuple[float, float]:
+    """As CARMEN's own reader has it: 180 and 181 readings are a degree apart, 360 and 361 half."""
+    apart_deg = 1.0 if beams < 200 else 0.5
+    return math.radians(-90), math.radians(-90 + (beams - 1) * apart_deg)

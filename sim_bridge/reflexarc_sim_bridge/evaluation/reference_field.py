@@ -69,6 +69,7 @@ def measure(
     world: WorldSource | None = None,
     guard: GuardSettings | None = None,
     progress: Callable[[int, int], None] | None = None,
+    name: str = "the policy",
 ) -> FieldScore:
     """Measure a policy: contacts per 100 m, with its interval.
 
@@ -82,6 +83,7 @@ def measure(
         world: another kind of world than the reference's.
         guard: settings of the guard behind which they drive; None: without one.
         progress: called after each step with the steps done and the steps in all.
+        name: how complaints name the policy.
 
     Raises:
         UsageError: what cannot be measured: no policy, no contract, no agents, no steps or no
@@ -99,9 +101,9 @@ def measure(
         if step == discard:
             before = (simulation.distance_m.copy(), simulation.contacts.copy())
         simulation.sense()
-        with foreign_code("the policy"):
+        with foreign_code(name):
             actions = pilot.act(simulation.stacks)
-        _check_actions(actions, agents, len(simulation.contract.actions))
+        _check_actions(name, actions, agents, len(simulation.contract.actions))
         pilot.begin_anew(simulation.step(actions))
         if progress is not None:
             progress(step + 1, discard + steps)
@@ -133,17 +135,17 @@ def _check(
         raise UsageError("seeds: expected at least one, got none")
 
 
-def _check_actions(actions: object, agents: int, count: int) -> None:
+def _check_actions(name: str, actions: object, agents: int, count: int) -> None:
     """Refuse decisions that are none, as nothing can be said of who made them."""
     chosen = np.asarray(actions)
     if chosen.shape != (agents,) or not np.issubdtype(chosen.dtype, np.integer):
         raise UsageError(
-            f"the policy: expected winners of shape ({agents},), whole numbers, got "
+            f"{name}: expected winners of shape ({agents},), whole numbers, got "
             f"{chosen.dtype} of shape {chosen.shape}"
         )
     if chosen.min() < 0 or chosen.max() >= count:
         wrong = int(chosen.min() if chosen.min() < 0 else chosen.max())
-        raise UsageError(f"the policy: expected winners from 0 to {count - 1}, got {wrong}")
+        raise UsageError(f"{name}: expected winners from 0 to {count - 1}, got {wrong}")
 
 
 def _score(

@@ -57,7 +57,7 @@ def field_scores(
     """Contacts of those who move sideways, after those of an agent that never steers."""
     scores = {}
     for each in [contender_of(BLIND), *contenders]:
-        with bar(each.name, plan.steps) as progress, foreign_code(each.name):
+        with bar(each.name, plan.steps) as progress:
             scores[each.name] = measure(
                 each.policy,
                 each.contract,
@@ -66,6 +66,7 @@ def field_scores(
                 world=plan.worlds(each),
                 guard=GuardSettings.of(each.contract) if each.is_guarded else None,
                 progress=progress,
+                name=each.name,
             )
     return scores
 

@@ -8,7 +8,7 @@ import pytest
 from reflexarc_runtime.arrays import Actions, Memories, QValues, RetinaBatch
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.state_spec import StateSpec
-from reflexarc_runtime.errors import PolicyError
+from reflexarc_runtime.errors import PolicyError, UsageError
 from reflexarc_sim_bridge.evaluation.driving.pilot import Pilot
 from reflexarc_sim_bridge.evaluation.reference_field import measure
 
@@ -79,7 +79,7 @@ def test_what_a_robot_stops_for_is_not_measured_as_if_it_drove(value: float) -> 
     said = rf"Q-values: expected finite numbers, got {value} for 1 of 2 agents at step 0"
     with pytest.raises(PolicyError, match=said):
         Pilot(Saying(0.0, value, 0.0), PolicyContract(), 2, 0.1).act(TWO)
-    with pytest.raises(PolicyError, match="for 1 of 8 agents"):
+    with pytest.raises(UsageError, match="for 1 of 8 agents"):
         measure(Saying(value, 0.0, 0.0), PolicyContract(), agents=8, steps=2, discard=0)
 
 
