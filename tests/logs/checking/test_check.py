@@ -2,6 +2,8 @@
 
 import json
 import shutil
+import struct
+import zlib
 from collections.abc import Callable
 from pathlib import Path
 
@@ -244,3 +246,17 @@ def test_any_number_of_processes_gives_the_same_bytes(log_path: Path, tmp_path: 
     crew = check_logs(paths[::-1], 2, lambda *both: done.append(both))
     assert json.dumps(alone.as_dict()) == json.dumps(crew.as_dict())
     assert done == [(1, 4), (2, 4), (3, 4), (4, 4)]
+
+
+def test_a_file_that_holds_less_than_its_own_statistics_say(tmp_path: Path) -> None:
+    path = foreign(tmp_path / "x.mcap", regular(40))
+    data = bytearray(path.read_bytes())
+    statistics = data.rindex(struct.pack("<BQ", 11, 4 + 42 + 10)) + 9
+    assert struct.unpack_from("<Q", data, statistics) == (40,)
+    struct.pack_into("<Q", data, statistics, 45)
+    footer = len(data) - 8 - 20
+    [begin] = struct.unpack_from("<Q", data, footer)
+    struct.pack_into("<I", data, footer + 16, zlib.crc32(data[begin : footer + 16]))
+    path.write_bytes(data)
+    words = "40 messages, but by its own statistics 45"
+    assert the_one_in(path) == ("completeness", "error", words)
