@@ -34,6 +34,8 @@ NODE_RULES = "reflexarc_node_rules"
 _NET = pytest.StashKey[LogNet]()
 _HEARD = pytest.StashKey[int]()
 """How many logs the workers of pytest-xdist did not reach: they collect, not their controller."""
+_ACCEPTED = "reflexarc_accepted"
+"""Property of a test that accepted a new baseline: what is said of it."""
 _UNREACHED = "reflexarc_logs_unreached"
 _WHOLE = "reflexarc_logs_whole"
 
@@ -204,7 +206,8 @@ def pytest_testnodedown(node: Any, error: object) -> None:
 
 
 def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> None:
-    """Say how many logs were not among the tests of this run."""
+    """Say what was recorded anew, and how many logs were not among the tests of this run."""
+    _tell_accepted(terminalreporter)
     net = config.stash.get(_NET, None)
     if net is None:
         return  # the session did not begin
@@ -212,11 +215,19 @@ def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> Non
     if left:
         count = f"{left} of {len(net.logs)} logs"
         terminalreporter.write_line(f"{INI}: {count} were not among the tests of this run")
-    if config.getini(NODES):
-        from reflexarc_logs.nodes.node_tests import accepted_lines
 
-        for line in accepted_lines(config):
-            terminalreporter.write_line(line)
+
+def _tell_accepted(terminalreporter: Any) -> None:
+    told = [
+        text
+        for report in terminalreporter.stats.get("passed", ())
+        for name, text in report.user_properties
+        if name == _ACCEPTED
+    ]
+    if told:
+        terminalreporter.section("reflexarc: new baselines")
+    for text in sorted(told):
+        terminalreporter.write_line(text)
 
 
 @pytest.fixture

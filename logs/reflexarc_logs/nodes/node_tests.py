@@ -14,7 +14,6 @@ import ast
 import os
 import traceback
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -33,16 +32,9 @@ NODES = "reflexarc_nodes"
 RULES = "reflexarc_node_rules"
 
 
-@dataclass
-class _Nodes:
-    """What the project says of its nodes."""
-
-    checks: tuple[NodeCheck, ...]
-    accepted: list[str] = field(default_factory=list)
-    """What was recorded anew in this run."""
-
-
-_NAMED = pytest.StashKey[_Nodes]()
+ACCEPTED = "reflexarc_accepted"
+"""Property of a test that recorded anew: old beside new."""
+_CHECKS = pytest.StashKey[Sequence[NodeCheck]]()
 
 
 class NodeFailedError(Exception):
@@ -78,7 +70,7 @@ class NodeItem(pytest.Item):
         if report.found is None:
             raise NodeFailedError(report)
         if not report.is_same:
-            self.config.stash[_NAMED].accepted += _accepted(report, path)
+            self.user_properties.append((ACCEPTED, "\n".join(_accepted(report, path))))
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
         """The report or the error's one line; of a node's own error, where in it."""
@@ -114,15 +106,15 @@ def prepare(config: pytest.Config, named: Sequence[str], rules: str, *, has_logs
         raise pytest.UsageError(str(error)) from None
     if not has_logs:
         raise pytest.UsageError(f"{NODES}: there is nothing to feed them from: set reflexarc_logs")
-    by_hand = UPDATE in config.invocation_params.args and not hasattr(config, "workerinput")
-    if config.getoption(UPDATE) and not by_hand:
+    many = hasattr(config, "workerinput") or config.getoption("numprocesses", None)
+    if config.getoption(UPDATE) and (many or UPDATE not in config.invocation_params.args):
         raise pytest.UsageError(f"{UPDATE}: only by hand: on pytest's own line, and without -n")
-    config.stash[_NAMED] = _Nodes(tuple(NodeCheck(node, read, rules) for node in nodes))
+    config.stash[_CHECKS] = tuple(NodeCheck(node, read, rules) for node in nodes)
 
 
 def node_items(file: pytest.File) -> Iterator[NodeItem]:
     """The tests of a log: one for each node whose topic it holds."""
-    for check in _on(followed(file.path), file.config.stash[_NAMED].checks):
+    for check in _on(followed(file.path), file.config.stash[_CHECKS]):
         name = f"{check.named.topic} of {check.named.name}"
         yield NodeItem.from_parent(file, name=name, check=check)
 
@@ -133,12 +125,6 @@ def may_be_replayed(path: Path) -> bool:
         return not is_of_another_system(followed(path))
     except (LogError, OSError):
         return True
-
-
-def accepted_lines(config: pytest.Config) -> Sequence[str]:
-    """What was recorded anew in this run, old beside new."""
-    nodes = config.stash.get(_NAMED, None)
-    return () if nodes is None else nodes.accepted
 
 
 def named_nodes(root: Path, said: Sequence[str]) -> tuple[NamedNode, ...]:
