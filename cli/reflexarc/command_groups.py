@@ -36,6 +36,7 @@ from reflexarc.commands.remember.record import RecordCommand
 from reflexarc.commands.remember.recover import RecoverCommand
 from reflexarc.commands.remember.render import RenderCommand
 from reflexarc.commands.remember.replay import ReplayCommand
+from reflexarc.commands.remember.view import ViewCommand
 from reflexarc.commands.worlds.worlds import WorldsCommand
 
 
@@ -73,6 +74,7 @@ GROUPS: dict[str, tuple[type[CliCommand], ...]] = {
         PlayCommand,
         ReplayCommand,
         RenderCommand,
+        ViewCommand,
         ImportCommand,
         CutCommand,
         IncidentCommand,

@@ -39,6 +39,8 @@ EXTRAS = {
     "train": (*_SIM, "matplotlib", "PIL", "torch"),
     "ros2": ("rosbags",),
     "camera": ("cv2",),
+    "parquet": ("pyarrow",),
+    "view": ("rerun",),
 }
 """Extra → the modules that it brings, smaller extras first. `train --tensorboard` names its own."""
 
@@ -47,6 +49,7 @@ NEEDS = {
     "render": "pictures",
     "ros2": "ros2",
     "camera": "camera",
+    "view": "view",
 }
 """Command → the extra with all that it needs; it is named whichever of these is missing."""
 

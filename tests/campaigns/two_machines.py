@@ -25,7 +25,8 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from reflexarc_sim_bridge.body.ros2.key_expressions import LASER_SCAN, TWIST, rmw_key
+from reflexarc_runtime.ros2.ros_types import LASER_SCAN, TWIST
+from reflexarc_sim_bridge.body.ros2.key_expressions import rmw_key
 from support.ros2_robot import Robot, rmw_node, rmw_router  # found by the line above
 
 ROBOT, BRAIN = "reflexarc-robot", "reflexarc-brain"

@@ -10,7 +10,7 @@ from mcap.reader import make_reader
 
 from support.foreign_logs import json_log
 from support.node_projects import run_pytest, write_project
-from support.ros2_bags import STORE, scans, write_bag
+from support.scan_bags import STORE, scans, write_bag
 
 PAGE = (Path(__file__).parents[2] / "docs" / "anyones-node.md").read_text()
 CONTROLLER, GOVERNOR = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)

@@ -9,7 +9,7 @@ import pytest
 import zenoh.ext
 
 from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_sim_bridge.body.ros2.key_expressions import TF_MESSAGE
+from reflexarc_runtime.ros2.ros_types import TF_MESSAGE
 from reflexarc_sim_bridge.body.ros2.wires import RmwWire
 from support.processes import finished, said_line, started, wait_until
 from support.ros2 import TFMessage, transform

@@ -17,7 +17,7 @@ import pytest
 from foxglove_schemas_protobuf.PoseInFrame_pb2 import PoseInFrame
 
 from reflexarc_logs.reading.reader import decode, read_log
-from reflexarc_sim_bridge.body.ros2.key_expressions import LASER_SCAN, TWIST
+from reflexarc_runtime.ros2.ros_types import LASER_SCAN, TWIST
 from support.processes import PATIENCE_S, finished, said_line, started, wait_until
 from support.ros2_drives import FAST_ENOUGH
 from support.ros2_robot import rmw_robot_session, rmw_router

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from reflexarc_sim_bridge.body.ros2.key_expressions import LASER_SCAN
+from reflexarc_runtime.ros2.ros_types import LASER_SCAN
 from reflexarc_sim_bridge.body.ros2.wires import RmwWire, Ros2DdsWire
 from support.processes import Process, reflexarc, said_line, started
 from support.ros2_drives import FAST_ENOUGH

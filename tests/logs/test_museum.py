@@ -37,6 +37,8 @@ def test_nothing_was_taken_out_of_the_museum():
         "schema-2/scan.mcap",
         "schema-3/faults.mcap",
         "schema-3/nominal.mcap",
+        "schema-4/faults.mcap",
+        "schema-4/nominal.mcap",
         "schema-1/nominal.onnx",
         "schema-2/reflex.onnx",
         "schema-2/rover.onnx",

@@ -9,12 +9,12 @@ from foxglove_schemas_protobuf.LaserScan_pb2 import LaserScan
 from hypothesis import strategies as st
 
 from reflexarc_runtime.contract.eye import BeamRule, RetinaSpec, Shading
+from reflexarc_runtime.ros2.laser_scan import RosScanner, decode_scan, encode_scan
 from reflexarc_runtime.sensing.mounting import Mount, Sector, pose_of
 from reflexarc_runtime.sensing.range_meaning import Angles, RangeMeaning
 from reflexarc_runtime.sensing.scan import Scan
 from reflexarc_runtime.sensing.scan_reading import read_scan
 from reflexarc_runtime.sensing.sense_settings import SenseSettings
-from reflexarc_sim_bridge.body.ros2.messages import RosScanner, decode_scan, encode_scan
 from support.ros2 import laser_scan
 from support.slow_scans import NOTHING, TOO_NEAR, UNKNOWN, Told
 

@@ -9,11 +9,11 @@ from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.eye import BeamRule
 from reflexarc_runtime.guard import Guard
 from reflexarc_runtime.guard_settings import GuardSettings
+from reflexarc_runtime.ros2.cdr import UnusableMessageError
 from reflexarc_runtime.sensing.distances import beams_of_scan
 from reflexarc_runtime.sensing.mounting import Mount
 from reflexarc_runtime.sensing.retina import retina_from_scan
 from reflexarc_runtime.sensing.scan import Scan, UnusableScanError
-from reflexarc_sim_bridge.body.ros2.messages import UnusableMessageError
 from support.drawn_scans import Drawn
 from support.slow_scans import (
     ROUNDED_RAD,

@@ -85,6 +85,11 @@ class Survey:
             LogError: nothing, or a malformed field.
         """
         if RUN not in self.metadata:
+            if self.is_cut:
+                raise LogError(
+                    f"{self.path}: truncated before it says of which run it is ({self.damage}); "
+                    "`reflexarc recover` saves what is there"
+                )
             raise LogError(f"{self.path}: expected {RUN} metadata, found none; not replayable")
         return RunInfo.from_metadata(self.metadata[RUN])
 

@@ -23,6 +23,8 @@ RUN = "reflexarc.run"
 """Name of the metadata record."""
 
 CLOCKS = ("monotonic", "lockstep")
+SENDERS_CLOCK, WALL_CLOCK = "sender", "wall"
+PUBLISH_CLOCKS = (SENDERS_CLOCK, WALL_CLOCK)
 UNKNOWN_BACKEND = "unknown"
 """A listener on the bus cannot tell what computed a tick; its log is compared to the contract's
 `q_tolerance`."""
@@ -71,6 +73,10 @@ class RunInfo:
     versions: Mapping[str, str] = field(default_factory=dict)
     policy_hash: str = ""
     """SHA-256 of the attached policy; empty without one. The recorder fills it in."""
+    publish_clock: str = SENDERS_CLOCK
+    """By which clock `publish_time` is. `sender`: as the sender stamped it, in every log of before.
+    `wall`: that and `wall_offset_ns`, so that viewers show it together with `log_time`. The
+    recorder fills it in."""
     wall_offset_ns: int = 0
     """Wall clock minus monotonic clock at the start; 0 in lockstep. The recorder fills it in."""
 
@@ -79,6 +85,11 @@ class RunInfo:
         document = {f.name: str(getattr(self, f.name)) for f in dataclasses.fields(self)}
         versions = json.dumps(dict(self.versions), sort_keys=True)
         return {**document, "rate_hz": repr(float(self.rate_hz)), "versions": versions}
+
+    @property
+    def publish_shift_ns(self) -> int:
+        """What `publish_time` is ahead of the sender's own stamp."""
+        return self.wall_offset_ns if self.publish_clock == WALL_CLOCK else 0
 
     @property
     def replay_backend(self) -> Backend:
@@ -139,6 +150,7 @@ def _check(info: RunInfo) -> None:
         "backend": (info.backend, (*(b.value for b in Backend), UNKNOWN_BACKEND)),
         "clock": (info.clock, CLOCKS),
         "recorded_by": (info.recorded_by, RECORDERS),
+        "publish_clock": (info.publish_clock, PUBLISH_CLOCKS),
     }
     fits = 0 <= info.wall_offset_ns < 1 << 64
     require(fits, f"{RUN}.wall_offset_ns", "0 to 2^64 − 1", info.wall_offset_ns, LogError)

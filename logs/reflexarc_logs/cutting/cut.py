@@ -113,7 +113,7 @@ class _Part:
             self.file.channel(self._keyframe, KEYFRAME.message),
             encode_state(known.state, policy.policy_hash),
             sequence=known.state.index,
-            publish_ns=known.at_ns,
+            publish_ns=known.at_ns + self._log.run.publish_shift_ns,
             log_ns=known.at_ns + self._log.run.wall_offset_ns,
         )
         self.messages, self._is_keyed = 1, True

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from reflexarc_logs.container.rejected import Intake
-from reflexarc_logs.container.run_info import RunInfo, installed_versions
+from reflexarc_logs.container.run_info import WALL_CLOCK, RunInfo, installed_versions
 from reflexarc_logs.deciding.log_clock import LogClock
 from reflexarc_logs.deciding.sensor_messages import SensorMessages, sensors_of
 from reflexarc_logs.reading.reader import Log
@@ -182,6 +182,7 @@ def _head(
         versions=installed_versions(),
         policy_hash=policy.policy_hash,
         wall_offset_ns=log.run.wall_offset_ns,
+        publish_clock=WALL_CLOCK,
     )
     config = {"contract": json.loads(contract.to_json()), "decided_on": log.path.name}
     return Head(run, policy.data, config)

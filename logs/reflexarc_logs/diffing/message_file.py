@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from mcap.opcode import Opcode
-from mcap.records import Channel, Chunk, Message, Schema
+from mcap.records import Channel, Chunk, Message, Metadata, Schema
 
 from reflexarc_logs.container.chunks import Allowance, content_of, records_in
 from reflexarc_logs.container.fields import MESSAGE, decoded
@@ -18,6 +18,7 @@ from reflexarc_logs.container.frames import (
     TruncatedError,
 )
 from reflexarc_logs.container.record_stream import stream_records
+from reflexarc_logs.container.run_info import RUN, RunInfo
 from reflexarc_runtime.errors import LogError
 
 
@@ -54,6 +55,7 @@ class MessageFile:
     def __init__(self, path: Path) -> None:
         self.path = path
         self._allowance = Allowance.of(0)
+        self._publish_shift_ns = 0
         self.was_cut = False
         """Whether it ended in the middle when it was last read to its end."""
 
@@ -73,8 +75,11 @@ class MessageFile:
                 if isinstance(record, Chunk):
                     yield from self._in_chunk(record, channels)
                 elif isinstance(record, Message):
-                    times = record.sequence, record.log_time, record.publish_time
+                    sent_ns = record.publish_time - self._publish_shift_ns
+                    times = record.sequence, record.log_time, sent_ns
                     yield StreamMessage(channels.of(record.channel_id), *times, record.data)
+                elif isinstance(record, Metadata) and record.name == RUN:
+                    self._publish_shift_ns = _publish_shift_ns(record)
                 elif isinstance(record, Schema | Channel):
                     channels.learn(record)
         except TruncatedError:
@@ -96,11 +101,20 @@ class MessageFile:
                 channel, sequence, log_ns, sent_ns = MESSAGE.unpack_from(content, start)
                 stream = streams.get(channel) or channels.of(channel)
                 payload = content[start + MESSAGE.size : end]
+                sent_ns -= self._publish_shift_ns
                 yield StreamMessage(stream, sequence, log_ns, sent_ns, payload)
             elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
                 record = decoded(opcode, content[start:end])
                 assert isinstance(record, Schema | Channel)
                 channels.learn(record)
+
+
+def _publish_shift_ns(run: Metadata) -> int:
+    """What a log of ours adds to its senders' stamps; of a damaged one nothing."""
+    try:
+        return RunInfo.from_metadata(run.metadata).publish_shift_ns
+    except LogError:
+        return 0
 
 
 class _Channels:

@@ -89,12 +89,12 @@ class Log:
         Raises:
             LogError: a chunk is damaged (in a truncated log, reading ends there instead).
         """
-        channels = _Channels()
+        channels, shift_ns = _Channels(), self.run.publish_shift_ns
         for record in self.mcap_records():
             if isinstance(record, McapMessage):
                 stream = channels.of(record, self.path)
                 if not topics or stream.topic in topics:
-                    yield _record(stream, record)
+                    yield _record(stream, record, shift_ns)
             else:
                 channels.learn(record)
 
@@ -219,13 +219,13 @@ class _Channels:
         return stream
 
 
-def _record(stream: _Stream, message: McapMessage) -> Record:
+def _record(stream: _Stream, message: McapMessage, shift_ns: int) -> Record:
     return Record(
         topic=stream.topic,
         schema=stream.schema,
         sequence=message.sequence,
         log_ns=message.log_time,
-        publish_ns=message.publish_time,
+        publish_ns=max(0, message.publish_time - shift_ns),
         payload=message.data,
         sender=stream.sender,
     )

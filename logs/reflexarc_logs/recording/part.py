@@ -76,6 +76,7 @@ class Part:
         self.path = path
         self._place = place
         self._offset_ns = head.run.wall_offset_ns
+        self._publish_shift_ns = head.run.publish_shift_ns
         self._is_finished = False
         self._said: dict[str, str] = {}
         self._file = LogWriter(path)
@@ -111,9 +112,13 @@ class Part:
             channel,
             entry.payload,
             sequence=entry.sequence,
-            publish_ns=log_ns if entry.sent_ns is None else entry.sent_ns,
+            publish_ns=self._published_ns(entry, log_ns),
             log_ns=log_ns,
         )
+
+    def _published_ns(self, entry: LogEntry, log_ns: int) -> int:
+        """When it was sent, by the clock that this log says; of what has no stamp, the arrival."""
+        return log_ns if entry.sent_ns is None else entry.sent_ns + self._publish_shift_ns
 
     def keep(self, missing: Mapping[str, int]) -> str:
         """Bring all to the disk, and look whether it is still there.

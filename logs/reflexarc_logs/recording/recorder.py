@@ -19,7 +19,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from reflexarc_logs.container.rejected import Intake
-from reflexarc_logs.container.run_info import RunInfo
+from reflexarc_logs.container.run_info import WALL_CLOCK, RunInfo
 from reflexarc_logs.recording.backlog import Backlog, Entry
 from reflexarc_logs.recording.budget import Budgets
 from reflexarc_logs.recording.part import Head, Part
@@ -69,6 +69,7 @@ class Recorder:
             policy_hash=policy_hash(policy) if policy else "",
             # A robot without a clock may boot before 1970 + its uptime; no time is negative.
             wall_offset_ns=max(0, wall_offset_ns),
+            publish_clock=WALL_CLOCK,
             rules=CURRENT_RULES.version,
         )
         self._begins_with_keyframes = run.recorded_by == "run"

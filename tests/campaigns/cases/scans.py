@@ -8,10 +8,10 @@ from cases.case import Case, Outcome, Stage, Trial
 from reflexarc_logs.container.rejected import accepted_message
 from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.messages.wire import Stamp, UndecodableError, UnfitError
+from reflexarc_runtime.ros2.cdr import UnusableMessageError
+from reflexarc_runtime.ros2.laser_scan import STANDARD, RosScanner, decode_scan, encode_scan
 from reflexarc_runtime.sensing.range_meaning import RangeMeaning
 from reflexarc_runtime.sensing.senses import ScanSense
-from reflexarc_sim_bridge.body.ros2.cdr import UnusableMessageError
-from reflexarc_sim_bridge.body.ros2.messages import STANDARD, RosScanner, decode_scan, encode_scan
 
 _LEFT = [0, 0, 0, 204, 204, *[0] * 11]
 _TOO_NEAR = [0, 0, 0, 255, 255, *[0] * 11]

@@ -14,7 +14,7 @@ from reflexarc_runtime.errors import UsageError
 from support.foreign_logs import json_log
 from support.node_projects import run_pytest, write_project
 from support.ros2 import Twist
-from support.ros2_bags import scans, write_bag
+from support.scan_bags import scans, write_bag
 
 GOLDEN = Path(__file__).parents[2] / "golden" / "nominal.mcap"
 DOUBLE = """class Double:

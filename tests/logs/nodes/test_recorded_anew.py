@@ -10,7 +10,7 @@ from mcap.writer import Writer
 from reflexarc_logs.container.first_look import look
 from reflexarc_logs.diffing.message_file import MessageFile, Stream, StreamMessage
 from reflexarc_logs.nodes.recorded_anew import record_anew
-from support.ros2_bags import scans, write_bag
+from support.scan_bags import scans, write_bag
 
 JSON = Stream("/out", "", "json", "", b"")
 

@@ -19,7 +19,7 @@ from reflexarc_logs.recording.recorder import Recorder
 from reflexarc_logs.replaying.replay import replay
 from reflexarc_runtime.errors import LogError
 from support.recordings import RUN as RUN_INFO
-from support.recordings import retina_at
+from support.recordings import WALL_OFFSET_NS, retina_at
 from support.rewriting import edit_decision_schema, flip_bit, rewrite
 
 MAGIC = b"\x89MCAP0\r\n"
@@ -148,11 +148,13 @@ def test_a_flipped_bit_anywhere_in_the_file_is_noticed(log_path, tmp_path):
 def test_a_log_cut_anywhere_is_a_readable_prefix_or_a_clear_error(log_path, tmp_path):
     data, whole = log_path.read_bytes(), list(read_log(log_path).records())
     path, lengths = tmp_path / "cut.mcap", []
+    last_field = data.index(b"wall_offset_ns")  # of the run's metadata: a name, 4 bytes, a value
+    head = last_field + len("wall_offset_ns") + 4 + len(str(WALL_OFFSET_NS))
     for size in [*range(1, len(data), 500), len(data) - 1]:
         path.write_bytes(data[:size])
         with pytest.raises(LogError):
             read_log(path)
-        if size <= data.index(b"wall_offset_ns"):  # the last field of the run's metadata
+        if size < head:
             with pytest.raises(LogError, match=r"truncated before|another kind"):
                 read_log(path, allow_truncated=True)
             continue

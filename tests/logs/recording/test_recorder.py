@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from foxglove_schemas_protobuf.RawImage_pb2 import RawImage
 from google.protobuf.timestamp_pb2 import Timestamp
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -27,7 +28,7 @@ from reflexarc_runtime.messages.wire import (
     protobuf_encoding,
 )
 from reflexarc_runtime.messages_pb2 import Rejected, Tick
-from support.recordings import ENCODING, KEY, RUN, WALL_OFFSET_NS, drive, nominal, retina_at
+from support.recordings import ENCODING, KEY, MS, RUN, WALL_OFFSET_NS, drive, nominal, retina_at
 
 GOOD = retina_at(1, np.zeros((1, 16, 1), np.uint8))
 
@@ -276,3 +277,17 @@ def test_streams_of_the_body_are_recorded_beside_the_loop_s(tmp_path, policy):
     drive(tmp_path / "log.mcap", policy, nominal(5), 5, before=[pose], after=[pose])
     topics = [r.topic for r in read_log(tmp_path / "log.mcap").records()]
     assert topics.count("/robot0/pose") == 2
+
+
+def test_viewers_show_both_times_of_a_message_together(log_path):
+    """In the file both are on the wall clock; the payload's own stamp stays as it was sent."""
+    log = read_log(log_path)
+    sent = {(r.topic, r.sequence): r.publish_ns for r in log.records()}
+    with log_path.open("rb") as file:
+        for _, channel, message in make_reader(file).iter_messages():
+            sent_ns = sent[channel.topic, message.sequence]
+            assert message.publish_time == sent_ns + WALL_OFFSET_NS
+            assert abs(message.log_time - message.publish_time) <= 4 * MS  # sent, then taken
+            if channel.topic == "/robot0/retina":
+                image = RawImage.FromString(message.data)
+                assert image.timestamp.ToNanoseconds() == sent_ns

@@ -17,11 +17,11 @@ from reflexarc_runtime.errors import UsageError
 if TYPE_CHECKING:
     from reflexarc.wiring.waiting import Wish
     from reflexarc_runtime.bus import Bus
+    from reflexarc_runtime.ros2.laser_scan import RosScanner
     from reflexarc_sim_bridge.body.gate.settings import GateSettings
     from reflexarc_sim_bridge.body.latch import StopLatch
     from reflexarc_sim_bridge.body.ros2.bridge import RosBridgeReport
     from reflexarc_sim_bridge.body.ros2.companion_link import CompanionLink
-    from reflexarc_sim_bridge.body.ros2.messages import RosScanner
     from reflexarc_sim_bridge.body.ros2.route import Route
 
 MAX_RATE_HZ = 1000.0
@@ -162,7 +162,7 @@ class Ros2Command:
                 )
 
     def _scanner(self) -> "RosScanner":
-        from reflexarc_sim_bridge.body.ros2.messages import RosScanner
+        from reflexarc_runtime.ros2.laser_scan import RosScanner
 
         flags = self.scanner
         return RosScanner(flags.meaning, flags.known_mount, flags.ignored)
@@ -189,7 +189,7 @@ class Ros2Command:
     def _wish(self, route: "Route") -> "Wish":
         """What is waited for, and what it might be that comes instead."""
         from reflexarc.wiring.waiting import Wish
-        from reflexarc_sim_bridge.body.ros2.key_expressions import LASER_SCAN
+        from reflexarc_runtime.ros2.ros_types import LASER_SCAN
 
         last = route.scan.rpartition("/")[2]
         advice = {

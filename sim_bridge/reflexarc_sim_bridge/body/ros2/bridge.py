@@ -35,17 +35,14 @@ from reflexarc_runtime.messages.topics import (
     Quality,
 )
 from reflexarc_runtime.messages.wire import Message
+from reflexarc_runtime.ros2.mounts import Mounts
+from reflexarc_runtime.ros2.ros_types import ODOMETRY, TF_MESSAGE
 from reflexarc_sim_bridge.body.gate.account import SAID_EVERY_NS, encode_lease
 from reflexarc_sim_bridge.body.gate.gate import HEARD, Gate
 from reflexarc_sim_bridge.body.gate.settings import GateSettings
 from reflexarc_sim_bridge.body.latch import StopLatch
 from reflexarc_sim_bridge.body.ros2.command_relay import CommandRelay
-from reflexarc_sim_bridge.body.ros2.key_expressions import (
-    ODOMETRY,
-    TF_MESSAGE,
-    rmw_history_key,
-)
-from reflexarc_sim_bridge.body.ros2.mounts import Mounts
+from reflexarc_sim_bridge.body.ros2.key_expressions import rmw_history_key
 from reflexarc_sim_bridge.body.ros2.place_relay import PoseRelay, TransformRelay
 from reflexarc_sim_bridge.body.ros2.route import Route
 from reflexarc_sim_bridge.body.ros2.scan_relay import ScanRelay

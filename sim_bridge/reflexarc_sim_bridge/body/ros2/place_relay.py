@@ -14,9 +14,9 @@ from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform
 
 from reflexarc_runtime.loop.throttle import SECOND_NS, Throttle
 from reflexarc_runtime.messages.wire import Message
-from reflexarc_sim_bridge.body.ros2.cdr import UnusableMessageError
-from reflexarc_sim_bridge.body.ros2.frames import decode_odometry, decode_transforms
-from reflexarc_sim_bridge.body.ros2.mounts import Mounts
+from reflexarc_runtime.ros2.cdr import UnusableMessageError
+from reflexarc_runtime.ros2.frames import decode_odometry, decode_transforms
+from reflexarc_runtime.ros2.mounts import Mounts
 from reflexarc_sim_bridge.body.ros2.refusals import Refusals
 
 if TYPE_CHECKING:

@@ -2,20 +2,17 @@
 
 from dataclasses import dataclass
 
-from reflexarc_sim_bridge.body.ros2.key_expressions import (
-    BEST_EFFORT,
+from reflexarc_runtime.ros2.laser_scan import STANDARD, RosScanner
+from reflexarc_runtime.ros2.mounts import BASE
+from reflexarc_runtime.ros2.ros_types import (
     LASER_SCAN,
-    LATCHED,
     ODOMETRY,
-    RELIABLE,
     TF_MESSAGE,
     TWIST,
     TWIST_STAMPED,
-    Port,
     RosType,
 )
-from reflexarc_sim_bridge.body.ros2.messages import STANDARD, RosScanner
-from reflexarc_sim_bridge.body.ros2.mounts import BASE
+from reflexarc_sim_bridge.body.ros2.key_expressions import BEST_EFFORT, LATCHED, RELIABLE, Port
 from reflexarc_sim_bridge.body.ros2.stamps import StampRule
 from reflexarc_sim_bridge.body.ros2.wires import Wire
 

@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING
 
 from reflexarc_runtime.backlog import NO_LAG
 from reflexarc_runtime.messages.wire import Message
-from reflexarc_sim_bridge.body.ros2.cdr import UnusableMessageError
-from reflexarc_sim_bridge.body.ros2.messages import (
+from reflexarc_runtime.ros2.cdr import UnusableMessageError
+from reflexarc_runtime.ros2.laser_scan import (
     STANDARD,
     RosScan,
     RosScanner,
     decode_scan,
     encode_scan,
 )
-from reflexarc_sim_bridge.body.ros2.mounts import Mounts
+from reflexarc_runtime.ros2.mounts import BASE, Mounts
 from reflexarc_sim_bridge.body.ros2.refusals import Refusals
 from reflexarc_sim_bridge.body.ros2.stamps import ScanStamps
 
@@ -71,7 +71,7 @@ class ScanRelay:
         """Take one message off the robot's wire; called on a thread of the bus. Never raises."""
         try:
             scan = self._decode(message)
-            payload = encode_scan(scan)
+            payload = encode_scan(scan, self._mounts.base if self._mounts else BASE)
         except UnusableMessageError as error:
             self._refusals.count(str(error), message.received_ns)
             return

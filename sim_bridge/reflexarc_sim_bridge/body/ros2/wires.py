@@ -5,12 +5,12 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 from reflexarc_runtime.errors import UsageError
+from reflexarc_runtime.ros2.ros_types import RosType
 from reflexarc_sim_bridge.body.ros2.key_expressions import (
     MAX_DOMAIN,
     Endpoint,
     Port,
     RosNode,
-    RosType,
     check_node,
     rmw_endpoint_token,
     rmw_key,

@@ -18,14 +18,10 @@ from reflexarc_runtime.messages.wire import (
     pack_stamp,
     protobuf_encoding,
 )
+from reflexarc_runtime.ros2.cdr import UnusableMessageError
+from reflexarc_runtime.ros2.laser_scan import RosScanner, decode_scan, encode_scan
 from reflexarc_runtime.sensing.range_meaning import Angles, RangeMeaning
 from reflexarc_runtime.sensing.senses import ScanSense
-from reflexarc_sim_bridge.body.ros2.messages import (
-    RosScanner,
-    UnusableMessageError,
-    decode_scan,
-    encode_scan,
-)
 from support.ros2 import laser_scan
 
 NAN, INF, TURN = math.nan, math.inf, 2 * math.pi

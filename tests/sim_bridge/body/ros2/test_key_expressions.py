@@ -3,18 +3,22 @@ from rosbags.typesys import Stores, get_typestore
 
 from reflexarc_runtime.errors import UsageError
 from reflexarc_runtime.messages.wire import Stamp, pack_stamp
-from reflexarc_sim_bridge.body.ros2.key_expressions import (
-    BEST_EFFORT,
+from reflexarc_runtime.ros2.ros_types import (
+    COMPRESSED_IMAGE,
+    IMAGE,
     LASER_SCAN,
     ODOMETRY,
-    RELIABLE,
     TF_MESSAGE,
     TWIST,
     TWIST_STAMPED,
+    RosType,
+)
+from reflexarc_sim_bridge.body.ros2.key_expressions import (
+    BEST_EFFORT,
+    RELIABLE,
     Endpoint,
     Port,
     RosNode,
-    RosType,
     check_topic,
     dds_name,
     rmw_endpoint_token,
@@ -24,6 +28,7 @@ from reflexarc_sim_bridge.body.ros2.key_expressions import (
 )
 from reflexarc_sim_bridge.body.ros2.wires import wire_named
 
+ALL = (LASER_SCAN, TWIST, TWIST_STAMPED, ODOMETRY, TF_MESSAGE, IMAGE, COMPRESSED_IMAGE)
 STRING = RosType(
     "std_msgs/msg/String", "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18"
 )
@@ -40,7 +45,7 @@ PUBLISHED = {
 }
 
 
-@pytest.mark.parametrize("kind", [LASER_SCAN, TWIST, TWIST_STAMPED, ODOMETRY, TF_MESSAGE, STRING])
+@pytest.mark.parametrize("kind", [*ALL, STRING])
 @pytest.mark.parametrize("distribution", [Stores.ROS2_JAZZY, Stores.ROS2_KILTED])
 def test_type_hashes_are_those_of_the_definitions(kind: RosType, distribution: Stores):
     assert get_typestore(distribution).hash_rihs01(kind.name) == kind.type_hash

@@ -2,20 +2,22 @@
 
 import pytest
 
-from reflexarc_sim_bridge.body.gate.limits import Motion
-from reflexarc_sim_bridge.body.ros2.key_expressions import (
-    BEST_EFFORT,
+from reflexarc_runtime.ros2.ros_types import (
     LASER_SCAN,
-    LATCHED,
     ODOMETRY,
-    RELIABLE,
     TF_MESSAGE,
     TWIST,
     TWIST_STAMPED,
+    RosType,
+)
+from reflexarc_sim_bridge.body.gate.limits import Motion
+from reflexarc_sim_bridge.body.ros2.key_expressions import (
+    BEST_EFFORT,
+    LATCHED,
+    RELIABLE,
     Endpoint,
     Port,
     RosNode,
-    RosType,
     rmw_endpoint_token,
     rmw_key,
     rmw_node_token,

@@ -3,8 +3,8 @@ from typing import Any
 import pytest
 
 from reflexarc_runtime.messages.wire import Message
+from reflexarc_runtime.ros2.laser_scan import RosScanner
 from reflexarc_runtime.sensing.range_meaning import RangeMeaning
-from reflexarc_sim_bridge.body.ros2.messages import RosScanner
 from reflexarc_sim_bridge.body.ros2.scan_relay import ScanRelay
 from reflexarc_sim_bridge.body.ros2.stamps import ScanStamps
 from support.ros2 import Time, laser_scan

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from reflexarc_sim_bridge.body.ros2.cdr import UnusableMessageError
-from reflexarc_sim_bridge.body.ros2.frames import (
+from reflexarc_runtime.ros2.cdr import UnusableMessageError
+from reflexarc_runtime.ros2.frames import (
     MAX_TF_BYTES,
     decode_odometry,
     decode_transforms,

@@ -9,10 +9,10 @@ from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform
 from hypothesis import given
 from hypothesis import strategies as st
 
+from reflexarc_runtime.ros2.laser_scan import RosScanner, decode_scan
+from reflexarc_runtime.ros2.mounts import MOST_STEPS, PATIENCE_NS, Mounts
 from reflexarc_runtime.sensing.mounting import Mount
 from reflexarc_runtime.sensing.scan import UnusableScanError
-from reflexarc_sim_bridge.body.ros2.messages import RosScanner, decode_scan
-from reflexarc_sim_bridge.body.ros2.mounts import MOST_STEPS, PATIENCE_NS, Mounts
 from support.ros2 import laser_scan
 
 Matrix = npt.NDArray[np.float64]

@@ -9,7 +9,7 @@ import logging
 from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform
 from foxglove_schemas_protobuf.Pose_pb2 import Pose
 
-from reflexarc_runtime.loop.throttle import SECOND_NS
+from reflexarc_runtime.ros2.cdr import SECOND_NS
 from reflexarc_runtime.sensing.mounting import Mount, mount_of
 
 BASE = "base_link"
@@ -33,7 +33,7 @@ class Mounts:
     """
 
     def __init__(self, base: str = BASE) -> None:
-        self._base = base
+        self.base = base
         self._known: dict[str, FrameTransform] = {}
         self._asked_ns: int | None = None
         self._has_said = False
@@ -58,7 +58,7 @@ class Mounts:
         place: Numbers = (0.0, 0.0, 0.0)
         turn: Turn = (0.0, 0.0, 0.0, 1.0)
         for _ in range(MOST_STEPS):
-            if frame == self._base:
+            if frame == self.base:
                 return _pose(place, turn)
             step = self._known.get(frame)
             if step is None:
@@ -80,7 +80,7 @@ class Mounts:
             "the robot does not say how %r sits on %r: taken to be in its middle and to look "
             "ahead; --mount X Y DEGREES says otherwise",
             frame[:80],
-            self._base,
+            self.base,
         )
 
 

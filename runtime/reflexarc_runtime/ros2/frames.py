@@ -17,8 +17,8 @@ from foxglove_schemas_protobuf.Quaternion_pb2 import Quaternion
 from foxglove_schemas_protobuf.Vector3_pb2 import Vector3
 
 from reflexarc_runtime.messages.codec import timestamp
-from reflexarc_sim_bridge.body.ros2.cdr import UnusableMessageError, read_cdr, stamp_ns
-from reflexarc_sim_bridge.body.ros2.key_expressions import ODOMETRY, TF_MESSAGE
+from reflexarc_runtime.ros2.cdr import UnusableMessageError, read_cdr, stamp_ns
+from reflexarc_runtime.ros2.ros_types import ODOMETRY, TF_MESSAGE
 
 MAX_TF_BYTES = 1 << 16
 """Of one message: 700 transforms. Reading it must not hold up the bridge."""

@@ -7,7 +7,7 @@ from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, get_typestore
 
 from reflexarc_runtime.messages.wire import MAX_PAYLOAD_BYTES
-from reflexarc_sim_bridge.body.ros2.key_expressions import RosType
+from reflexarc_runtime.ros2.ros_types import RosType
 
 LITTLE_ENDIAN_CDR = b"\x00\x01"
 """First bytes of the encapsulation (DDS-XTYPES 1.3, 7.6.3.1.2); two of options follow."""
@@ -20,14 +20,19 @@ class UnusableMessageError(ValueError):
     """A message that cannot be used. Its text is one of a few, to be counted by reason."""
 
 
-def read_cdr(payload: bytes, kind: RosType) -> Any:
+def read_cdr(payload: bytes, kind: RosType, most_bytes: int = MAX_PAYLOAD_BYTES) -> Any:
     """The message in a payload.
 
+    Args:
+        payload: with its encapsulation.
+        kind: what it should be.
+        most_bytes: how long it may be.
+
     Raises:
-        UnusableMessageError: not little-endian CDR, longer than 1 MiB, or not of this type.
+        UnusableMessageError: not little-endian CDR, longer than that, or not of this type.
     """
-    if len(payload) > MAX_PAYLOAD_BYTES:
-        raise UnusableMessageError("more than 1 MiB")
+    if len(payload) > most_bytes:
+        raise UnusableMessageError(f"more than {most_bytes >> 20} MiB")
     if len(payload) < _ENCAPSULATION_BYTES or payload[:2] != LITTLE_ENDIAN_CDR:
         raise UnusableMessageError("no little-endian CDR")
     try:
@@ -45,3 +50,8 @@ def message_types() -> Any:
 def stamp_ns(header: Any) -> int:
     """The stamp of a message, nanoseconds of the robot's clock."""
     return int(header.stamp.sec * SECOND_NS + header.stamp.nanosec)
+
+
+def write_cdr(message: Any, kind: RosType) -> bytes:
+    """A message as its payload, little-endian."""
+    return bytes(message_types().serialize_cdr(message, kind.name, little_endian=True))

@@ -1,0 +1,1 @@
+"""What logs exchange with other tools: bags, tables, viewers."""
