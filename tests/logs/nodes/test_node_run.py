@@ -71,6 +71,12 @@ def test_it_hears_the_topics_that_it_names(log: Path, topics: Any) -> None:
     assert [topic for topic, *_ in run(log, Told(lambda *_: None, topics))[1]] == ["/b"]
 
 
+def test_it_hears_none_of_the_topics_on_which_its_class_speaks(log: Path) -> None:
+    NODES["it"] = node = Told(lambda *_: None)
+    NodeRun(Named("/out", "it", log.parent, frozenset({"/out", "/a"})), NodeInput(log), JSON)
+    assert [topic for topic, *_ in node.heard] == ["/b"]
+
+
 def test_nothing_to_hear_is_an_error(log: Path) -> None:
     with pytest.raises(NodeError, match="nothing to feed it with; the log holds /a, /b, /out"):
         run(log, Told(lambda *_: None, ["/scan"]))
