@@ -2,18 +2,25 @@
 
 The delay of a message is its log time minus the time at which it was sent: the way that it took,
 plus a constant, as the two clocks begin anywhere. The way varies, but its least over a window of
-two seconds hardly does, so the course of these least delays is that of the clocks: its slope is the
-drift, the median of all slopes from window to window, which a step does not move; a step is a jump
-that two windows before and two behind it agree on, so that a network that stalls is none.
+half a second and five messages hardly does, so the course of these least delays is that of the
+clocks. Their slope is the drift: the median of all slopes over a sixth of the log, which a step or
+two do not move. A step is a jump that lasts: all windows of the seconds before it lie on one side
+of all those behind it. A network that stalls lets go of what it held, so it is none.
 """
 
 from dataclasses import dataclass, field
 from statistics import median
 
-WINDOW_NS = 2_000_000_000
+WINDOW_NS = 500_000_000
+WINDOW_MESSAGES = 5
 LEAST_STEP_NS = 20_000_000
-LEAST_WINDOWS = 5
+LEAST_WINDOWS = 8
 """Fewer say nothing about drift."""
+MOST_WINDOWS = 4096
+"""Of more, every two become one: memory does not grow with the log."""
+_SIDE = 8
+"""Windows on either side of a step; near an end of the log fewer will do."""
+_LEAST_SIDE = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,45 +38,62 @@ class DelayCourse:
     """The least delays of a stream, window by window."""
 
     _windows: list[tuple[int, int]] = field(default_factory=list)
-    """Log time, least delay."""
-    _ends_ns: int = -1
-    _least: tuple[int, int] = (0, 0)
+    """Least delay, and the log time at which it was; the last one may still be open."""
+    _window_ns: int = WINDOW_NS
+    _begun_ns: int = 0
+    _messages: int = 0
+    """In the open window."""
 
     def add(self, log_ns: int, sent_ns: int) -> None:
         """Take a message, in the order of arrival."""
-        delay_ns = log_ns - sent_ns
-        if log_ns >= self._ends_ns:
-            if self._ends_ns >= 0:
-                self._windows.append(self._least)
-            self._ends_ns, self._least = log_ns + WINDOW_NS, (log_ns, delay_ns)
-        elif delay_ns < self._least[1]:
-            self._least = log_ns, delay_ns
+        found = log_ns - sent_ns, log_ns
+        is_over = self._messages >= WINDOW_MESSAGES and log_ns - self._begun_ns >= self._window_ns
+        if is_over or not self._windows:
+            self._windows.append(found)
+            self._begun_ns, self._messages = log_ns, 0
+            self._halve()
+        elif found < self._windows[-1]:
+            self._windows[-1] = found
+        self._messages += 1
 
     def drift(self) -> float | None:
         """Seconds that the sender's clock gains a second; None: too short to tell."""
-        slopes = [
-            (before[1] - after[1]) / (after[0] - before[0])
-            for before, after in zip(self._windows, self._windows[1:], strict=False)
-            if after[0] > before[0]
-        ]
-        return median(slopes) if len(slopes) >= LEAST_WINDOWS - 1 else None
+        windows = self._whole()
+        if len(windows) < LEAST_WINDOWS:
+            return None
+        lag = max(2, len(windows) // 6)
+        pairs = zip(windows, windows[lag:], strict=False)
+        return median((a - b) / (at_b - at_a) for (a, at_a), (b, at_b) in pairs if at_b > at_a)
 
     def drifted_ns(self) -> float:
         """How far the sender's clock has drifted over all."""
-        drift = self.drift()
-        return 0.0 if drift is None else drift * (self._windows[-1][0] - self._windows[0][0])
+        drift, windows = self.drift(), self._whole()
+        return 0.0 if drift is None else drift * (windows[-1][1] - windows[0][1])
 
     def steps(self) -> list[SenderStep]:
         """Where the sender's clock was set."""
-        drift = self.drift() or 0.0
-        level = [(at, -delay - drift * at) for at, delay in self._windows]
-        found = [self._step(level, k) for k in range(2, len(level) - 1)]
-        return [step for step in found if abs(step.step_ns) > LEAST_STEP_NS]
+        drift, windows = self.drift() or 0.0, self._whole()
+        first_ns = windows[0][1] if windows else 0
+        level = [-delay - drift * (at - first_ns) for delay, at in windows]
+        sides = range(_LEAST_SIDE, len(level) - _LEAST_SIDE + 1)
+        return [SenderStep(windows[k][1], jump) for k in sides if (jump := _jump(level, k))]
 
-    def _step(self, level: list[tuple[int, float]], k: int) -> SenderStep:
-        """The jump in front of window k: the least that both sides agree on."""
-        before, after = [v for _, v in level[k - 2 : k]], [v for _, v in level[k : k + 2]]
-        up, down = min(after) - max(before), min(before) - max(after)
-        jump = up if up > 0 else -down if down > 0 else 0.0
-        alone = abs(level[k][1] - level[k - 1][1]) > LEAST_STEP_NS
-        return SenderStep(level[k][0], jump if alone else 0.0)
+    def _whole(self) -> list[tuple[int, int]]:
+        """The windows, without one that has just begun."""
+        return self._windows if self._messages >= WINDOW_MESSAGES else self._windows[:-1]
+
+    def _halve(self) -> None:
+        if len(self._windows) > MOST_WINDOWS:
+            pairs = zip(self._windows[:-1:2], self._windows[1:-1:2], strict=True)
+            self._windows = [*map(min, pairs), self._windows[-1]]
+            self._window_ns *= 2
+
+
+def _jump(level: list[float], k: int) -> float:
+    """The jump in front of window k: by how much both sides are apart; 0: there is none."""
+    before, after = level[max(0, k - _SIDE) : k], level[k : k + _SIDE]
+    if abs(level[k] - level[k - 1]) <= LEAST_STEP_NS:
+        return 0.0
+    up, down = min(after) - max(before), min(before) - max(after)
+    jump = up if up > 0 else -down
+    return jump if max(up, down) > LEAST_STEP_NS else 0.0

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from reflexarc_logs.checking import delay_course
 from reflexarc_logs.checking.delay_course import DelayCourse
 
 MS = 1_000_000
@@ -46,5 +47,28 @@ def test_a_step_is_found_with_its_size_and_its_time(step_ns: int) -> None:
     assert found.drift() == pytest.approx(0.0, abs=40e-6)
 
 
+@pytest.mark.parametrize("at_s", [2, 3, 4])
+def test_a_step_is_found_in_a_log_of_six_seconds(at_s: int) -> None:
+    [step] = course(6, step_ns=-300 * MS, at_s=at_s).steps()
+    assert step.step_ns == pytest.approx(-300 * MS, abs=20 * MS)
+    assert course(6).steps() == []
+
+
 def test_a_short_log_says_nothing_of_drift() -> None:
-    assert course(6, drift=0.05).drift() is None
+    assert course(3, drift=0.05).drift() is None
+
+
+def test_memory_does_not_grow_with_the_log(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(delay_course, "MOST_WINDOWS", 32)
+    found = course(300, drift=300e-6, step_ns=5 * S, at_s=120, stalls=20)
+    assert len(found._windows) <= 33
+    assert found.drift() == pytest.approx(300e-6, abs=40e-6)
+    assert [step.step_ns for step in found.steps()] == [pytest.approx(5 * S, abs=30 * MS)]
+
+
+def test_a_backlog_that_drains_slowly_is_no_step() -> None:
+    found = DelayCourse()
+    for k in range(50 * 60):
+        drained = max(0.0, 1.0 - abs(k / 50 - 30.0) / 1.2)  # up and down within 2.4 s
+        found.add(k * 20 * MS + int(drained * 800 * MS), k * 20 * MS)
+    assert found.steps() == []
