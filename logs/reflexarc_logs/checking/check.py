@@ -27,6 +27,7 @@ from reflexarc_logs.checking.run_checks import (
 from reflexarc_logs.checking.stream_course import StreamCourse
 from reflexarc_logs.checking.tick_course import TickCourse
 from reflexarc_logs.container.first_look import Survey, look
+from reflexarc_logs.container.writing import POLICY_ATTACHMENT
 from reflexarc_logs.diffing.message_file import MessageFile, StreamMessage
 from reflexarc_logs.reading.reader import Log, open_log
 from reflexarc_runtime.errors import LogError
@@ -141,7 +142,7 @@ class _Check:
         for note in self._courses.notes:
             self._findings.append(warning("clocks", f"its recorder said: {note}"))
         self._findings += contract_findings(log)
-        if self._courses.ticks and log.policy is not None:
+        if self._courses.ticks and POLICY_ATTACHMENT in log.attachments:
             is_sound = not any(f.kind == "bytes" for f in self._findings) and log.complete
             self._replay, more = replay_findings(log) if is_sound else ("not tried", [])
             self._findings += more

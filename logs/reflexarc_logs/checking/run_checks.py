@@ -8,7 +8,7 @@ from reflexarc_logs.container.writing import END
 from reflexarc_logs.reading.reader import Log, read_log
 from reflexarc_logs.recording.part import PART
 from reflexarc_logs.replaying.replay import replay
-from reflexarc_runtime.errors import ReflexarcError
+from reflexarc_runtime.errors import LogError, ReflexarcError
 from reflexarc_runtime.loop.trials.tried_policy import load_tried_policy
 from reflexarc_runtime.policy.model_file import policy_hash
 from reflexarc_runtime.words.suggestion import pasteable
@@ -47,7 +47,12 @@ def should_hold_all(log: Log) -> bool:
 
 def contract_findings(log: Log) -> Iterator[LogFinding]:
     """Whether the policy that decided is in the log, is the one that it names, and is sealed."""
-    named, policy = log.run.policy_hash, log.policy
+    named = log.run.policy_hash
+    try:
+        policy = log.policy
+    except LogError as refusal:
+        yield error("contract", str(refusal).removeprefix(f"{log.path}: "))
+        return
     if policy is None:
         if named:
             words = f"it names the policy {named[:12]}, but none is attached"

@@ -14,6 +14,7 @@ from reflexarc_logs.checking.check import check
 from reflexarc_logs.checking.check_logs import check_logs
 from reflexarc_logs.checking.check_report import CheckReport
 from reflexarc_runtime.messages_pb2 import Decision
+from support import hostile_logs
 from support.foreign_logs import json_log
 from support.policies import exported
 from support.recordings import CONTRACT, FAULT_STALLS, drive, nominal
@@ -246,6 +247,25 @@ def test_any_number_of_processes_gives_the_same_bytes(log_path: Path, tmp_path: 
     crew = check_logs(paths[::-1], 2, lambda *both: done.append(both))
     assert json.dumps(alone.as_dict()) == json.dumps(crew.as_dict())
     assert done == [(1, 4), (2, 4), (3, 4), (4, 4)]
+
+
+SLOW = ("million", "hide their size", "2 GiB")
+
+
+def patient(name: str) -> object:
+    is_slow = any(word in name for word in SLOW)
+    return pytest.param(name, marks=pytest.mark.long) if is_slow else name
+
+
+@pytest.mark.parametrize("name", [*map(patient, (*hostile_logs.BYTES, *hostile_logs.FILES))])
+def test_a_hostile_file_is_found_out(name: str, tmp_path: Path) -> None:
+    path = tmp_path / "x.mcap"
+    if name in hostile_logs.BYTES:
+        path.write_bytes(hostile_logs.BYTES[name]())
+    else:
+        hostile_logs.FILES[name](path)
+    found = check(path)
+    assert found.refusal or found.count("error")
 
 
 def test_a_file_that_holds_less_than_its_own_statistics_say(tmp_path: Path) -> None:
