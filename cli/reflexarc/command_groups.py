@@ -23,6 +23,7 @@ from reflexarc.commands.learn.evaluate import EvaluateCommand
 from reflexarc.commands.learn.export import ExportCommand
 from reflexarc.commands.learn.study import StudyCommand
 from reflexarc.commands.learn.train import TrainCommand
+from reflexarc.commands.remember.check import CheckCommand
 from reflexarc.commands.remember.cut import CutCommand
 from reflexarc.commands.remember.decide import DecideCommand
 from reflexarc.commands.remember.diff import DiffCommand
@@ -79,6 +80,7 @@ GROUPS: dict[str, tuple[type[CliCommand], ...]] = {
         IncidentCommand,
         DecideCommand,
         DiffCommand,
+        CheckCommand,
         RecoverCommand,
         InfoCommand,
     ),

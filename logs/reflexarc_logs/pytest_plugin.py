@@ -29,9 +29,13 @@ if TYPE_CHECKING:
     from reflexarc_logs.replaying.report import ReplayReport
 
 INI = "reflexarc_logs"
+NODES = "reflexarc_nodes"
+NODE_RULES = "reflexarc_node_rules"
 _NET = pytest.StashKey[LogNet]()
 _HEARD = pytest.StashKey[int]()
 """How many logs the workers of pytest-xdist did not reach: they collect, not their controller."""
+_ACCEPTED = "reflexarc_accepted"
+"""Property of a test that accepted a new baseline: what is said of it."""
 _UNREACHED = "reflexarc_logs_unreached"
 _WHOLE = "reflexarc_logs_whole"
 
@@ -46,8 +50,14 @@ class ReplayFailedError(Exception):
 class LogFile(pytest.File):
     """A log under one of the named places."""
 
-    def collect(self) -> Iterator["LogItem"]:
-        """One test: the replay of this log."""
+    def collect(self) -> Iterator[pytest.Item]:
+        """The replay of this log, if it is ours; and each of the project's nodes that it feeds."""
+        if self.config.getini(NODES):
+            from reflexarc_logs.nodes.node_tests import may_be_replayed, node_items
+
+            yield from node_items(self)
+            if not may_be_replayed(self.path):
+                return
         yield LogItem.from_parent(self, name="replay")
 
 
@@ -109,6 +119,14 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     """Declare the ini option."""
     help_text = "folders, logs, or patterns of them, relative to the root, whose logs are tests"
     parser.addini(INI, help_text, "args", [])
+    parser.addini(
+        NODES, "topics, and the classes that speak on them: see anyones-node.md", "linelist", []
+    )
+    parser.addini(NODE_RULES, "what may differ in what they say: a file as of `diff`", "string", "")
+    update_help = "record anew what differs, by hand: old and new are shown"
+    parser.getgroup("reflexarc").addoption(
+        "--reflexarc-update", action="store_true", help=update_help
+    )
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:
@@ -123,6 +141,10 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     except NetError as error:
         raise pytest.UsageError(f"{INI}: {error}") from None
     config.stash[_NET] = LogNet(logs)
+    if nodes := config.getini(NODES):
+        from reflexarc_logs.nodes.node_tests import prepare
+
+        prepare(config, nodes, config.getini(NODE_RULES), has_logs=bool(logs))
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> LogFile | None:
@@ -184,7 +206,8 @@ def pytest_testnodedown(node: Any, error: object) -> None:
 
 
 def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> None:
-    """Say how many logs were not among the tests of this run."""
+    """Say what was recorded anew, and how many logs were not among the tests of this run."""
+    _tell_accepted(terminalreporter)
     net = config.stash.get(_NET, None)
     if net is None:
         return  # the session did not begin
@@ -192,6 +215,19 @@ def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> Non
     if left:
         count = f"{left} of {len(net.logs)} logs"
         terminalreporter.write_line(f"{INI}: {count} were not among the tests of this run")
+
+
+def _tell_accepted(terminalreporter: Any) -> None:
+    told = [
+        text
+        for report in terminalreporter.stats.get("passed", ())
+        for name, text in report.user_properties
+        if name == _ACCEPTED
+    ]
+    if told:
+        terminalreporter.section("reflexarc: new baselines")
+    for text in sorted(told):
+        terminalreporter.write_line(text)
 
 
 @pytest.fixture

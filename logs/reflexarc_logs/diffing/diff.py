@@ -4,9 +4,10 @@ Both files are read twice: to count what there is, and to compare it. Messages w
 are equal; only the others are decoded.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TypeAlias
 
 from reflexarc_logs.diffing.alignment import Census, Matched, Pairing, chosen
 from reflexarc_logs.diffing.diff_report import DiffReport, FieldDiff, FirstAt, TopicDiff, shown
@@ -16,6 +17,8 @@ from reflexarc_logs.diffing.message_file import MessageFile, Stream, StreamMessa
 from reflexarc_logs.diffing.payloads import Payloads, UnreadableError
 
 USUAL_RULES = DiffRules()
+
+Reading: TypeAlias = Callable[[], Iterable[StreamMessage]]
 
 
 def diff(a: Path | str, b: Path | str, rules: DiffRules = USUAL_RULES) -> DiffReport:
@@ -31,22 +34,41 @@ def diff(a: Path | str, b: Path | str, rules: DiffRules = USUAL_RULES) -> DiffRe
         LogError: a file is missing, damaged, or no MCAP file.
     """
     files = MessageFile(Path(a)), MessageFile(Path(b))
-    sides = [_count(file) for file in files]
-    topics = sorted({*sides[0], *sides[1]})
-    streams = {t: (sides[0].get(t) or sides[1][t]).stream for t in topics}
+    report = diff_messages((str(a), str(b)), (files[0].messages, files[1].messages), rules)
+    notes = [f"{f.path} is cut: what there is of it was compared" for f in files if f.was_cut]
+    return replace(report, notes=(*report.notes, *notes))
+
+
+def diff_messages(
+    names: tuple[str, str], sides: tuple[Reading, Reading], rules: DiffRules = USUAL_RULES
+) -> DiffReport:
+    """Compare two sequences of messages by topic and field.
+
+    Args:
+        names: what both are called.
+        sides: reads one, and the other; called twice.
+        rules: see `diff`.
+
+    Raises:
+        LogError: from the reading.
+    """
+    counted = [_count(read()) for read in sides]
+    topics = sorted({*counted[0], *counted[1]})
+    streams = {t: (counted[0].get(t) or counted[1][t]).stream for t in topics}
     ignored = tuple(t for t in topics if rules.ignores(streams[t]))
     comparisons = {
-        t: _Comparison(rules, sides[0].get(t), sides[1].get(t)) for t in topics if t not in ignored
+        t: _Comparison(rules, counted[0].get(t), counted[1].get(t))
+        for t in topics
+        if t not in ignored
     }
-    totals = [sum(one.census.count for one in side.values()) for side in sides]
-    for side, message in _side_by_side(files, totals):
+    totals = [sum(one.census.count for one in side.values()) for side in counted]
+    for side, message in _side_by_side(sides, totals):
         if comparison := comparisons.get(message.stream.topic):
             comparison.add(side, message)
     for comparison in comparisons.values():
         comparison.end()
-    notes = [f"{f.path} is cut: what there is of it was compared" for f in files if f.was_cut]
     found = tuple(comparison.topic for comparison in comparisons.values())
-    return DiffReport(str(a), str(b), found, ignored, tuple(notes))
+    return DiffReport(*names, found, ignored)
 
 
 @dataclass
@@ -57,9 +79,9 @@ class _Counted:
     census: Census
 
 
-def _count(file: MessageFile) -> dict[str, _Counted]:
+def _count(messages: Iterable[StreamMessage]) -> dict[str, _Counted]:
     found: dict[str, _Counted] = {}
-    for message in file.messages():
+    for message in messages:
         counted = found.get(message.stream.topic)
         if counted is None:
             counted = found[message.stream.topic] = _Counted(message.stream, Census())
@@ -68,10 +90,10 @@ def _count(file: MessageFile) -> dict[str, _Counted]:
 
 
 def _side_by_side(
-    files: tuple[MessageFile, MessageFile], totals: list[int]
+    sides: tuple[Reading, Reading], totals: list[int]
 ) -> Iterator[tuple[int, StreamMessage]]:
-    """The messages of both files in step with each other, so that few have to wait."""
-    readers = [file.messages() for file in files]
+    """The messages of both sides in step with each other, so that few have to wait."""
+    readers = [iter(read()) for read in sides]
     read = [0, 0]
     while read[0] < totals[0] or read[1] < totals[1]:
         side = 0 if read[0] * max(totals[1], 1) <= read[1] * max(totals[0], 1) else 1

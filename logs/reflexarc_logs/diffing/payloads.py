@@ -7,7 +7,7 @@ nobody here can decode is compared as bytes.
 import json
 from collections.abc import Callable, Iterator
 from functools import lru_cache
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from google.protobuf.descriptor import Descriptor, FieldDescriptor
@@ -21,6 +21,9 @@ from reflexarc_logs.diffing.message_file import Stream
 from reflexarc_logs.diffing.plain_values import Differing, Value
 from reflexarc_logs.diffing.plain_values import differing as plain_differing
 from reflexarc_logs.diffing.protobuf_walk import differing as protobuf_differing
+
+if TYPE_CHECKING:
+    from rosbags.typesys.store import Typestore
 
 Decode: TypeAlias = Callable[[bytes], Value]
 
@@ -47,7 +50,7 @@ class Payloads:
     def __init__(self, a: Stream, b: Stream, is_ignored: Callable[[str], bool]) -> None:
         self._decoders = decoder_of(a), decoder_of(b)
         self._is_one_kind = a.type_name == b.type_name and a[2:] == b[2:]
-        self._kind = _class_of(a) if self._is_one_kind else None
+        self._kind = protobuf_class(a) if self._is_one_kind else None
         self._strip = None if self._kind is None else _stripping(self._kind, is_ignored)
         self.are_decoded = _as_bytes not in self._decoders
         """Whether fields are told apart; else they are compared as bytes."""
@@ -81,7 +84,7 @@ def decoder_of(stream: Stream) -> Decode:
     Where the extra `ros2` is missing, or the schema is malformed, they are compared as bytes.
     """
     try:
-        if (kind := _class_of(stream)) is not None:
+        if (kind := protobuf_class(stream)) is not None:
             return lambda payload: _fields(_parsed(kind, payload))
         if stream.encoding == "json":
             return _json
@@ -92,8 +95,8 @@ def decoder_of(stream: Stream) -> Decode:
     return _as_bytes
 
 
-def _class_of(stream: Stream) -> type[ProtobufMessage] | None:
-    """The class of its messages, if they are protobuf and it says which."""
+def protobuf_class(stream: Stream) -> type[ProtobufMessage] | None:
+    """The class of a stream's messages, if they are protobuf and it says which."""
     if (stream.schema_encoding or stream.encoding) != "protobuf":
         return None
     try:
@@ -197,11 +200,11 @@ def _plain(value: Any) -> Value:
 
 
 def _cdr(stream: Stream) -> Decode:
-    deserialize = _ros2_types(stream.schema, stream.type_name)
+    store = ros2_store(stream.schema, stream.type_name)
 
     def decode(payload: bytes) -> Value:
         try:
-            return _of_ros2(deserialize(payload))
+            return _of_ros2(store.deserialize_cdr(payload, stream.type_name))
         except Exception as error:  # rosbags raises whatever its generated code meets
             raise UnreadableError(str(error) or type(error).__name__) from None
 
@@ -209,7 +212,13 @@ def _cdr(stream: Stream) -> Decode:
 
 
 @lru_cache(maxsize=256)
-def _ros2_types(definition: bytes, name: str) -> Callable[[bytes], Any]:
+def ros2_store(definition: bytes, name: str) -> "Typestore":
+    """The types of ROS 2 that a definition says.
+
+    Raises:
+        UnreadableError: it cannot be parsed.
+        ImportError: the extra `ros2` is not installed.
+    """
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
     store = get_typestore(Stores.EMPTY)
@@ -217,7 +226,7 @@ def _ros2_types(definition: bytes, name: str) -> Callable[[bytes], Any]:
         store.register(get_types_from_msg(definition.decode(), name))
     except Exception as error:  # a definition that it cannot parse
         raise UnreadableError(str(error)) from None
-    return lambda payload: store.deserialize_cdr(payload, name)
+    return store
 
 
 def _of_ros2(value: Any) -> Value:

@@ -30,7 +30,8 @@ class TickOrder:
         self.restarts = 0
         """How often a tick 0 came behind others."""
         self._next = 0
-        self._ended = False
+        self.ended = False
+        """Whether the latest one is the stop that ends a run."""
 
     def saw(self, decision: Decision) -> None:
         """Take the next tick."""
@@ -47,13 +48,13 @@ class TickOrder:
             self.restarts += number == 0
         self.ticks += 1
         self._next = number + 1 if number == 0 else max(self._next, number + 1)
-        self._ended = decision.verdict == _STOPPED
+        self.ended = decision.verdict == _STOPPED
 
     def notes(self) -> Iterator[str]:
         """What is missing, and what stands where it should not."""
         if not self.ticks:
             return
-        absent = ["before"] * bool(self.first) + ["after"] * (not self._ended)
+        absent = ["before"] * bool(self.first) + ["after"] * (not self.ended)
         if absent:
             where = f"ticks {self.first} to {self._next - 1}"
             yield f"it holds {where}: what came {' and '.join(absent)} is not in it"

@@ -19,6 +19,7 @@ NAMES = [
 COMMANDS = {
     "info": ("{log}",),
     "replay": ("{log}",),
+    "check": ("{log}",),
     "recover": ("{log}", "-o", "{out}"),
     "cut": ("{log}", "--from", "1", "--to", "9", "-o", "{out}"),
     "render": ("{log}", "-o", "x.png"),
@@ -40,5 +41,5 @@ def test_a_name_is_a_name(
     assert main([command, *(word.format(**places) for word in COMMANDS[command])]) == 0
     said = capsys.readouterr()
     assert "\x1b" not in said.out + said.err
-    if command in ("info", "replay") and name.isprintable():
+    if command in ("info", "replay", "check") and name.isprintable():
         assert f"{name}.mcap" in said.out

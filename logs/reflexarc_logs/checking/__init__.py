@@ -1,0 +1,1 @@
+"""Whether logs are sound: whole, without gaps, on clocks that run, and true when replayed."""
