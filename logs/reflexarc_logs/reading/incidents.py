@@ -44,26 +44,63 @@ def find_incidents(log: Log) -> Iterator[Incident]:
     Raises:
         LogError: the log cannot be read.
     """
-    tick_topic, contact, mark = (log.topic(t.name) for t in (TICK, CONTACT, MARK))
-    known: IncidentKind | None = None
-    waiting: list[tuple[IncidentKind, Record, str]] = []
-    last: int | None = None
-    for record in log.records(tick_topic, contact, mark):
-        if record.topic != tick_topic:
-            kind: IncidentKind = "contact" if record.topic == contact else "mark"
-            waiting.append((kind, record, _words(log, record)))
+    tick_topic, *beside = incident_topics(log)
+    finder = IncidentFinder(log)
+    for record in log.records(tick_topic, *beside):
+        if record.topic == tick_topic:
+            yield from finder.tick(decode(log, record, Tick).decision, record.log_ns)
         else:
-            decision = decode(log, record, Tick).decision
-            before, last = last, decision.index
-            for kind, beside, words in waiting:
-                yield Incident(kind, last if before is None else before, beside.log_ns, words)
-            waiting.clear()
-            now = _kind_of(decision)
-            if now is not None and now != known:
-                yield Incident(now, decision.index, record.log_ns, decision.reason[:_SHOWN])
-            known = now
-    for kind, beside, words in waiting if last is not None else ():
-        yield Incident(kind, last or 0, beside.log_ns, words)
+            finder.beside(record)
+    yield from finder.end()
+
+
+def incident_topics(log: Log) -> tuple[str, str, str]:
+    """What an `IncidentFinder` is fed with: ticks; and beside them contacts and marks."""
+    return log.topic(TICK.name), log.topic(CONTACT.name), log.topic(MARK.name)
+
+
+class IncidentFinder:
+    """Finds incidents in records that somebody else reads.
+
+    Args:
+        log: whose records they are.
+    """
+
+    def __init__(self, log: Log) -> None:
+        self._log = log
+        self._mark = log.topic(MARK.name)
+        self._known: IncidentKind | None = None
+        self._waiting: list[tuple[IncidentKind, int, str]] = []
+        self._last: int | None = None
+
+    def beside(self, record: Record) -> None:
+        """Take a contact or a mark.
+
+        Raises:
+            LogError: it is none.
+        """
+        kind: IncidentKind = "mark" if record.topic == self._mark else "contact"
+        self._waiting.append((kind, record.log_ns, _words(self._log, record)))
+
+    def tick(self, decision: Decision, log_ns: int) -> Iterator[Incident]:
+        """Take the next tick; what happened before it, and at it."""
+        before, self._last = self._last, decision.index
+        if self._waiting:
+            yield from self._let_go(decision.index if before is None else before)
+        now = _kind_of(decision)
+        if now is not None and now != self._known:
+            yield Incident(now, decision.index, log_ns, decision.reason[:_SHOWN])
+        self._known = now
+
+    def end(self) -> Iterator[Incident]:
+        """What happened behind the last tick."""
+        if self._last is not None:
+            yield from self._let_go(self._last)
+
+    def _let_go(self, tick: int) -> Iterator[Incident]:
+        for kind, log_ns, words in self._waiting:
+            yield Incident(kind, tick, log_ns, words)
+        self._waiting.clear()
 
 
 def _kind_of(decision: Decision) -> IncidentKind | None:

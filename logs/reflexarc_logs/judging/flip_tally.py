@@ -1,0 +1,118 @@
+"""Counts the flips of a candidate on one log, and keeps those of the largest margins."""
+
+import heapq
+from collections import Counter
+from collections.abc import Sequence
+
+import numpy as np
+
+from reflexarc_logs.judging.answers import Answers, JudgedTick
+from reflexarc_logs.judging.flip_limits import FlipLimits
+from reflexarc_logs.judging.judgement import JudgedFlip
+from reflexarc_logs.judging.opposites import opposites
+from reflexarc_logs.replaying.comparison import EqualityRules, find_flip
+from reflexarc_runtime.arrays import QValues
+from reflexarc_runtime.contract.motion import Action
+
+MOST_KEPT = 200
+"""Flips of a log that are kept whole; the others are counted."""
+MOST_KEPT_BYTES = 1 << 20
+"""And bytes of their retinas: a camera's have tens of KiB each."""
+
+
+class FlipTally:
+    """The flips of one log.
+
+    Args:
+        limits: which flips count.
+        rules: what two backends may differ by.
+        actions: of the contract.
+        has_winner: whether the ticks say what was preferred; before, it was always what was done.
+    """
+
+    def __init__(
+        self,
+        limits: FlipLimits,
+        rules: EqualityRules,
+        actions: Sequence[Action],
+        *,
+        has_winner: bool,
+    ) -> None:
+        self._limits, self._rules, self._has_winner = limits, rules, has_winner
+        self._opposite = opposites(actions)
+        self._every = np.ones(len(actions), np.int64)
+        self._kept: list[tuple[float, int, JudgedFlip]] = []
+        self._number = 0
+        self.counts: Counter[str] = Counter()
+        """By the name of a field of `LogJudgement`."""
+        self.largest_margin = 0.0
+        self.first: tuple[int, float] | None = None
+        """Tick and time in seconds of the first flip that counts."""
+
+    def add(self, answers: Answers) -> None:
+        """Count a batch; of the warm ones only ticks that are no flips are counted at once."""
+        recorded = np.array([self.preferred(tick) for tick in answers.ticks])
+        inside = np.array([tick.counts for tick in answers.ticks]) & (recorded >= 0)
+        if not answers.is_warm:
+            self.counts["warming_up"] += int(inside.sum())
+            return
+        is_finite = np.isfinite(answers.q_values) @ self._every == len(self._every)
+        self.counts["ticks"] += int(inside.sum())
+        self.counts["faults"] += int((inside & ~is_finite).sum())
+        for row in np.flatnonzero(inside & is_finite & (recorded != answers.winners)):
+            now = int(answers.winners[row])
+            self._flip(answers.ticks[row], int(recorded[row]), now, answers.q_values[row])
+
+    def preferred(self, tick: JudgedTick) -> int:
+        """The action that the recorded policy preferred; −1: none."""
+        decision = tick.decision
+        index = decision.winner if self._has_winner else decision.action
+        return index if index < len(decision.q_values) else -1
+
+    def kept(self) -> tuple[JudgedFlip, ...]:
+        """The flips of the largest margins, by tick."""
+        found = sorted(self._kept, key=lambda one: (one[2].time_s, -one[1]))
+        return tuple(flip for _, _, flip in found)
+
+    def _flip(self, tick: JudgedTick, was: int, now: int, values: QValues) -> None:
+        decision = tick.decision
+        rules, recorded = self._rules, decision.q_values
+        flip = find_flip(decision.index, recorded, was, now, rules.tolerance)
+        assert flip is not None  # both are actions, and not the same
+        if flip.rounding and not rules.exact:
+            self.counts["rounding"] += 1
+            return
+        if flip.margin < self._limits.margin and self._limits.margin > 0.0:
+            self.counts["below_margin"] += 1
+            return
+        self.counts["flips"] += 1
+        is_reversal = bool(self._opposite[was, now])
+        self.counts["reversals"] += is_reversal
+        self.largest_margin = max(self.largest_margin, flip.margin)
+        time_s = tick.after_ns / 1e9
+        if self.first is None:
+            self.first = decision.index, time_s
+        self._keep(
+            JudgedFlip(
+                tick=decision.index,
+                time_s=time_s,
+                recorded=was,
+                candidate=now,
+                margin=flip.margin,
+                candidate_margin=float(values[now]) - float(values[was]),
+                is_reversal=is_reversal,
+                recorded_q_values=tuple(recorded),
+                candidate_q_values=tuple(values.tolist()),
+                retina=decision.retina,
+            )
+        )
+
+    def _keep(self, flip: JudgedFlip) -> None:
+        """Keep it, in the place of that of the smallest margin if there is no room left."""
+        self._number += 1
+        entry = flip.margin, -self._number, flip
+        room = min(MOST_KEPT, max(1, MOST_KEPT_BYTES // max(1, len(flip.retina))))
+        if len(self._kept) < room:
+            heapq.heappush(self._kept, entry)
+        else:
+            heapq.heappushpop(self._kept, entry)
