@@ -2,8 +2,9 @@
 
 judge_logs             many logs, shared among processes
 judge_log              one log, one pass
-judgement              what is found, as data
+judgement              what is found on a log, as data
+judgement_report       on all logs: as data, as text, as a comment on a change
 flip_limits            how much a candidate may differ
-judgement_text         as text; judgement_markdown: as a comment on a change
+replay_logs            many logs replayed by this software
 failure_text           why a log's test failed, in words
 """

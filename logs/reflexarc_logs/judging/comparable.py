@@ -12,6 +12,7 @@ from functools import lru_cache
 from reflexarc_logs.judging.opposites import ways
 from reflexarc_logs.reading.reader import Log
 from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.contract.motion import Action
 from reflexarc_runtime.errors import LogError, ReflexarcError
 from reflexarc_runtime.policy.policy import load_contract
 
@@ -64,12 +65,19 @@ def _check_eyes(log: Log, recorded: PolicyContract, candidate: PolicyContract) -
 
 
 def _check_actions(log: Log, recorded: PolicyContract, candidate: PolicyContract) -> None:
-    if list(map(ways, recorded.actions)) != list(map(ways, candidate.actions)):
-        names = [", ".join(a.name for a in one.actions) for one in (recorded, candidate)]
-        raise LogError(
-            f"{log.path}: the candidate's actions go other ways than the recorded ones: "
-            f"{names[0]} → {names[1]}; give a candidate with the same actions in the same order"
-        )
+    if list(map(ways, recorded.actions)) == list(map(ways, candidate.actions)):
+        return
+    told = [", ".join(map(_told, one.actions)) for one in (recorded, candidate)]
+    raise LogError(
+        f"{log.path}: the candidate's actions (linear, lateral, angular speed) go other ways than "
+        f"the recorded ones: {told[0]} → {told[1]}; give a candidate with the same ones in the "
+        "same order"
+    )
+
+
+def _told(action: Action) -> str:
+    speeds = action.linear_mps, action.lateral_mps, action.angular_radps
+    return f"{action.name} {' '.join(f'{speed:g}' for speed in speeds)}"
 
 
 def _other_differences(recorded: PolicyContract, candidate: PolicyContract) -> list[str]:

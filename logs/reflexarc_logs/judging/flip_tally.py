@@ -50,7 +50,7 @@ class FlipTally:
         """Tick and time in seconds of the first flip that counts."""
 
     def add(self, answers: Answers) -> None:
-        """Count a batch; of the warm ones only ticks that are no flips are counted at once."""
+        """Count a batch."""
         recorded = np.array([self.preferred(tick) for tick in answers.ticks])
         inside = np.array([tick.counts for tick in answers.ticks]) & (recorded >= 0)
         if not answers.is_warm:
@@ -59,7 +59,7 @@ class FlipTally:
         is_finite = np.isfinite(answers.q_values) @ self._every == len(self._every)
         self.counts["ticks"] += int(inside.sum())
         self.counts["faults"] += int((inside & ~is_finite).sum())
-        for row in np.flatnonzero(inside & is_finite & (recorded != answers.winners)):
+        for row in np.flatnonzero(inside & is_finite & (recorded != answers.winners)).tolist():
             now = int(answers.winners[row])
             self._flip(answers.ticks[row], int(recorded[row]), now, answers.q_values[row])
 
