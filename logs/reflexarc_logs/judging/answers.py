@@ -6,7 +6,6 @@ until that has warmed up its answers do not count.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -24,8 +23,7 @@ _BATCH_BYTES = 8 << 20
 _BATCH_TICKS = 256
 
 
-@dataclass(frozen=True, slots=True)
-class JudgedTick:
+class JudgedTick(NamedTuple):
     """A tick at which the recorded policy was asked."""
 
     decision: Decision

@@ -8,9 +8,10 @@ import numpy as np
 
 from reflexarc_logs.judging.answers import Answers, JudgedTick
 from reflexarc_logs.judging.flip_limits import FlipLimits
-from reflexarc_logs.judging.judgement import JudgedFlip
+from reflexarc_logs.judging.judgement import NO_ACTION, JudgedFlip
 from reflexarc_logs.judging.opposites import opposites
 from reflexarc_logs.replaying.comparison import EqualityRules, find_flip
+from reflexarc_logs.replaying.report import Flip
 from reflexarc_runtime.arrays import QValues
 from reflexarc_runtime.contract.motion import Action
 
@@ -42,7 +43,6 @@ class FlipTally:
         self._opposite = opposites(actions)
         self._every = np.ones(len(actions), np.int64)
         self._kept: list[tuple[float, int, JudgedFlip]] = []
-        self._number = 0
         self.counts: Counter[str] = Counter()
         """By the name of a field of `LogJudgement`."""
         self.largest_margin = 0.0
@@ -51,7 +51,7 @@ class FlipTally:
 
     def add(self, answers: Answers) -> None:
         """Count a batch."""
-        recorded = np.array([self.preferred(tick) for tick in answers.ticks])
+        recorded = np.array(self.preferred(answers))
         inside = np.array([tick.counts for tick in answers.ticks]) & (recorded >= 0)
         if not answers.is_warm:
             self.counts["warming_up"] += int(inside.sum())
@@ -63,11 +63,11 @@ class FlipTally:
             now = int(answers.winners[row])
             self._flip(answers.ticks[row], int(recorded[row]), now, answers.q_values[row])
 
-    def preferred(self, tick: JudgedTick) -> int:
-        """The action that the recorded policy preferred; −1: none."""
-        decision = tick.decision
-        index = decision.winner if self._has_winner else decision.action
-        return index if index < len(decision.q_values) else -1
+    def preferred(self, answers: Answers) -> list[int]:
+        """The actions that the recorded policy preferred; `NO_ACTION`: none."""
+        decisions, most = [tick.decision for tick in answers.ticks], len(self._every)
+        found = [d.winner for d in decisions] if self._has_winner else [d.action for d in decisions]
+        return [index if index < most else NO_ACTION for index in found]
 
     def kept(self) -> tuple[JudgedFlip, ...]:
         """The flips of the largest margins, by tick."""
@@ -86,33 +86,28 @@ class FlipTally:
             self.counts["below_margin"] += 1
             return
         self.counts["flips"] += 1
-        is_reversal = bool(self._opposite[was, now])
-        self.counts["reversals"] += is_reversal
+        self.counts["reversals"] += bool(self._opposite[was, now])
         self.largest_margin = max(self.largest_margin, flip.margin)
-        time_s = tick.after_ns / 1e9
         if self.first is None:
-            self.first = decision.index, time_s
-        self._keep(
-            JudgedFlip(
-                tick=decision.index,
-                time_s=time_s,
-                recorded=was,
-                candidate=now,
-                margin=flip.margin,
-                candidate_margin=float(values[now]) - float(values[was]),
-                is_reversal=is_reversal,
-                recorded_q_values=tuple(recorded),
-                candidate_q_values=tuple(values.tolist()),
-                retina=decision.retina,
-            )
-        )
-
-    def _keep(self, flip: JudgedFlip) -> None:
-        """Keep it, in the place of that of the smallest margin if there is no room left."""
-        self._number += 1
-        entry = flip.margin, -self._number, flip
-        room = min(MOST_KEPT, max(1, MOST_KEPT_BYTES // max(1, len(flip.retina))))
+            self.first = decision.index, tick.after_ns / 1e9
+        key = flip.margin, -self.counts["flips"]
+        room = min(MOST_KEPT, max(1, MOST_KEPT_BYTES // max(1, len(decision.retina))))
         if len(self._kept) < room:
-            heapq.heappush(self._kept, entry)
-        else:
-            heapq.heappushpop(self._kept, entry)
+            heapq.heappush(self._kept, (*key, self._judged(tick, flip, values)))
+        elif key > self._kept[0][:2]:
+            heapq.heapreplace(self._kept, (*key, self._judged(tick, flip, values)))
+
+    def _judged(self, tick: JudgedTick, flip: Flip, values: QValues) -> JudgedFlip:
+        decision, was, now = tick.decision, flip.recorded, flip.replayed
+        return JudgedFlip(
+            tick=decision.index,
+            time_s=tick.after_ns / 1e9,
+            recorded=was,
+            candidate=now,
+            margin=flip.margin,
+            candidate_margin=float(values[now]) - float(values[was]),
+            is_reversal=bool(self._opposite[was, now]),
+            recorded_q_values=tuple(decision.q_values),
+            candidate_q_values=tuple(values.tolist()),
+            retina=decision.retina,
+        )

@@ -1,7 +1,7 @@
 """What a candidate prefers where something happened: at the last tick that a policy was asked."""
 
 from array import array
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from reflexarc_logs.judging.judgement import NO_ACTION, IncidentAnswer
 from reflexarc_logs.reading.incidents import Incident
@@ -10,11 +10,10 @@ MOST_INCIDENTS = 200
 """Incidents of a log that are kept; the others are counted."""
 
 
-@dataclass(frozen=True, slots=True)
-class TickPlace:
+class TickPlace(NamedTuple):
     """A tick, and how many ticks were asked about up to it."""
 
-    index: int
+    number: int
     after_ns: int
     """Since the log's first tick."""
     asked: int
@@ -36,11 +35,11 @@ class IncidentAnswers:
         else:
             self.more += 1
 
-    def answer(self, tick: int, recorded: int, candidate: int) -> None:
-        """Take what was preferred at the next tick that was asked about."""
-        self._ticks.append(tick)
-        self._recorded.append(recorded)
-        self._candidate.append(candidate)
+    def answer(self, ticks: list[int], recorded: list[int], candidate: list[int]) -> None:
+        """Take what was preferred at the next ticks that were asked about."""
+        self._ticks.extend(ticks)
+        self._recorded.extend(recorded)
+        self._candidate.extend(candidate)
 
     def result(self) -> tuple[IncidentAnswer, ...]:
         """The incidents with their answers, when all were given."""

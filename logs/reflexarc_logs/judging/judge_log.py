@@ -111,7 +111,7 @@ class _Judging:
             return "it is over before the candidate's memory has warmed up; nothing to judge"
         return (
             "expected ticks at which the policy was asked, found none in the window; "
-            f"it has {self._ticks} ticks, the last is {self._here.index} "
+            f"it has {self._ticks} ticks, the last is {self._here.number} "
             f"({self._here.after_ns / 1e9:.2f} s)"
         )
 
@@ -133,14 +133,14 @@ class _Judging:
     def _count(self, batches: Iterable[Answers]) -> None:
         for answers in batches:
             self.tally.add(answers)
-            for tick, winner in zip(answers.ticks, answers.winners.tolist(), strict=True):
-                index = tick.decision.index
-                self.incidents.answer(index, self.tally.preferred(tick), winner)
+            ticks = [tick.decision.index for tick in answers.ticks]
+            recorded, winners = self.tally.preferred(answers), answers.winners.tolist()
+            self.incidents.answer(ticks, recorded, winners)
 
     def _meet(self, found: Iterable[Incident], before: TickPlace) -> None:
         for incident in found:
-            place = self._here if incident.tick == self._here.index else before
-            if self._is_inside(place.index, place.after_ns):
+            place = self._here if incident.tick == self._here.number else before
+            if self._is_inside(place.number, place.after_ns):
                 self.incidents.meet(incident, place)
 
     def _is_inside(self, index: int, after_ns: int) -> bool:

@@ -1,6 +1,6 @@
 """What happened in a log that a person would look at: contacts, guards, stops, overruns, marks."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
@@ -82,30 +82,31 @@ class IncidentFinder:
         kind: IncidentKind = "mark" if record.topic == self._mark else "contact"
         self._waiting.append((kind, record.log_ns, _words(self._log, record)))
 
-    def tick(self, decision: Decision, log_ns: int) -> Iterator[Incident]:
+    def tick(self, decision: Decision, log_ns: int) -> Sequence[Incident]:
         """Take the next tick; what happened before it, and at it."""
         before, self._last = self._last, decision.index
-        if self._waiting:
-            yield from self._let_go(decision.index if before is None else before)
-        now = _kind_of(decision)
-        if now is not None and now != self._known:
-            yield Incident(now, decision.index, log_ns, decision.reason[:_SHOWN])
-        self._known = now
+        now = _KIND_OF.get(decision.verdict)
+        if now is None and self._known is None and not self._waiting:
+            return ()  # nearly always
+        found = self._let_go(decision.index if before is None else before)
+        if now is not None and now != self._known and not _is_end(decision):
+            found.append(Incident(now, decision.index, log_ns, decision.reason[:_SHOWN]))
+        self._known = None if _is_end(decision) else now
+        return found
 
-    def end(self) -> Iterator[Incident]:
+    def end(self) -> Sequence[Incident]:
         """What happened behind the last tick."""
-        if self._last is not None:
-            yield from self._let_go(self._last)
+        return () if self._last is None else self._let_go(self._last)
 
-    def _let_go(self, tick: int) -> Iterator[Incident]:
-        for kind, log_ns, words in self._waiting:
-            yield Incident(kind, tick, log_ns, words)
+    def _let_go(self, tick: int) -> list[Incident]:
+        found = [Incident(kind, tick, log_ns, words) for kind, log_ns, words in self._waiting]
         self._waiting.clear()
+        return found
 
 
-def _kind_of(decision: Decision) -> IncidentKind | None:
-    is_end = decision.verdict == int(Verdict.STOPPED) and END_OF_RUN in decision.reason
-    return None if is_end else _KIND_OF.get(decision.verdict)
+def _is_end(decision: Decision) -> bool:
+    """Whether it is the stop that ends every run."""
+    return decision.verdict == int(Verdict.STOPPED) and END_OF_RUN in decision.reason
 
 
 def _words(log: Log, record: Record) -> str:
