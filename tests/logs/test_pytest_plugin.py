@@ -92,7 +92,7 @@ def test_without_a_log_the_plugin_imports_nothing_but_pytest(tmp_path):
         "    heavy = {'numpy', 'mcap', 'onnx', 'google.protobuf', 'reflexarc_runtime'}\n"
         "    assert not heavy & set(sys.modules)\n"
         "    ours = {n for n in sys.modules if n.startswith('reflexarc')}\n"
-        "    mine = {'', '.named_logs', '.pytest_plugin'}\n"
+        "    mine = {'', '.named_logs', '.pytest_options', '.pytest_plugin'}\n"
         "    assert ours == {f'reflexarc_logs{name}' for name in mine}\n"
     )
     result = run_pytest(here, "test_it.py")
