@@ -4,9 +4,15 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from reflexarc_logs.cutting.incident_part import INCIDENT
-from reflexarc_logs.judging.flip_limits import FlipLimits, share
+from reflexarc_logs.judging.amounts import amount, share
+from reflexarc_logs.judging.flip_limits import FlipLimits
 from reflexarc_logs.judging.judgement import JudgedFlip, LogJudgement
-from reflexarc_logs.judging.judgement_text import clearest, flip_words, incident_words
+from reflexarc_logs.judging.judgement_text import (
+    clearest,
+    flip_words,
+    incident_words,
+    passed_over,
+)
 from reflexarc_logs.reading.reader import Log
 from reflexarc_logs.replaying.asked_policy import attached_policy
 from reflexarc_logs.replaying.report import Divergence, ReplayReport
@@ -50,7 +56,8 @@ def judgement_failure(
     rate = share(found.flips, found.ticks)
     lines = [
         f"{path}: {policy} is beyond its limits: {'; '.join(found.broken)}",
-        f"  {found.flips} flips at {found.ticks} ticks ({rate}), {found.reversals} reversals; "
+        f"  {amount(found.flips, 'flip')} at {amount(found.ticks, 'tick')} ({rate}), "
+        f"{amount(found.reversals, 'reversal')}; "
         f"limits: {'; '.join(limits.words())}",
         *_incident(log),
     ]
@@ -59,6 +66,7 @@ def judgement_failure(
         lines += [f"  the first flip is at tick {found.first_tick} ({found.first_s:.2f} s)"]
     for flip in clearest(found)[:_SHOWN_FLIPS]:
         lines += _flip_lines(flip, found)
+    lines += [f"  {words}" for words in passed_over(found)]
     lines += [f"  note: {note}" for note in found.notes]
     command = pasteable("reflexarc", "replay", path, "--policy", policy, *_flags(limits))
     return "\n".join(map(plain, [*lines, f"  next: {command}"]))
