@@ -18,13 +18,12 @@ from reflexarc_logs.replaying.comparison import EqualityRules
 from reflexarc_logs.replaying.replay import replay
 from reflexarc_runtime.contract.motion import Action
 from reflexarc_runtime.errors import LogError
-from reflexarc_runtime.messages.codec import encode_retina
-from reflexarc_runtime.messages.wire import Message
 from reflexarc_runtime.messages_pb2 import Decision
 from reflexarc_runtime.policy.policy import LoadedPolicy, load_policy
 from support.policies import exported
-from support.recordings import CONTRACT, MS, drive, retina_at, smooth_retinas
-from support.remembering import REMEMBERING, remembering_policy
+from support.recordings import CONTRACT
+from support.remembering import remembering_policy
+from support.remembering_drives import drive_remembering
 from support.rewriting import edit_decisions, rewrite
 from support.slow_judge import decisions, slow_flips
 
@@ -125,17 +124,8 @@ def test_what_is_written_as_json_is_read_back(driven, candidate):
     assert LogJudgement.from_plain(found.to_plain()) == found
 
 
-def seen_by_four_rays(slot: int, retina: np.ndarray) -> Message:
-    sent = retina_at(slot, np.zeros((1, 16, 1), np.uint8))
-    payload = encode_retina(retina, REMEMBERING.retina, sent.received_ns - MS)
-    return dataclasses.replace(sent, payload=payload)
-
-
 def test_a_candidate_with_a_memory_is_asked_in_order_as_in_a_replay(tmp_path):
-    path = tmp_path / "drive.mcap"
-    retinas = smooth_retinas(200, spec=REMEMBERING.retina)
-    schedule = {slot: [seen_by_four_rays(slot, retinas[slot - 1])] for slot in range(1, 201)}
-    drive(path, remembering_policy(0), schedule, 200)
+    path = drive_remembering(tmp_path / "drive.mcap", 0)
     for seed in (0, 1):
         policy = load_policy(remembering_policy(seed))
         level = replay(path, policy=policy, level="policy").levels[0]
