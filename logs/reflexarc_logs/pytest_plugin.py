@@ -77,7 +77,8 @@ class LogItem(pytest.Item):
 
         accepted = accept(path, self.config.stash[_OPTIONS].policy)
         if accepted is not None:
-            self.user_properties.append((_ACCEPTED, "\n".join(accepted.lines())))
+            typed = _trial(self.config).typed(self.path)
+            self.user_properties.append((_ACCEPTED, "\n".join(accepted.lines(typed))))
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
         """The report or the error's one line, without a traceback; of a bug, all of it."""

@@ -97,7 +97,8 @@ def test_a_baseline_is_new_only_by_the_flag_and_old_and_new_are_shown(workers, h
     done = run_pytest(here, *policy, "--reflexarc-update", *workers)
     assert done.returncode == 0, done.stdout
     assert "reflexarc: new baselines" in done.stdout
-    assert "old: sha256 " in done.stdout
+    assert "\ngolden/a drive.mcap: " in done.stdout
+    assert "\n  old: sha256 " in done.stdout
     assert "ticks are decided otherwise" in done.stdout
     assert replay(log).policy_hash == read_log(log).run.policy_hash
     assert run_pytest(here, *policy).returncode == 0

@@ -64,7 +64,7 @@ def log_lines(one: LogJudgement) -> Iterator[str]:
     for flip in clearest(one)[:SHOWN_FLIPS]:
         yield f"  {flip_words(flip, one)}"
     if one.flips > SHOWN_FLIPS:
-        yield f"  … and {amount(one.flips - SHOWN_FLIPS, 'flip')} more, of no larger margins"
+        yield f"  … and {amount(one.flips - SHOWN_FLIPS, 'flip')} more, of no larger margin"
     for note in one.notes:
         yield f"  note: {note}"
 
@@ -77,9 +77,9 @@ def clearest(one: LogJudgement) -> list[JudgedFlip]:
 def passed_over(one: LogJudgement) -> Iterator[str]:
     """What did not count."""
     if one.below_margin:
-        yield f"{amount(one.below_margin, 'flip')} more, of a smaller margin than the least"
+        yield f"not counted: {amount(one.below_margin, 'flip')} of smaller margins"
     if one.rounding:
-        yield f"{amount(one.rounding, 'flip')} more, of rounding: two backends may differ so much"
+        yield f"not counted: {amount(one.rounding, 'flip')} of rounding: two backends may differ so"
     if one.warming_up:
         yield f"not counted: {amount(one.warming_up, 'tick')} in which its memory warms up"
 

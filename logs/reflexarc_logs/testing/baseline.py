@@ -38,10 +38,10 @@ class NewBaseline:
     said: str
     """How the decisions differ, in words."""
 
-    def lines(self) -> list[str]:
-        """Old and new, for people."""
+    def lines(self, path: Path | None = None) -> list[str]:
+        """Old and new, for people; the log as they would type it."""
         return [
-            f"{self.path}: {self.said}",
+            f"{path or self.path}: {self.said}",
             f"  old: sha256 {self.old_sha256}, policy {self.old_policy[:12]}",
             f"  new: sha256 {self.new_sha256}, policy {self.new_policy[:12]}",
         ]
