@@ -1,4 +1,4 @@
-"""Replay and diff are no empty check: a small run of the campaign that changes what they compare."""
+"""Replay and diff are no empty check: a small run of the campaign of changes."""
 
 import subprocess
 import sys

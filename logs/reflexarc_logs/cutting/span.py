@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from reflexarc_logs.reading.reader import Log
+from reflexarc_logs.reading.tick_word import tick_word
 from reflexarc_runtime.errors import LogError, UsageError
 
 
@@ -44,15 +45,9 @@ def span_of(log: Log, since: str = "", until: str = "") -> TickSpan:
 
 def _tick(flag: str, word: str, times_ns: dict[int, int]) -> int:
     """The number of a tick; of a time, that of the first tick at or after it."""
-    try:
-        if word.startswith("-"):
-            raise ValueError("a time or number before the first")
-        if not word.endswith("s"):
-            return int(word)
-        wanted_ns = min(times_ns.values()) + round(float(word[:-1]) * 1e9)
-    except (ValueError, OverflowError):
-        raise UsageError(
-            f"{flag}: expected a tick's number or seconds, as 120 or 2.4s, got {word[:20]!r}"
-        ) from None
-    later = (index for index, now_ns in times_ns.items() if now_ns >= wanted_ns)
+    place = tick_word(flag, word)
+    if place.index is not None:
+        return place.index
+    begin_ns = min(times_ns.values())
+    later = (i for i, now_ns in times_ns.items() if place.is_reached_by(i, now_ns - begin_ns))
     return min(later, default=max(times_ns) + 1)

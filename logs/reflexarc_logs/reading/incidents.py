@@ -1,6 +1,6 @@
 """What happened in a log that a person would look at: contacts, guards, stops, overruns, marks."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
@@ -44,31 +44,69 @@ def find_incidents(log: Log) -> Iterator[Incident]:
     Raises:
         LogError: the log cannot be read.
     """
-    tick_topic, contact, mark = (log.topic(t.name) for t in (TICK, CONTACT, MARK))
-    known: IncidentKind | None = None
-    waiting: list[tuple[IncidentKind, Record, str]] = []
-    last: int | None = None
-    for record in log.records(tick_topic, contact, mark):
-        if record.topic != tick_topic:
-            kind: IncidentKind = "contact" if record.topic == contact else "mark"
-            waiting.append((kind, record, _words(log, record)))
+    tick_topic, *beside = incident_topics(log)
+    finder = IncidentFinder(log)
+    for record in log.records(tick_topic, *beside):
+        if record.topic == tick_topic:
+            yield from finder.tick(decode(log, record, Tick).decision, record.log_ns)
         else:
-            decision = decode(log, record, Tick).decision
-            before, last = last, decision.index
-            for kind, beside, words in waiting:
-                yield Incident(kind, last if before is None else before, beside.log_ns, words)
-            waiting.clear()
-            now = _kind_of(decision)
-            if now is not None and now != known:
-                yield Incident(now, decision.index, record.log_ns, decision.reason[:_SHOWN])
-            known = now
-    for kind, beside, words in waiting if last is not None else ():
-        yield Incident(kind, last or 0, beside.log_ns, words)
+            finder.beside(record)
+    yield from finder.end()
 
 
-def _kind_of(decision: Decision) -> IncidentKind | None:
-    is_end = decision.verdict == int(Verdict.STOPPED) and END_OF_RUN in decision.reason
-    return None if is_end else _KIND_OF.get(decision.verdict)
+def incident_topics(log: Log) -> tuple[str, str, str]:
+    """What an `IncidentFinder` is fed with: ticks; and beside them contacts and marks."""
+    return log.topic(TICK.name), log.topic(CONTACT.name), log.topic(MARK.name)
+
+
+class IncidentFinder:
+    """Finds incidents in records that somebody else reads.
+
+    Args:
+        log: whose records they are.
+    """
+
+    def __init__(self, log: Log) -> None:
+        self._log = log
+        self._mark = log.topic(MARK.name)
+        self._known: IncidentKind | None = None
+        self._waiting: list[tuple[IncidentKind, int, str]] = []
+        self._last: int | None = None
+
+    def beside(self, record: Record) -> None:
+        """Take a contact or a mark.
+
+        Raises:
+            LogError: it is none.
+        """
+        kind: IncidentKind = "mark" if record.topic == self._mark else "contact"
+        self._waiting.append((kind, record.log_ns, _words(self._log, record)))
+
+    def tick(self, decision: Decision, log_ns: int) -> Sequence[Incident]:
+        """Take the next tick; what happened before it, and at it."""
+        before, self._last = self._last, decision.index
+        now = _KIND_OF.get(decision.verdict)
+        if now is None and self._known is None and not self._waiting:
+            return ()  # nearly always
+        found = self._let_go(decision.index if before is None else before)
+        if now is not None and now != self._known and not _is_end(decision):
+            found.append(Incident(now, decision.index, log_ns, decision.reason[:_SHOWN]))
+        self._known = None if _is_end(decision) else now
+        return found
+
+    def end(self) -> Sequence[Incident]:
+        """What happened behind the last tick."""
+        return () if self._last is None else self._let_go(self._last)
+
+    def _let_go(self, tick: int) -> list[Incident]:
+        found = [Incident(kind, tick, log_ns, words) for kind, log_ns, words in self._waiting]
+        self._waiting.clear()
+        return found
+
+
+def _is_end(decision: Decision) -> bool:
+    """Whether it is the stop that ends every run."""
+    return decision.verdict == int(Verdict.STOPPED) and END_OF_RUN in decision.reason
 
 
 def _words(log: Log, record: Record) -> str:
