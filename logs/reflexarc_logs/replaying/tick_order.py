@@ -49,6 +49,15 @@ class TickOrder:
         self._next = number + 1 if number == 0 else max(self._next, number + 1)
         self._ended = decision.verdict == _STOPPED
 
+    def saw_run(self, first: int, count: int) -> bool:
+        """Take so many ticks without a gap, none of them the last; False if others come next."""
+        if not self.ticks or first != self._next:
+            return False
+        self.ticks += count
+        self._next += count
+        self._ended = False
+        return True
+
     def notes(self) -> Iterator[str]:
         """What is missing, and what stands where it should not."""
         if not self.ticks:
