@@ -77,10 +77,10 @@ class Tally:
     """Of another robot than the one that the log names."""
 
     def add(
-        self, tick: int, fields: int, differences: Iterable[Difference], flip: Flip | None = None
+        self, tick: int, fields: int, differences: Sequence[Difference], flip: Flip | None = None
     ) -> None:
         """Count one tick that was compared."""
-        counting = self.rules.judge(differences, flip)
+        counting = self.rules.judge(differences, flip) if differences else []
         self.compared += 1
         self.fields_compared += fields
         self.identical += not counting

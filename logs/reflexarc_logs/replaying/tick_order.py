@@ -13,7 +13,7 @@ def is_tick(decision: Decision, number: int) -> bool:
 
     So a number that was changed is a difference, and a tick that is missing is none.
     """
-    return number in (decision.index, decision.command.sequence)
+    return number == decision.index or number == decision.command.sequence
 
 
 class TickOrder:
