@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 from google.protobuf.descriptor import Descriptor, FieldDescriptor
 
-from reflexarc_logs.columns.wire_walk import FieldPlace, UnusualError, Wire, fields_at
+from reflexarc_logs.columns.wire_walk import FieldPlace, UnusualError, WireKind, fields_at
 from reflexarc_runtime.decision import Verdict
 from reflexarc_runtime.messages_pb2 import Decision, Tick
 
@@ -26,16 +26,16 @@ _NUMBER_BYTES = 5
 _OK = bytes([Verdict.OK.value])
 
 _WIRES = {
-    FieldDescriptor.TYPE_DOUBLE: Wire.FIXED_64,
-    FieldDescriptor.TYPE_FLOAT: Wire.FIXED_32,
-    FieldDescriptor.TYPE_BYTES: Wire.BYTES,
-    FieldDescriptor.TYPE_STRING: Wire.BYTES,
-    FieldDescriptor.TYPE_MESSAGE: Wire.BYTES,
+    FieldDescriptor.TYPE_DOUBLE: WireKind.FIXED_64,
+    FieldDescriptor.TYPE_FLOAT: WireKind.FIXED_32,
+    FieldDescriptor.TYPE_BYTES: WireKind.BYTES,
+    FieldDescriptor.TYPE_STRING: WireKind.BYTES,
+    FieldDescriptor.TYPE_MESSAGE: WireKind.BYTES,
 }
 _SHORT = (FieldDescriptor.TYPE_SINT32, FieldDescriptor.TYPE_UINT32, FieldDescriptor.TYPE_ENUM)
 
 
-class Span(NamedTuple):
+class ByteSpan(NamedTuple):
     """Bytes of a tick."""
 
     start: int
@@ -50,7 +50,7 @@ class TickLayout:
     """Which bits of the bytes up to `end` are the same in all ticks of this layout."""
     bits: Octets
     """And these bits."""
-    spans: dict[str, Span]
+    spans: dict[str, ByteSpan]
     """The values of the decision's own fields that are there, by name."""
 
     @property
@@ -74,7 +74,7 @@ def layout_of(tick: bytes, policy_hash: str) -> TickLayout | None:
     walker = _Walker(tick)
     try:
         outer = next(fields_at(tick, 0, len(tick)), None)
-        if outer is None or (outer.number, outer.wire) != (_DECISION, Wire.BYTES):
+        if outer is None or (outer.number, outer.wire) != (_DECISION, WireKind.BYTES):
             return None
         walker.fix(outer.head, outer.start, _ALL)
         descriptor: Descriptor = Decision.DESCRIPTOR  # type: ignore[assignment]  # one of two stubs
@@ -89,7 +89,7 @@ def layout_of(tick: bytes, policy_hash: str) -> TickLayout | None:
     return TickLayout(mask, np.frombuffer(tick, np.uint8)[: outer.end] & mask, spans)
 
 
-def _is_usual(tick: bytes, spans: dict[str, Span], policy_hash: str) -> bool:
+def _is_usual(tick: bytes, spans: dict[str, ByteSpan], policy_hash: str) -> bool:
     """Whether the policy named was asked, and all is well."""
     if not spans.keys() >= {"retina", "q_values", "verdict", "command"} or "reason" in spans:
         return False
@@ -109,7 +109,7 @@ class _Walker:
         """These bits of these bytes belong to the layout."""
         self.mask[start:end] = bits
 
-    def walk(self, descriptor: Descriptor, start: int, end: int) -> dict[str, Span]:
+    def walk(self, descriptor: Descriptor, start: int, end: int) -> dict[str, ByteSpan]:
         """Where the fields of a message stand, by name.
 
         Raises:
@@ -121,17 +121,17 @@ class _Walker:
             if field is None:
                 raise UnusualError
             self._note(field, place)
-            spans[field.name] = Span(place.start, place.end)
+            spans[field.name] = ByteSpan(place.start, place.end)
         return spans
 
     def _note(self, field: FieldDescriptor, place: FieldPlace) -> None:
         is_packed = _is_repeated(field)
-        expected = Wire.BYTES if is_packed else _WIRES.get(field.type, Wire.VARINT)
+        expected = WireKind.BYTES if is_packed else _WIRES.get(field.type, WireKind.VARINT)
         size = place.end - place.start
         if place.wire is not expected or (is_packed and size % 4):
             raise UnusualError
         self.fix(place.head, place.start, _ALL)
-        if expected is Wire.VARINT:
+        if expected is WireKind.VARINT:
             if field.type in _SHORT and size > _NUMBER_BYTES:
                 raise UnusualError
             self.fix(place.start, place.end, _LAST_OR_NOT)

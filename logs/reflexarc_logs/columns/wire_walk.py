@@ -12,7 +12,7 @@ MOST_VARINT_BYTES = 9
 """So many hold 63 bits."""
 
 
-class Wire(IntEnum):
+class WireKind(IntEnum):
     """How a field is encoded."""
 
     VARINT = 0
@@ -21,8 +21,8 @@ class Wire(IntEnum):
     FIXED_32 = 5
 
 
-_FIXED = {Wire.FIXED_64: 8, Wire.FIXED_32: 4}
-_KINDS = frozenset(Wire)
+_FIXED = {WireKind.FIXED_64: 8, WireKind.FIXED_32: 4}
+_KINDS = frozenset(WireKind)
 
 
 class UnusualError(ValueError):
@@ -33,7 +33,7 @@ class FieldPlace(NamedTuple):
     """A field of a message, in bytes from its beginning."""
 
     number: int
-    wire: Wire
+    wire: WireKind
     head: int
     """Where its tag begins; its length, if it has one, follows."""
     start: int
@@ -54,10 +54,10 @@ def fields_at(data: bytes, start: int, end: int) -> Iterator[FieldPlace]:
         number, kind = tag >> 3, tag & 7
         if number <= before or kind not in _KINDS:
             raise UnusualError
-        wire, before = Wire(kind), number
-        if wire is Wire.VARINT:
+        wire, before = WireKind(kind), number
+        if wire is WireKind.VARINT:
             stop = _varint(data, start, end)[1]
-        elif wire is Wire.BYTES:
+        elif wire is WireKind.BYTES:
             size, start = _varint(data, start, end)
             stop = start + size
         else:

@@ -61,7 +61,7 @@ def stream_records(path: Path, limit: int | None = None) -> Iterator[Located]:
 
 
 @dataclass(frozen=True, slots=True)
-class Unpacked:
+class ChunkBytes:
     """What a chunk holds, unpacked, and how many records the file may still have."""
 
     content: bytes
@@ -77,13 +77,13 @@ def whole_records(path: Path, end: int, size: int) -> Iterator[McapRecord]:
         OSError: it cannot be read.
     """
     for part in whole_parts(path, end, size):
-        if isinstance(part, Unpacked):
+        if isinstance(part, ChunkBytes):
             yield from records_of(part.content, part.allowance)
         else:
             yield part
 
 
-def whole_parts(path: Path, end: int, size: int) -> Iterator[McapRecord | Unpacked]:
+def whole_parts(path: Path, end: int, size: int) -> Iterator[McapRecord | ChunkBytes]:
     """The same, each chunk as one piece of bytes, for who needs no object for each record.
 
     Raises:
@@ -93,7 +93,7 @@ def whole_parts(path: Path, end: int, size: int) -> Iterator[McapRecord | Unpack
     try:
         for located in stream_records(path, end):
             if isinstance(located.record, Chunk):
-                yield Unpacked(content_of(located.record, allowance), allowance)
+                yield ChunkBytes(content_of(located.record, allowance), allowance)
             else:
                 yield located.record
     except TruncatedError:

@@ -10,7 +10,7 @@ from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages.wire import NO_SENDER, SENDER_BYTES
 
 
-class Stream(NamedTuple):
+class LogStream(NamedTuple):
     """What all messages of a channel have in common."""
 
     topic: str
@@ -29,7 +29,7 @@ class Channels:
     """
 
     def __init__(self, path: Path) -> None:
-        self.streams: dict[int, Stream] = {}
+        self.streams: dict[int, LogStream] = {}
         """By the channel's number."""
         self._path = path
         self._schemas: dict[int, str] = {}
@@ -40,9 +40,9 @@ class Channels:
             self._schemas[record.id] = record.name
         elif isinstance(record, Channel):
             schema = self._schemas.get(record.schema_id, "")
-            self.streams[record.id] = Stream(record.topic, schema, _sender(record))
+            self.streams[record.id] = LogStream(record.topic, schema, _sender(record))
 
-    def of(self, channel: int) -> Stream:
+    def of(self, channel: int) -> LogStream:
         """The stream of a channel.
 
         Raises:

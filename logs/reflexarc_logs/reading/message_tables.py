@@ -17,8 +17,8 @@ from mcap.records import McapRecord, Message
 from reflexarc_logs.container.chunks import heads_in
 from reflexarc_logs.container.fields import MESSAGE, decoded
 from reflexarc_logs.container.frames import HEAD, DamagedError, NotReadHereError
-from reflexarc_logs.container.record_stream import Unpacked
-from reflexarc_logs.reading.channels import Channels, Stream
+from reflexarc_logs.container.record_stream import ChunkBytes
+from reflexarc_logs.reading.channels import Channels, LogStream
 from reflexarc_logs.reading.record import Record
 
 TABLE_BYTES = 512 << 10
@@ -41,7 +41,7 @@ class MessageTable:
     """Where the fields of each message begin, (messages,)."""
     ends: Places
     """Where its payload ends."""
-    streams: dict[int, Stream]
+    streams: dict[int, LogStream]
     """By the channel's number."""
 
     def __len__(self) -> int:
@@ -69,7 +69,7 @@ class MessageTable:
         counts = np.bincount(self.heads["channel"])
         return {int(number): int(counts[number]) for number in np.flatnonzero(counts)}
 
-    def channels(self, is_wanted: Callable[[Stream], bool]) -> npt.NDArray[np.bool_]:
+    def channels(self, is_wanted: Callable[[LogStream], bool]) -> npt.NDArray[np.bool_]:
         """Which messages are of such streams, (messages,)."""
         wanted = np.zeros(max(self.streams, default=0) + 1, np.bool_)
         wanted[[number for number, stream in self.streams.items() if is_wanted(stream)]] = True
@@ -98,7 +98,9 @@ class _Messages(NamedTuple):
     ends: Places
 
 
-def tables_of(parts: Iterable[McapRecord | Unpacked], channels: Channels) -> Iterator[MessageTable]:
+def tables_of(
+    parts: Iterable[McapRecord | ChunkBytes], channels: Channels
+) -> Iterator[MessageTable]:
     """The messages of a file as tables, in file order.
 
     Args:
@@ -125,9 +127,9 @@ def tables_of(parts: Iterable[McapRecord | Unpacked], channels: Channels) -> Ite
     yield from gathered.tables()
 
 
-def _pieces(parts: Iterable[McapRecord | Unpacked]) -> Iterator[_Messages | McapRecord]:
+def _pieces(parts: Iterable[McapRecord | ChunkBytes]) -> Iterator[_Messages | McapRecord]:
     for part in parts:
-        if isinstance(part, Unpacked):
+        if isinstance(part, ChunkBytes):
             yield from _pieces_of_chunk(part)
         elif isinstance(part, Message):
             times = part.sequence, part.log_time, part.publish_time
@@ -137,7 +139,7 @@ def _pieces(parts: Iterable[McapRecord | Unpacked]) -> Iterator[_Messages | Mcap
             yield part
 
 
-def _pieces_of_chunk(chunk: Unpacked) -> Iterator[_Messages | McapRecord]:
+def _pieces_of_chunk(chunk: ChunkBytes) -> Iterator[_Messages | McapRecord]:
     """Its messages up to each schema or channel; of a damaged one those before the damage."""
     content, starts, damage = chunk.content, list[int](), None
     try:

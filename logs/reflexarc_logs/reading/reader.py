@@ -23,7 +23,7 @@ from reflexarc_logs.container.chunks import records_in
 from reflexarc_logs.container.fields import MESSAGE, decoded
 from reflexarc_logs.container.first_look import Survey, survey
 from reflexarc_logs.container.frames import DamagedError, NotReadHereError
-from reflexarc_logs.container.record_stream import Unpacked, whole_parts, whole_records
+from reflexarc_logs.container.record_stream import ChunkBytes, whole_parts, whole_records
 from reflexarc_logs.container.run_info import RunInfo
 from reflexarc_logs.container.writing import CONFIG_ATTACHMENT, POLICY_ATTACHMENT, SENDER
 from reflexarc_logs.reading.channels import Channels
@@ -138,7 +138,7 @@ class Log:
         """Every record, chunks unpacked; ends quietly where a truncated log is no longer intact."""
         yield from self._checked(whole_records(self.path, self.intact_size, self.size))
 
-    def _parts(self) -> Iterator[McapRecord | Unpacked]:
+    def _parts(self) -> Iterator[McapRecord | ChunkBytes]:
         return whole_parts(self.path, self.intact_size, self.size)
 
     def _checked(self, read: Iterator[T]) -> Iterator[T]:
@@ -189,11 +189,11 @@ def decode(log: Log, record: Record, kind: type[M]) -> M:
 
 
 def _records(
-    parts: Iterator[McapRecord | Unpacked], channels: Channels, topics: tuple[str, ...]
+    parts: Iterator[McapRecord | ChunkBytes], channels: Channels, topics: tuple[str, ...]
 ) -> Iterator[Record]:
     """The messages of some topics, or of all, without an object for each of the others."""
     for part in parts:
-        if isinstance(part, Unpacked):
+        if isinstance(part, ChunkBytes):
             yield from _records_in(part, channels, topics)
         elif isinstance(part, McapMessage):
             stream = channels.of(part.channel_id)
@@ -204,7 +204,7 @@ def _records(
             channels.learn(part)
 
 
-def _records_in(chunk: Unpacked, channels: Channels, topics: tuple[str, ...]) -> Iterator[Record]:
+def _records_in(chunk: ChunkBytes, channels: Channels, topics: tuple[str, ...]) -> Iterator[Record]:
     content, streams, head = chunk.content, channels.streams, MESSAGE.size
     for opcode, start, end in records_in(content, chunk.allowance):
         if opcode == Opcode.MESSAGE:

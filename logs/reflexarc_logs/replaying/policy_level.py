@@ -10,7 +10,6 @@ have been done?
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -23,8 +22,9 @@ from reflexarc_logs.replaying.comparison import (
     is_at_the_edge,
 )
 from reflexarc_logs.replaying.message_fields import Difference, message_type
-from reflexarc_logs.replaying.recorded_holds import ASKED_VALUES, RecordedHolds
+from reflexarc_logs.replaying.recorded_holds import ASKED_VALUES
 from reflexarc_logs.replaying.report import LevelResult
+from reflexarc_logs.replaying.runs.asking import Asked, AskedTicks
 from reflexarc_logs.replaying.runs.run_comparison import (
     AskedRun,
     JudgedPart,
@@ -34,33 +34,19 @@ from reflexarc_logs.replaying.runs.run_comparison import (
 )
 from reflexarc_logs.replaying.stepping import WARM_UP_NS
 from reflexarc_runtime.arrays import Memories, QValues, RetinaBatch
-from reflexarc_runtime.choice import Hold, choose
+from reflexarc_runtime.choice import choose
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.decision import Verdict
-from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages_pb2 import Decision, Tick
 from reflexarc_runtime.policy.golden_check import start_of
 from reflexarc_runtime.policy.policy import LoadedPolicy
 
-BATCH_TICKS = 256
-"""Ticks that go through the policy at once, one by one: each is held, a few KiB."""
+__all__ = ["Asked", "CandidateMemory", "PolicyLevel", "replay_policy"]
 
 GIVEN = ("slot", "retina", "state")
 """What the policy was asked, and when."""
 
 _OK = Verdict.OK.value
-
-
-class Asked(NamedTuple):
-    """A tick at which the policy was asked."""
-
-    decision: Decision
-    held: Hold | None
-    """What was being done before."""
-    is_hold_known: bool
-    """Not at the beginning of a slice, until an action is done for a known time."""
-    begins: bool
-    """Whether the policy's memory began anew."""
 
 
 def replay_policy(
@@ -84,7 +70,7 @@ def replay_policy(
     """
     tally = Tally("policy", rules, robot=robot)
     level = PolicyLevel(policy, tally, has_winner=_has_winner(log))
-    asking = _Asking(log, policy.contract, tally)
+    asking = AskedTicks(log, policy.contract, tally)
     found = log.ticks() if ticks is None else ticks
     if policy.contract.state.size and not rules.same_policy:
         level.compare_in_order(asking.one_by_one(found))
@@ -100,71 +86,6 @@ def replay_policy(
 def _has_winner(log: Log) -> bool:
     """Whether ticks say what the policy preferred; before, it was always what was done."""
     return "winner" in message_type(log.tick_descriptor(), "decision").fields_by_name
-
-
-class _Asking:
-    """Counts ticks, and finds those at which the policy was asked."""
-
-    def __init__(self, log: Log, contract: PolicyContract, tally: Tally) -> None:
-        self._log, self._contract, self._tally = log, contract, tally
-        self._holds, self._begins = RecordedHolds(contract), True
-
-    def batches(self, ticks: Iterable[Tick | TickRun]) -> Iterator[list[Asked] | AskedRun]:
-        """What the policy can be asked about at once, in order."""
-        size, batch = batch_size(self._contract, BATCH_TICKS), list[Asked]()
-        for found in ticks:
-            run = self._run(found) if isinstance(found, TickRun) else None
-            if run is not None:
-                yield batch
-                yield run
-                batch = []
-                continue
-            for one in self._each(found):
-                batch.append(one)
-                if len(batch) >= size:
-                    yield batch
-                    batch = []
-        yield batch
-
-    def one_by_one(self, ticks: Iterable[Tick | TickRun]) -> Iterator[Asked]:
-        """Every tick at which the policy was asked."""
-        for found in ticks:
-            yield from self._each(found)
-
-    def _run(self, run: TickRun) -> AskedRun | None:
-        """A run as a whole; None if it has to be taken tick by tick."""
-        sizes = run.retinas.shape[1], run.q_values.shape[1]
-        if sizes != _expected_sizes(self._contract) or (held := self._holds.follow(run)) is None:
-            return None
-        self._tally.ticks += len(run)
-        self._begins = False
-        return AskedRun(run, held)
-
-    def _each(self, found: Tick | TickRun) -> Iterator[Asked]:
-        for tick in [found] if isinstance(found, Tick) else found.ticks():
-            self._tally.ticks += 1
-            decision = tick.decision
-            if decision.q_values:
-                _check_sizes(self._log, decision, self._contract)
-                is_known = self._holds.are_known(decision)
-                begins = self._begins or self._holds.misses
-                yield Asked(decision, self._holds.held, is_known, begins)
-            self._begins = not self._holds.saw(decision)
-
-
-def _expected_sizes(contract: PolicyContract) -> tuple[int, int]:
-    """Bytes of retina, and Q-values, of a tick."""
-    return contract.retina.frames * contract.retina.size, len(contract.actions)
-
-
-def _check_sizes(log: Log, decision: Decision, contract: PolicyContract) -> None:
-    expected = _expected_sizes(contract)
-    got = len(decision.retina), len(decision.q_values)
-    if got != expected:
-        raise LogError(
-            f"{log.path}: tick {decision.index}: the policy takes and gives {expected} "
-            f"(retina bytes, Q-values), the log holds {got}; give a policy that fits"
-        )
 
 
 @dataclass
