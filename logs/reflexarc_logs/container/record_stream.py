@@ -10,7 +10,7 @@ from pathlib import Path
 from mcap.opcode import Opcode
 from mcap.records import Chunk, McapRecord
 
-from reflexarc_logs.container.chunks import Allowance, unpack
+from reflexarc_logs.container.chunks import Allowance, content_of, records_of
 from reflexarc_logs.container.fields import decoded
 from reflexarc_logs.container.frames import FrameReader, TruncatedError
 
@@ -60,6 +60,14 @@ def stream_records(path: Path, limit: int | None = None) -> Iterator[Located]:
                 return
 
 
+@dataclass(frozen=True, slots=True)
+class ChunkBytes:
+    """What a chunk holds, unpacked, and how many records the file may still have."""
+
+    content: bytes
+    allowance: Allowance
+
+
 def whole_records(path: Path, end: int, size: int) -> Iterator[McapRecord]:
     """The records of any MCAP file up to a place, chunks unpacked; size: of the whole file.
 
@@ -68,11 +76,24 @@ def whole_records(path: Path, end: int, size: int) -> Iterator[McapRecord]:
         NotReadHereError: what the format allows and is not read.
         OSError: it cannot be read.
     """
+    for part in whole_parts(path, end, size):
+        if isinstance(part, ChunkBytes):
+            yield from records_of(part.content, part.allowance)
+        else:
+            yield part
+
+
+def whole_parts(path: Path, end: int, size: int) -> Iterator[McapRecord | ChunkBytes]:
+    """The same, each chunk as one piece of bytes, for who needs no object for each record.
+
+    Raises:
+        DamagedError, NotReadHereError, OSError: see `whole_records`.
+    """
     allowance = Allowance.of(size)
     try:
         for located in stream_records(path, end):
             if isinstance(located.record, Chunk):
-                yield from unpack(located.record, allowance)
+                yield ChunkBytes(content_of(located.record, allowance), allowance)
             else:
                 yield located.record
     except TruncatedError:

@@ -15,39 +15,29 @@ from google.protobuf.descriptor_pb2 import FileDescriptorSet
 from google.protobuf.descriptor_pool import DescriptorPool
 from google.protobuf.message import DecodeError
 from google.protobuf.message import Message as ProtobufMessage
+from mcap.opcode import Opcode
 from mcap.records import Channel, McapRecord, Schema
 from mcap.records import Message as McapMessage
 
+from reflexarc_logs.container.chunks import records_in
+from reflexarc_logs.container.fields import MESSAGE, decoded
 from reflexarc_logs.container.first_look import Survey, survey
 from reflexarc_logs.container.frames import DamagedError, NotReadHereError
-from reflexarc_logs.container.record_stream import whole_records
+from reflexarc_logs.container.record_stream import ChunkBytes, whole_parts, whole_records
 from reflexarc_logs.container.run_info import RunInfo
 from reflexarc_logs.container.writing import CONFIG_ATTACHMENT, POLICY_ATTACHMENT, SENDER
+from reflexarc_logs.reading.channels import Channels
+from reflexarc_logs.reading.message_tables import MessageTable, tables_of
+from reflexarc_logs.reading.record import Record
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages.topics import TICK
-from reflexarc_runtime.messages.wire import NO_SENDER, SENDER_BYTES
 from reflexarc_runtime.messages_pb2 import Tick
 from reflexarc_runtime.words.suggestion import pasteable
 
+__all__ = ["Log", "Record", "decode", "open_log", "read_log"]
+
 M = TypeVar("M", bound=ProtobufMessage)
-
-
-@dataclass(frozen=True, slots=True)
-class Record:
-    """One message as the log holds it. Times in nanoseconds."""
-
-    topic: str
-    """With a leading slash: "/robot0/retina"."""
-    schema: str
-    """Full name of the protobuf message."""
-    sequence: int
-    log_ns: int
-    """Arrival: the recorder's monotonic clock plus `RunInfo.wall_offset_ns`."""
-    publish_ns: int
-    """On the sender's clock."""
-    payload: bytes
-    sender: bytes = NO_SENDER
-    """Who sent it: 16 bytes; zeros in logs that do not say."""
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -89,14 +79,18 @@ class Log:
         Raises:
             LogError: a chunk is damaged (in a truncated log, reading ends there instead).
         """
-        channels, shift_ns = _Channels(), self.run.publish_shift_ns
-        for record in self.mcap_records():
-            if isinstance(record, McapMessage):
-                stream = channels.of(record, self.path)
-                if not topics or stream.topic in topics:
-                    yield _record(stream, record, shift_ns)
-            else:
-                channels.learn(record)
+        channels = Channels(self.path, self.run.publish_shift_ns)
+        yield from self._checked(_records(self._parts(), channels, topics))
+
+    def tables(self) -> Iterator[MessageTable]:
+        """All messages in file order, many at once.
+
+        Raises:
+            LogError: see `records`.
+        """
+        yield from self._checked(
+            tables_of(self._parts(), Channels(self.path, self.run.publish_shift_ns))
+        )
 
     def messages(self, topic: str, kind: type[M]) -> Iterator[tuple[Record, M]]:
         """Records of one topic, decoded.
@@ -144,8 +138,15 @@ class Log:
 
     def mcap_records(self) -> Iterator[McapRecord]:
         """Every record, chunks unpacked; ends quietly where a truncated log is no longer intact."""
+        yield from self._checked(whole_records(self.path, self.intact_size, self.size))
+
+    def _parts(self) -> Iterator[McapRecord | ChunkBytes]:
+        return whole_parts(self.path, self.intact_size, self.size)
+
+    def _checked(self, read: Iterator[T]) -> Iterator[T]:
+        """What is read from the file; what is wrong with it, in the words of this package."""
         try:
-            yield from whole_records(self.path, self.intact_size, self.size)
+            yield from read
         except DamagedError as error:
             if self.complete:
                 raise LogError(f"{self.path}: damaged: {error}; `reflexarc recover` it") from None
@@ -189,55 +190,40 @@ def decode(log: Log, record: Record, kind: type[M]) -> M:
     raise LogError(f"{log.path}: {record.topic}: expected {name}, got something else; damaged?")
 
 
-@dataclass(frozen=True, slots=True)
-class _Stream:
-    """What all messages of a channel have in common."""
-
-    topic: str
-    schema: str
-    sender: bytes
-
-
-class _Channels:
-    """The channels and schemas read so far."""
-
-    def __init__(self) -> None:
-        self._schemas: dict[int, str] = {}
-        self._streams: dict[int, _Stream] = {}
-
-    def learn(self, record: McapRecord) -> None:
-        if isinstance(record, Schema):
-            self._schemas[record.id] = record.name
-        elif isinstance(record, Channel):
-            schema = self._schemas.get(record.schema_id, "")
-            self._streams[record.id] = _Stream(record.topic, schema, _sender(record))
-
-    def of(self, message: McapMessage, path: Path) -> _Stream:
-        stream = self._streams.get(message.channel_id)
-        if stream is None:
-            raise LogError(f"{path}: a message on an unknown channel; `reflexarc recover` it")
-        return stream
+def _records(
+    parts: Iterator[McapRecord | ChunkBytes], channels: Channels, topics: tuple[str, ...]
+) -> Iterator[Record]:
+    """The messages of some topics, or of all, without an object for each of the others."""
+    for part in parts:
+        if isinstance(part, ChunkBytes):
+            yield from _records_in(part, channels, topics)
+        elif isinstance(part, McapMessage):
+            stream = channels.of(part.channel_id)
+            if not topics or stream.topic in topics:
+                sent_ns = max(0, part.publish_time - channels.publish_shift_ns)
+                times = part.sequence, part.log_time, sent_ns
+                yield Record(stream.topic, stream.schema, *times, part.data, stream.sender)
+        else:
+            channels.learn(part)
 
 
-def _record(stream: _Stream, message: McapMessage, shift_ns: int) -> Record:
-    return Record(
-        topic=stream.topic,
-        schema=stream.schema,
-        sequence=message.sequence,
-        log_ns=message.log_time,
-        publish_ns=max(0, message.publish_time - shift_ns),
-        payload=message.data,
-        sender=stream.sender,
-    )
-
-
-def _sender(channel: Channel) -> bytes:
-    """The identifier in a channel's metadata; of a damaged one none."""
-    text = channel.metadata.get(SENDER, "")
-    try:
-        return bytes.fromhex(text).ljust(SENDER_BYTES, b"\0")[:SENDER_BYTES]
-    except ValueError:
-        return NO_SENDER
+def _records_in(chunk: ChunkBytes, channels: Channels, topics: tuple[str, ...]) -> Iterator[Record]:
+    content, streams, head = chunk.content, channels.streams, MESSAGE.size
+    shift_ns = channels.publish_shift_ns
+    for opcode, start, end in records_in(content, chunk.allowance):
+        if opcode == Opcode.MESSAGE:
+            if end - start < head:
+                raise DamagedError("a record shorter than its own fields")
+            channel, sequence, log_ns, sent_ns = MESSAGE.unpack_from(content, start)
+            topic, schema, sender = streams.get(channel) or channels.of(channel)
+            if not topics or topic in topics:
+                payload = content[start + head : end]
+                sent_ns = max(0, sent_ns - shift_ns)
+                yield Record(topic, schema, sequence, log_ns, sent_ns, payload, sender)
+        elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
+            record = decoded(opcode, content[start:end])
+            assert record is not None
+            channels.learn(record)
 
 
 def open_log(found: Survey) -> Log:

@@ -9,8 +9,12 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+import numpy.typing as npt
+
 from reflexarc_logs.replaying.message_fields import Difference
 from reflexarc_logs.replaying.report import Divergence, Flip, LevelResult
+from reflexarc_runtime.arrays import QValues
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.policy.agreement import Q_TOLERANCE
 
@@ -73,10 +77,10 @@ class Tally:
     """Of another robot than the one that the log names."""
 
     def add(
-        self, tick: int, fields: int, differences: Iterable[Difference], flip: Flip | None = None
+        self, tick: int, fields: int, differences: Sequence[Difference], flip: Flip | None = None
     ) -> None:
         """Count one tick that was compared."""
-        counting = self.rules.judge(differences, flip)
+        counting = self.rules.judge(differences, flip) if differences else []
         self.compared += 1
         self.fields_compared += fields
         self.identical += not counting
@@ -85,6 +89,12 @@ class Tally:
         if counting and self.first is None:
             worst = counting[0]
             self.first = Divergence(tick, worst.path, worst.recorded, worst.replayed)
+
+    def add_alike(self, compared: int, fields: int, identical: int) -> None:
+        """Count ticks that were compared; of those that differ, one was added before."""
+        self.compared += compared
+        self.fields_compared += compared * fields
+        self.identical += identical
 
     def _count_flip(self, flip: Flip) -> None:
         self.rounding_flips += flip.rounding
@@ -151,3 +161,14 @@ def is_close(recorded: float, replayed: float, tolerance: float = Q_TOLERANCE) -
     if not (math.isfinite(recorded) and math.isfinite(replayed)):
         return recorded == replayed or (math.isnan(recorded) and math.isnan(replayed))
     return abs(replayed - recorded) <= tolerance * max(1.0, abs(recorded))
+
+
+def are_close(
+    recorded: QValues, replayed: QValues, tolerance: float = Q_TOLERANCE
+) -> npt.NDArray[np.bool_]:
+    """`is_close` of every value."""
+    old, new = recorded.astype(np.float64), replayed.astype(np.float64)
+    with np.errstate(invalid="ignore"):
+        close = np.abs(new - old) <= tolerance * np.maximum(1.0, np.abs(old))
+    same = (old == new) | (np.isnan(old) & np.isnan(new))
+    return np.where(np.isfinite(old) & np.isfinite(new), close, same)

@@ -6,8 +6,13 @@ One pass over the file feeds it and level `policy` alike. What it cannot compare
 from collections import Counter
 from collections.abc import Iterator
 
+import numpy as np
+import numpy.typing as npt
 from google.protobuf.message import DecodeError
 
+from reflexarc_logs.columns.tick_columns import ColumnReader
+from reflexarc_logs.columns.tick_runs import TickRun, runs_in
+from reflexarc_logs.reading.message_tables import MessageTable, Places
 from reflexarc_logs.reading.reader import Log, Record, decode
 from reflexarc_logs.replaying.recorded_holds import ASKED_VALUES
 from reflexarc_logs.replaying.report import CommandsResult
@@ -19,6 +24,7 @@ from reflexarc_runtime.messages_pb2 import Decision, Tick
 
 MOST_LOOPS = 16
 """Loops whose ticks are followed one by one; more are counted as one."""
+_LATEST_NS = 1 << 62
 
 
 class LogAccount:
@@ -26,10 +32,9 @@ class LogAccount:
 
     Args:
         log: as one robot's.
-        counts_all: whether the other topics are counted as well.
     """
 
-    def __init__(self, log: Log, *, counts_all: bool = True) -> None:
+    def __init__(self, log: Log) -> None:
         self.log = log
         self.streams: Counter[tuple[str, str]] = Counter()
         """Messages by topic and schema."""
@@ -42,8 +47,10 @@ class LogAccount:
         """How far the arrival of the first tick is from its own time."""
         self._as_shifted = 0
         """Ticks that are as far."""
-        self._counts_all = counts_all
+        self._tick = log.topic(TICK.name)
+        self._command = log.topic(COMMAND.name), COMMAND.schema
         self._offset_ns = log.run.wall_offset_ns
+        self._reader = ColumnReader(log.run.policy_hash)
         self._commands = SentCommands(log.run.robot, by_loop=log.run.recorded_by == "run")
 
     @property
@@ -57,17 +64,23 @@ class LogAccount:
         Raises:
             LogError: the log cannot be read.
         """
-        tick, command = self.log.topic(TICK.name), self.log.topic(COMMAND.name)
-        streams = self.streams
-        for record in self.log.records(*([] if self._counts_all else [tick, command])):
-            streams[record.topic, record.schema] += 1
-            if record.topic == tick:
-                found = decode(self.log, record, Tick)
-                self._saw(found.decision, record)
-                if self._is_of_the_policy(found.decision):
-                    yield found
-            elif record.topic == command and record.schema == COMMAND.schema:
-                self._sent(record)
+        for found in self.runs():
+            if isinstance(found, TickRun):
+                yield from found.ticks()
+            else:
+                yield found
+
+    def runs(self) -> Iterator[Tick | TickRun]:
+        """The same ticks, many at once where there is nothing to say about one of them.
+
+        Raises:
+            LogError: the log cannot be read.
+        """
+        for table in self.log.tables():
+            for channel, messages in table.counted.items():
+                topic, schema, _ = table.streams[channel]
+                self.streams[topic, schema] += messages
+            yield from self._runs_in(table)
 
     def commands(self) -> CommandsResult:
         """What became of the commands, when all was read."""
@@ -91,6 +104,48 @@ class LogAccount:
         if self.without_values:
             yield f"{self.without_values} ticks hold no Q-values, though the policy was asked"
         yield from _command_notes(self.commands(), self.ticks_seen)
+
+    def _runs_in(self, table: MessageTable) -> Iterator[Tick | TickRun]:
+        rows, is_tick = self._own(table)
+        runs = runs_in(self._reader, table, rows, is_tick) if self._is_usual(table) else {}
+        at = 0
+        while at < len(rows):
+            run = runs.get(at)
+            if run is not None and self._goes_on(run):
+                yield run
+                at += 2 * len(run)
+                continue
+            record, at = table.record(int(rows[at])), at + 1
+            if not is_tick[at - 1]:
+                self._sent(record)
+                continue
+            tick = decode(self.log, record, Tick)
+            self._saw(tick.decision, record)
+            if self._is_of_the_policy(tick.decision):
+                yield tick
+
+    def _is_usual(self, table: MessageTable) -> bool:
+        """Whether its ticks are ticks, and the log's clock one that can be reckoned with."""
+        streams = [table.streams[channel] for channel in table.counted]
+        kinds = {stream.schema for stream in streams if stream.topic == self._tick}
+        return kinds == {TICK.schema} and 0 <= self._offset_ns < _LATEST_NS
+
+    def _own(self, table: MessageTable) -> tuple[Places, npt.NDArray[np.bool_]]:
+        """The rows of this robot's ticks and commands, and which of them are ticks."""
+        is_tick = table.channels(lambda stream: stream.topic == self._tick)
+        is_command = table.channels(lambda stream: stream[:2] == self._command)
+        rows = np.flatnonzero(is_tick | is_command)
+        return rows, is_tick[rows]
+
+    def _goes_on(self, run: TickRun) -> bool:
+        """Take a run into account, if it goes on where its loop was."""
+        order = self._orders.get(run.sender)
+        if order is None or not order.saw_run(run.first, len(run)):
+            return False
+        shifts_ns = run.arrivals_ns - self._offset_ns - run.numbers("now_ns")
+        self._as_shifted += int(np.count_nonzero(shifts_ns == self._shift_ns))
+        self._commands.told_and_sent(run.sender, len(run))
+        return True
 
     def _saw(self, decision: Decision, record: Record) -> None:
         sender = record.sender

@@ -11,6 +11,7 @@ from reflexarc_logs.replaying.beginning import begin
 from reflexarc_logs.replaying.comparison import EqualityRules, Tally
 from reflexarc_logs.replaying.loop_events import beside_the_sensor, loop_events
 from reflexarc_logs.replaying.report import LevelResult
+from reflexarc_logs.replaying.runs.asked_ahead import asked_ahead
 from reflexarc_logs.replaying.walk import Walk
 from reflexarc_runtime.messages.topics import REJECTED, SENSORS
 from reflexarc_runtime.policy.policy import LoadedPolicy
@@ -36,9 +37,10 @@ def replay_node(
     Raises:
         LogError: the log cannot be read, or was not recorded by a loop.
     """
-    beginning, events = begin(log, loop_events(log), policy)
+    asked, read = asked_ahead(policy, loop_events(log))
+    beginning, events = begin(log, read, asked)
     tally = Tally("node", rules, ticks=beginning.skipped_ticks, robot=robot)
-    walk = Walk(log, policy, beginning, rules, tally)
+    walk = Walk(log, asked, beginning, rules, tally)
     for event in events:
         walk.take(event)
     notes = [*filter(None, [beginning.note]), *walk.end()]

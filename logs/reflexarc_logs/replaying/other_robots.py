@@ -114,7 +114,7 @@ def _replayed(
     robot, reason = view.run.robot, "the log does not say how its loop ran"
     if level == "node" and not knows_run:
         raise LogError(reason)
-    account = LogAccount(view, counts_all=False)
+    account = LogAccount(view)
     possible: Level | None = level if knows_run else "policy"
     found = replay_robot(account, policy, rules_for(view, policy), possible, robot)
     if level is None and not knows_run:

@@ -8,12 +8,12 @@ Holds and margins are judged tick by tick, in order: given what was done before,
 have been done?
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
+from reflexarc_logs.columns.tick_runs import TickRun
 from reflexarc_logs.reading.reader import Log
 from reflexarc_logs.replaying.comparison import (
     EqualityRules,
@@ -22,22 +22,26 @@ from reflexarc_logs.replaying.comparison import (
     is_at_the_edge,
 )
 from reflexarc_logs.replaying.message_fields import Difference, message_type
-from reflexarc_logs.replaying.recorded_holds import ASKED_VALUES, RecordedHolds
+from reflexarc_logs.replaying.recorded_holds import ASKED_VALUES
 from reflexarc_logs.replaying.report import LevelResult
+from reflexarc_logs.replaying.runs.asking import Asked, AskedTicks
+from reflexarc_logs.replaying.runs.run_comparison import (
+    AskedRun,
+    JudgedPart,
+    batch_size,
+    decide_part,
+    judge_part,
+)
 from reflexarc_logs.replaying.stepping import WARM_UP_NS
 from reflexarc_runtime.arrays import Memories, QValues, RetinaBatch
-from reflexarc_runtime.choice import Hold, choose
+from reflexarc_runtime.choice import choose
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.decision import Verdict
-from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages_pb2 import Decision, Tick
 from reflexarc_runtime.policy.golden_check import start_of
 from reflexarc_runtime.policy.policy import LoadedPolicy
 
-BATCH_BYTES = 8 << 20
-"""Retinas that go through the policy at once."""
-BATCH_TICKS = 256
-"""And ticks, each of which is held meanwhile: a few KiB, however small its retina."""
+__all__ = ["Asked", "CandidateMemory", "PolicyLevel", "replay_policy"]
 
 GIVEN = ("slot", "retina", "state")
 """What the policy was asked, and when."""
@@ -45,23 +49,11 @@ GIVEN = ("slot", "retina", "state")
 _OK = Verdict.OK.value
 
 
-class Asked(NamedTuple):
-    """A tick at which the policy was asked."""
-
-    decision: Decision
-    held: Hold | None
-    """What was being done before."""
-    is_hold_known: bool
-    """Not at the beginning of a slice, until an action is done for a known time."""
-    begins: bool
-    """Whether the policy's memory began anew."""
-
-
 def replay_policy(
     log: Log,
     policy: LoadedPolicy,
     rules: EqualityRules,
-    ticks: Iterator[Tick] | None = None,
+    ticks: Iterable[Tick | TickRun] | None = None,
     robot: str = "",
 ) -> LevelResult:
     """Ask the policy again about every tick at which it was asked.
@@ -78,56 +70,22 @@ def replay_policy(
     """
     tally = Tally("policy", rules, robot=robot)
     level = PolicyLevel(policy, tally, has_winner=_has_winner(log))
-    asked = _asked(log, log.ticks() if ticks is None else ticks, policy.contract, tally)
+    asking = AskedTicks(log, policy.contract, tally)
+    found = log.ticks() if ticks is None else ticks
     if policy.contract.state.size and not rules.same_policy:
-        level.compare_in_order(asked)
+        level.compare_in_order(asking.one_by_one(found))
     else:
-        for batch in _batches(asked, policy.contract):
-            level.compare(batch)
+        for batch in asking.batches(found):
+            if isinstance(batch, AskedRun):
+                level.compare_run(batch)
+            else:
+                level.compare(batch)
     return tally.result(given=GIVEN)
 
 
 def _has_winner(log: Log) -> bool:
     """Whether ticks say what the policy preferred; before, it was always what was done."""
     return "winner" in message_type(log.tick_descriptor(), "decision").fields_by_name
-
-
-def _asked(
-    log: Log, ticks: Iterator[Tick], contract: PolicyContract, tally: Tally
-) -> Iterator[Asked]:
-    """Count every tick; yield those that have Q-values."""
-    holds, begins = RecordedHolds(contract), True
-    for tick in ticks:
-        tally.ticks += 1
-        decision = tick.decision
-        if decision.q_values:
-            _check_sizes(log, decision, contract)
-            is_known = holds.are_known(decision)
-            yield Asked(decision, holds.held, is_known, begins or holds.misses)
-        begins = not holds.saw(decision)
-
-
-def _check_sizes(log: Log, decision: Decision, contract: PolicyContract) -> None:
-    expected = contract.retina.frames * contract.retina.size, len(contract.actions)
-    got = len(decision.retina), len(decision.q_values)
-    if got != expected:
-        raise LogError(
-            f"{log.path}: tick {decision.index}: the policy takes and gives {expected} "
-            f"(retina bytes, Q-values), the log holds {got}; give a policy that fits"
-        )
-
-
-def _batches(asked: Iterator[Asked], contract: PolicyContract) -> Iterator[Sequence[Asked]]:
-    fitting = BATCH_BYTES // (contract.retina.frames * contract.retina.size)
-    size = min(max(1, fitting), BATCH_TICKS)
-    batch: list[Asked] = []
-    for one in asked:
-        batch.append(one)
-        if len(batch) >= size:
-            yield batch
-            batch = []
-    if batch:
-        yield batch
 
 
 @dataclass
@@ -140,6 +98,8 @@ class PolicyLevel:
 
     def compare(self, batch: Sequence[Asked]) -> None:
         """Compare ticks, each given the memory that was recorded."""
+        if not batch:
+            return
         contract = self.policy.contract
         stacks = _stack([one.decision for one in batch], contract)
         if contract.state.size:
@@ -154,6 +114,31 @@ class PolicyLevel:
                 [] if same[row] else list(_value_differences(recorded[row], q_values[row]))
             )
             self._add(one, q_values[row], winner, differences)
+
+    def compare_run(self, asked: AskedRun) -> None:
+        """Compare ticks that are all alike; one by one only those of which there is more to say."""
+        contract, size = self.policy.contract, batch_size(self.policy.contract)
+        for start in range(0, len(asked.run), size):
+            part = slice(start, start + size)
+            q_values, winners = decide_part(self.policy, asked.run, part)
+            given = asked, part, q_values, winners, self.tally.rules, contract
+            found = judge_part(*given, has_winner=self.has_winner)
+            self._count_part(asked, start, found, q_values, winners.tolist())
+
+    def _count_part(
+        self, asked: AskedRun, start: int, found: JudgedPart, q_values: QValues, winners: list[int]
+    ) -> None:
+        alone = found.alone(has_first=self.tally.first is not None)
+        for row in alone:
+            one = Asked(
+                asked.run.tick(start + row).decision, asked.held.at(start + row), True, False
+            )
+            values = np.array(one.decision.q_values, np.float32)
+            differences = list(_value_differences(values, q_values[row]))
+            self._add(one, q_values[row], winners[row], differences)
+        rest = len(winners) - len(alone)
+        identical = int(np.count_nonzero(found.identical)) - sum(map(found.is_identical, alone))
+        self.tally.add_alike(rest, 2 + self.has_winner, identical)
 
     def compare_in_order(self, asked: Iterator[Asked]) -> None:
         """Compare ticks, with a memory of the policy's own."""

@@ -1,5 +1,7 @@
 """What was being done at each tick of a log, and since when: from its ticks alone."""
 
+from reflexarc_logs.columns.tick_runs import TickRun
+from reflexarc_logs.replaying.runs.held_rows import HeldRows, held_rows
 from reflexarc_runtime.choice import Hold
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.decision import ASKED, Verdict
@@ -55,3 +57,14 @@ class RecordedHolds:
             self._is_known = self._is_known or self.held is not None
             self.held = Hold(action, decision.slot)
         return True
+
+    def follow(self, run: TickRun) -> HeldRows | None:
+        """Take a run of ticks; what was held before each, or None if it has to be asked of each."""
+        actions = run.numbers("action")
+        is_next = self._is_known and run.first == self._index + 1
+        if not is_next or actions.min() < 0 or actions.max() >= len(self._contract.actions):
+            return None
+        rows, self.held = held_rows(self.held, actions, run.numbers("slot"))
+        self._index += len(run)
+        self.misses = False
+        return rows

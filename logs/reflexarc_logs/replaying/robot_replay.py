@@ -76,9 +76,9 @@ def replay_robot(
     log = account.log
     found = RobotFindings([log.run.robot])
     if level == "node":
-        deque(account.ticks(), maxlen=0)
+        deque(account.runs(), maxlen=0)
     else:
-        found.levels.append(replay_policy(log, policy, rules, account.ticks(), other))
+        found.levels.append(replay_policy(log, policy, rules, account.runs(), other))
     if level != "policy":
         try:
             _add_node_level(found, account, policy, rules, other)

@@ -65,6 +65,15 @@ class SentCommands:
             _Told(sender, decision.command.SerializeToString()),
         )
 
+    def told_and_sent(self, sender: bytes, count: int) -> None:
+        """Take so many ticks, each with its command right behind it, byte for byte."""
+        self._senders.add(sender)
+        if self._newest is not None:
+            self._settle_tick(*self._newest)
+            self._newest = None
+        self._recorded += count
+        self._alike += count
+
     def sent(self, payload: bytes, sender: bytes, sequence: int) -> None:
         """Take a command with its number in the log: almost always the last tick's, byte for byte.
 

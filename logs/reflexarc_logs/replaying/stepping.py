@@ -91,6 +91,7 @@ class Stepping:
         state = self.state
         self._holds = RecordedHolds(self.controller.contract, state.hold, state.index)
         self._leans = self.rules.same_policy and not self.rules.exact
+        self._has_winner = self.fields.compares("winner")
 
     @classmethod
     def at(
@@ -135,7 +136,8 @@ class Stepping:
         replayed = decision_to_protobuf(self.step(recorded))
         differences = [*self.surprises, *self.fields.differences(recorded, replayed)]
         self.surprises = []
-        return TickComparison(differences, self._flip(recorded, replayed))
+        flip = self._flip(recorded, replayed) if differences else None
+        return TickComparison(differences, flip)
 
     def count(self, tick: pb.Tick, comparison: TickComparison, tally: Tally) -> None:
         """Count a tick that was decided again."""
@@ -175,7 +177,7 @@ class Stepping:
         if recorded.verdict != replayed.verdict or recorded.verdict not in _DRIVING:
             return None
         index, q_values, tolerance = recorded.index, recorded.q_values, self.rules.tolerance
-        if self.fields.compares("winner") and recorded.winner != replayed.winner:
+        if self._has_winner and recorded.winner != replayed.winner:
             return find_flip(index, q_values, recorded.winner, replayed.winner, tolerance)
         contract = self.controller.contract
         flip = find_flip(index, q_values, recorded.action, replayed.action, tolerance)
@@ -210,6 +212,6 @@ def _keyframe_fields(log: Log) -> Fields | None:
 def _inputs(waiting: deque[Message], recorded: pb.Decision, rules: ControllerRules) -> Inputs:
     """What the loop had drained; where the log holds less, the count itself will differ."""
     count = min(recorded.inputs, len(waiting))
-    messages = tuple(waiting.popleft() for _ in range(count))
+    messages = tuple([waiting.popleft() for _ in range(count)])
     stop = not rules.stop_is_a_message and recorded.verdict == Verdict.STOPPED.value
     return Inputs(messages, recorded.slot, stop=stop)

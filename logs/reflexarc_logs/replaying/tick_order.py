@@ -13,7 +13,7 @@ def is_tick(decision: Decision, number: int) -> bool:
 
     So a number that was changed is a difference, and a tick that is missing is none.
     """
-    return number in (decision.index, decision.command.sequence)
+    return number == decision.index or number == decision.command.sequence
 
 
 class TickOrder:
@@ -49,6 +49,15 @@ class TickOrder:
         self.ticks += 1
         self._next = number + 1 if number == 0 else max(self._next, number + 1)
         self.ended = decision.verdict == _STOPPED
+
+    def saw_run(self, first: int, count: int) -> bool:
+        """Take so many ticks without a gap, none of them the last; False if others come next."""
+        if not self.ticks or first != self._next:
+            return False
+        self.ticks += count
+        self._next += count
+        self._ended = False
+        return True
 
     def notes(self) -> Iterator[str]:
         """What is missing, and what stands where it should not."""

@@ -52,7 +52,7 @@ def decide_anew(log: Log, policy: LoadedPolicy) -> DecidedAnew:
         LogError: the log cannot be read, or something is missing in it.
         ContractError: the policy cannot see what the log's sensor sent.
     """
-    account = LogAccount(log, counts_all=False)
+    account = LogAccount(log)
     for _ in account.ticks():
         pass
     if obstacle := why_not(log) or account.why_no_loop():
