@@ -80,6 +80,8 @@ class ReplayCommand:
     """Processes for several logs; by default as many as there are processors."""
     markdown: bool = False
     """Print a table for a comment on a change."""
+    page: Path | None = None
+    """Draw what was found about a candidate into this file, a page that needs nothing else."""
     json: bool = False
     """Print one JSON object."""
 
@@ -93,7 +95,9 @@ class ReplayCommand:
         if limits.are_set and self.policy is None:
             raise UsageError("limits judge a candidate: give one with --policy")
         is_one = len(self.logs) == 1 and not self.logs[0].is_dir()
-        if is_one and not limits.are_set and not self.markdown:
+        if self.page is not None and self.policy is None:
+            raise UsageError("--page: shows what a candidate does; give one with --policy")
+        if is_one and not limits.are_set and not self.markdown and self.page is None:
             return self._replay_one(paths[0])
         return self._show(self._table(paths, limits))
 
@@ -128,9 +132,14 @@ class ReplayCommand:
             raise UsageError(
                 "--level node: a candidate is judged at level policy; replay one log for more"
             )
-        return judge_logs(
+        found = judge_logs(
             paths, policy, limits, backend=self.backend, jobs=self.jobs, progress=progress
         )
+        if self.page is not None:
+            from reflexarc_pictures.judgement_page.judged_page import write_judgement_page
+
+            write_judgement_page(found, self.page)
+        return found
 
     def _show(self, report: TableReport) -> int:
         if self.json:
