@@ -3,10 +3,10 @@
     [tool.pytest.ini_options]
     reflexarc_logs = ["tests/golden"]
 
-One test a log; it fails with the report of its replay. A place that is missing or holds no log is
-an error, and so is a log that a whole run of the tests does not reach: see `named_logs`. The
-fixture `replay` serves tests that want more. Until it meets a log, the plugin imports nothing but
-pytest.
+One test a log; it fails with the report of its replay. With `reflexarc_policy` it judges that
+policy on the log instead: see `pytest_options`. A place that is missing or holds no log is an
+error, and so is a log that a whole run of the tests does not reach: see `named_logs`. The fixture
+`replay` serves tests that want more. Until it meets a log, the plugin imports nothing but pytest.
 """
 
 import os
@@ -24,61 +24,73 @@ from reflexarc_logs.named_logs import (
     followed,
     named_logs,
 )
+from reflexarc_logs.pytest_options import LogOptions, OptionError, add_options, log_options
 
 if TYPE_CHECKING:
     from reflexarc_logs.replaying.report import ReplayReport
+    from reflexarc_logs.testing.log_trial import LogTrial
 
 INI = "reflexarc_logs"
 _NET = pytest.StashKey[LogNet]()
+_OPTIONS = pytest.StashKey[LogOptions]()
+_TRIAL = pytest.StashKey["LogTrial"]()
+_ACCEPTED = "reflexarc_accepted"
+"""Property of a test that accepted a new baseline: what is said of it."""
 _HEARD = pytest.StashKey[int]()
 """How many logs the workers of pytest-xdist did not reach: they collect, not their controller."""
 _UNREACHED = "reflexarc_logs_unreached"
 _WHOLE = "reflexarc_logs_whole"
 
 
-class ReplayFailedError(Exception):
-    """A log does not replay as it was recorded."""
-
-    def __init__(self, report: "ReplayReport") -> None:
-        super().__init__(str(report))
+class LogTestError(Exception):
+    """A log does not replay as it was recorded, or a candidate is beyond its limits."""
 
 
 class LogFile(pytest.File):
     """A log under one of the named places."""
 
     def collect(self) -> Iterator["LogItem"]:
-        """One test: the replay of this log."""
-        yield LogItem.from_parent(self, name="replay")
+        """One test: the replay of this log, or the judgement of the candidate on it."""
+        is_judged = self.config.stash[_OPTIONS].policy is not None
+        yield LogItem.from_parent(self, name="candidate" if is_judged else "replay")
 
 
 class LogItem(pytest.Item):
-    """Replays a log at every level that it supports."""
+    """Replays a log at every level that it supports, or judges a candidate on it."""
 
     def runtest(self) -> None:
-        """Replay.
+        """Do so; where that is asked for, accept what differs as the new baseline.
 
         Raises:
-            ReplayFailedError: something was different, or nothing could be compared.
+            LogTestError: something was different, or nothing could be compared.
             ReflexarcError: the log cannot be read.
             OSError: not even its first bytes.
         """
-        from reflexarc_logs.replaying.replay import replay
+        path = followed(self.path)
+        if self.config.stash[_OPTIONS].update:
+            self._accept(path)
+        elif failure := _trial(self.config).failure(path):
+            raise LogTestError(failure)
 
-        report = replay(followed(self.path))
-        if report.exit_status:
-            raise ReplayFailedError(report)
+    def _accept(self, path: Path) -> None:
+        from reflexarc_logs.testing.baseline import accept
+
+        accepted = accept(path, self.config.stash[_OPTIONS].policy)
+        if accepted is not None:
+            typed = _trial(self.config).typed(self.path)
+            self.user_properties.append((_ACCEPTED, "\n".join(accepted.lines(typed))))
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
         """The report or the error's one line, without a traceback; of a bug, all of it."""
         from reflexarc_runtime.errors import ReflexarcError
 
-        if isinstance(excinfo.value, ReplayFailedError | ReflexarcError | OSError):
+        if isinstance(excinfo.value, LogTestError | ReflexarcError | OSError):
             return str(excinfo.value)
         return super().repr_failure(excinfo, style)
 
     def reportinfo(self) -> tuple[Path, None, str]:
         """Where the test is, and what it is called."""
-        return self.path, None, f"replay of {self.path.name}"
+        return self.path, None, f"{self.name} of {self.path.name}"
 
 
 class UnreachedLog(pytest.Item):
@@ -106,23 +118,49 @@ class UnreachedLog(pytest.Item):
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Declare the ini option."""
+    """Declare the options."""
     help_text = "folders, logs, or patterns of them, relative to the root, whose logs are tests"
     parser.addini(INI, help_text, "args", [])
+    add_options(parser)
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:
-    """Look whether every named place holds a log.
+    """Look whether every named place holds a log, and whether the options can be meant.
 
     Raises:
-        UsageError: one does not.
+        UsageError: one does not, or cannot.
     """
     config = session.config
     try:
         logs = named_logs(config.rootpath, config.getini(INI))
     except NetError as error:
         raise pytest.UsageError(f"{INI}: {error}") from None
+    try:
+        config.stash[_OPTIONS] = options = log_options(config)
+    except OptionError as error:
+        raise pytest.UsageError(str(error)) from None
+    if options.policy is not None:
+        _trial(config)
     config.stash[_NET] = LogNet(logs)
+
+
+def _trial(config: pytest.Config) -> "LogTrial":
+    """How logs are tested in this run.
+
+    Raises:
+        UsageError: limits that are none.
+    """
+    from reflexarc_logs.testing.log_trial import LogTrial, limits_of
+    from reflexarc_runtime.errors import UsageError
+
+    if _TRIAL not in config.stash:
+        options = config.stash[_OPTIONS]
+        try:
+            limits = limits_of(options.limits)
+        except UsageError as error:
+            raise pytest.UsageError(f"reflexarc: {error}") from None
+        config.stash[_TRIAL] = LogTrial(options.policy, limits, config.invocation_params.dir)
+    return config.stash[_TRIAL]
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> LogFile | None:
@@ -184,7 +222,8 @@ def pytest_testnodedown(node: Any, error: object) -> None:
 
 
 def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> None:
-    """Say how many logs were not among the tests of this run."""
+    """Say which baselines are new, and how many logs were not among the tests of this run."""
+    _tell_accepted(terminalreporter)
     net = config.stash.get(_NET, None)
     if net is None:
         return  # the session did not begin
@@ -192,6 +231,19 @@ def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> Non
     if left:
         count = f"{left} of {len(net.logs)} logs"
         terminalreporter.write_line(f"{INI}: {count} were not among the tests of this run")
+
+
+def _tell_accepted(terminalreporter: Any) -> None:
+    told = [
+        text
+        for report in terminalreporter.stats.get("passed", ())
+        for name, text in report.user_properties
+        if name == _ACCEPTED
+    ]
+    if told:
+        terminalreporter.section("reflexarc: new baselines")
+    for text in sorted(told):
+        terminalreporter.write_line(text)
 
 
 @pytest.fixture

@@ -1,37 +1,12 @@
-import os
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from reflexarc_logs.replaying.report import ReplayReport
 from reflexarc_runtime.messages_pb2 import Decision
+from support.plugin_runs import project, run_pytest
 from support.rewriting import edit_decisions, rewrite
-
-ROOM = Path(__file__).parents[2]
-ROOMS = [str(ROOM / folder) for folder in ("runtime", "logs")]
-
-
-def run_pytest(project: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    """Pytest with this plugin alone, in a process and a project of its own."""
-    environment = {
-        **os.environ,
-        "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1",
-        "PYTHONPATH": os.pathsep.join(ROOMS),
-        "PYTHONDONTWRITEBYTECODE": "1",
-    }
-    environment.pop("PYTEST_ADDOPTS", None)
-    plugin = ["-p", "reflexarc_logs.pytest_plugin", "-p", "no:cacheprovider"]
-    command = [sys.executable, "-m", "pytest", *plugin, "-v", *arguments]
-    return subprocess.run(command, cwd=project, env=environment, capture_output=True, text=True)
-
-
-def project(directory: Path, options: str) -> Path:
-    (directory / "pytest.ini").write_text(f"[pytest]\nfilterwarnings = error\n{options}\n")
-    (directory / "golden").mkdir()
-    return directory
 
 
 @pytest.fixture(scope="module")
@@ -92,7 +67,7 @@ def test_without_a_log_the_plugin_imports_nothing_but_pytest(tmp_path):
         "    heavy = {'numpy', 'mcap', 'onnx', 'google.protobuf', 'reflexarc_runtime'}\n"
         "    assert not heavy & set(sys.modules)\n"
         "    ours = {n for n in sys.modules if n.startswith('reflexarc')}\n"
-        "    mine = {'', '.named_logs', '.pytest_plugin'}\n"
+        "    mine = {'', '.named_logs', '.pytest_options', '.pytest_plugin'}\n"
         "    assert ours == {f'reflexarc_logs{name}' for name in mine}\n"
     )
     result = run_pytest(here, "test_it.py")

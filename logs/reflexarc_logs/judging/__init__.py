@@ -1,4 +1,4 @@
-"""A candidate policy judged on logs that another one drove; many logs at once; a log as a test.
+"""A candidate policy judged on logs that another one drove; many logs at once.
 
 judge_logs             many logs, shared among processes
 judge_log              one log, one pass
@@ -6,5 +6,4 @@ judgement              what is found on a log, as data
 judgement_report       on all logs: as data, as text, as a comment on a change
 flip_limits            how much a candidate may differ
 replay_logs            many logs replayed by this software
-failure_text           why a log's test failed, in words
 """

@@ -4,11 +4,12 @@ import re
 from dataclasses import dataclass
 from fractions import Fraction
 
+from reflexarc_logs.judging.amounts import amount, share
 from reflexarc_logs.reading.tick_word import TickWord, tick_word
 from reflexarc_runtime.errors import UsageError
 
-_COUNT = re.compile(r"\d{1,18}")
-_SHARE = re.compile(r"(\d{1,3}(?:\.\d{1,12})?)\s?%")
+_COUNT = re.compile(r"[0-9]{1,18}")
+_SHARE = re.compile(r"([0-9]{1,3}(?:\.[0-9]{1,12})?) ?%")
 
 
 @dataclass(frozen=True)
@@ -74,9 +75,9 @@ class FlipLimits:
             most = allowed[0] * ticks if allowed[1] else allowed[0]
             if flips > most:
                 rate = f" ({share(flips, ticks)})"
-                found.append(f"{flips} flips{rate} of at most {self._flips_word}")
+                found.append(f"{amount(flips, 'flip')}{rate} of at most {self._flips_word}")
         if self.max_reversals is not None and reversals > self.max_reversals:
-            found.append(f"{reversals} reversals of at most {self.max_reversals}")
+            found.append(f"{amount(reversals, 'reversal')} of at most {self.max_reversals}")
         return tuple(found)
 
     def words(self) -> tuple[str, ...]:
@@ -95,14 +96,6 @@ class FlipLimits:
     @property
     def _flips_word(self) -> str:
         return self.max_flips or ("0" if self.max_reversals is None else "")
-
-
-def share(part: int, whole: int) -> str:
-    """A share in per cent; what is little is not called nothing."""
-    if not whole:
-        return "0%"
-    percent = 100 * part / whole
-    return f"{percent:.2g}%" if 0 < percent < 1 else f"{percent:.1f}%"
 
 
 def _allowed(word: str) -> tuple[Fraction, bool] | None:

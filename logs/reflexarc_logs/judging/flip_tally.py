@@ -2,10 +2,12 @@
 
 import heapq
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 
+from reflexarc_logs.judging.amounts import amount
 from reflexarc_logs.judging.answers import Answers, JudgedTick
 from reflexarc_logs.judging.flip_limits import FlipLimits
 from reflexarc_logs.judging.judgement import NO_ACTION, JudgedFlip
@@ -45,9 +47,8 @@ class FlipTally:
         self._kept: list[tuple[float, int, JudgedFlip]] = []
         self.counts: Counter[str] = Counter()
         """By the name of a field of `LogJudgement`."""
-        self.largest_margin = 0.0
-        self.first: tuple[int, float] | None = None
-        """Tick and time in seconds of the first flip that counts."""
+        self._largest_margin = 0.0
+        self._first: tuple[int, float] | None = None
 
     def add(self, answers: Answers) -> None:
         """Count a batch."""
@@ -69,10 +70,28 @@ class FlipTally:
         found = [d.winner for d in decisions] if self._has_winner else [d.action for d in decisions]
         return [index if index < most else NO_ACTION for index in found]
 
-    def kept(self) -> tuple[JudgedFlip, ...]:
-        """The flips of the largest margins, by tick."""
-        found = sorted(self._kept, key=lambda one: (one[2].time_s, -one[1]))
-        return tuple(flip for _, _, flip in found)
+    def result(self) -> dict[str, Any]:
+        """What was counted, by the fields of `LogJudgement`."""
+        found = sorted(self._kept, key=lambda one: -one[1])
+        kept = tuple(flip for _, _, flip in found)
+        first_tick, first_s = self._first or (NO_ACTION, 0.0)
+        return {
+            **self.counts,
+            "broken": tuple(self._broken()),
+            "largest_margin": self._largest_margin,
+            "first_tick": first_tick,
+            "first_s": first_s,
+            "shown_flips": kept,
+            "more_flips": self.counts["flips"] - len(kept),
+        }
+
+    def _broken(self) -> Iterator[str]:
+        """Which limits are exceeded."""
+        counts = self.counts
+        yield from self._limits.exceeded(counts["flips"], counts["reversals"], counts["ticks"])
+        if faults := counts["faults"]:
+            at = amount(faults, "tick")
+            yield f"its Q-values are not finite at {at}: the loop would stop"
 
     def _flip(self, tick: JudgedTick, was: int, now: int, values: QValues) -> None:
         decision = tick.decision
@@ -87,9 +106,9 @@ class FlipTally:
             return
         self.counts["flips"] += 1
         self.counts["reversals"] += bool(self._opposite[was, now])
-        self.largest_margin = max(self.largest_margin, flip.margin)
-        if self.first is None:
-            self.first = decision.index, tick.after_ns / 1e9
+        self._largest_margin = max(self._largest_margin, flip.margin)
+        if self._first is None:
+            self._first = decision.index, tick.after_ns / 1e9
         key = flip.margin, -self.counts["flips"]
         room = min(MOST_KEPT, max(1, MOST_KEPT_BYTES // max(1, len(decision.retina))))
         if len(self._kept) < room:

@@ -1,7 +1,6 @@
 """Judges a candidate policy on one log: one pass over the file, at level `policy`."""
 
 from collections.abc import Iterable, Iterator
-from typing import Any
 
 from reflexarc_logs.judging.answers import Answering, Answers, JudgedTick
 from reflexarc_logs.judging.comparable import check_comparable
@@ -36,32 +35,19 @@ def judge_log(
     notes = check_comparable(log, candidate.contract)
     judging = _Judging(log, candidate, limits)
     judging.run()
-    tally = judging.tally
-    counts: dict[str, Any] = dict(tally.counts)
-    flips, ticks = tally.counts["flips"], tally.counts["ticks"]
-    if not ticks:
+    if not judging.tally.counts["ticks"]:
         raise LogError(f"{log.path}: {judging.why_nothing()}")
-    broken = list(limits.exceeded(flips, tally.counts["reversals"], ticks))
-    if faults := tally.counts["faults"]:
-        broken.append(f"at {faults} ticks its Q-values are not finite: the loop would stop")
-    first_tick, first_s = tally.first or (NO_ACTION, 0.0)
-    kept = tally.kept()
+    contract = candidate.contract
     return LogJudgement(
         log=name or log.path.name,
-        broken=tuple(broken),
         run_id=log.run.run_id,
         recorded_policy=log.run.policy_hash,
-        actions=tuple(action.name for action in candidate.contract.actions),
-        retina_shape=candidate.contract.retina.stack_shape,
-        largest_margin=tally.largest_margin,
-        first_tick=first_tick,
-        first_s=first_s,
-        shown_flips=kept,
-        more_flips=flips - len(kept),
+        actions=tuple(action.name for action in contract.actions),
+        retina_shape=contract.retina.stack_shape,
         incidents=judging.incidents.result(),
         more_incidents=judging.incidents.more,
         notes=(*notes, *judging.notes()),
-        **counts,
+        **judging.tally.result(),
     )
 
 

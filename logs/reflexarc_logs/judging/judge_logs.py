@@ -22,7 +22,7 @@ from reflexarc_logs.judging.log_work import (
     sizes_first,
 )
 from reflexarc_runtime.policy.model_file import policy_hash, read_model
-from reflexarc_runtime.policy.policy import Backend, load_policy
+from reflexarc_runtime.policy.policy import Backend, load_contract
 
 _WORKER = "reflexarc_logs.judging.judge_worker"
 NO_LIMITS = FlipLimits()
@@ -51,10 +51,7 @@ def judge_logs(
         PolicyError, ContractError: the policy is not intact.
         UsageError: a number of processes that is none.
     """
-    data = read_model(Path(policy))
-    load_policy(data)  # what is wrong with it is said once, not for each log
-    places = named(paths)
-    identity = policy_hash(data)
+    identity, places = _checked(Path(policy)), named(paths)
     common = {
         "policy": str(policy),
         "hash": identity,
@@ -67,6 +64,12 @@ def judge_logs(
     answers = share_work(_WORKER, judge_plain, tasks, job_count(jobs), progress)
     logs = [_judgement(name, answers[name], places[name]) for name in places]
     return Judgement(Path(policy).name, identity, limits.words(), worst_first(logs))
+
+
+def _checked(policy: Path) -> str:
+    """The hash of a policy; what is wrong with it is said once, not for each log."""
+    load_contract(policy, bounds=None)
+    return policy_hash(read_model(policy))
 
 
 def _judgement(name: str, answer: dict[str, Any] | LogFailedError, path: Path) -> LogJudgement:

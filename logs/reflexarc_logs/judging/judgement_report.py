@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
+from reflexarc_logs.judging.amounts import amount
 from reflexarc_logs.judging.judgement import VERDICTS, LogJudgement
 from reflexarc_logs.judging.judgement_text import (
     HEAD,
@@ -104,7 +105,7 @@ def _badness(one: LogJudgement) -> tuple[int, int, float, int, float, str]:
 
 
 def _lines(found: Judgement) -> Iterator[str]:
-    logs = f"{len(found.logs)} log{'s' * (len(found.logs) != 1)}"
+    logs = amount(len(found.logs), "log")
     yield f"{plain(found.candidate)} ({found.policy_hash[:12]}) on {logs}: {found.verdict}"
     yield f"  {'; '.join(found.limits)}"
     yield f"  {OPEN_LOOP}"

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from reflexarc_logs.judging.flip_limits import share
+from reflexarc_logs.judging.amounts import amount, share
 from reflexarc_logs.judging.judgement import IncidentAnswer, JudgedFlip, LogJudgement
 from reflexarc_logs.judging.text_table import quoted
 from reflexarc_runtime.words.shown import plain
@@ -54,17 +54,17 @@ def has_details(one: LogJudgement) -> bool:
 def log_lines(one: LogJudgement) -> Iterator[str]:
     """More than a row: what happened, the flips of the largest margins, what did not count."""
     yield f"{plain(one.log)}:"
-    for words in _passed_over(one):
+    for words in passed_over(one):
         yield f"  {words}"
     for incident in one.incidents[:SHOWN_INCIDENTS]:
         yield f"  {incident_words(incident, one)}"
     hidden = one.more_incidents + max(0, len(one.incidents) - SHOWN_INCIDENTS)
     if hidden:
-        yield f"  … and {hidden} more incidents"
+        yield f"  … and {amount(hidden, 'incident')} more"
     for flip in clearest(one)[:SHOWN_FLIPS]:
         yield f"  {flip_words(flip, one)}"
     if one.flips > SHOWN_FLIPS:
-        yield f"  … and {one.flips - SHOWN_FLIPS} more flips, of smaller margins"
+        yield f"  … and {amount(one.flips - SHOWN_FLIPS, 'flip')} more, of no larger margin"
     for note in one.notes:
         yield f"  note: {note}"
 
@@ -74,14 +74,14 @@ def clearest(one: LogJudgement) -> list[JudgedFlip]:
     return sorted(one.shown_flips, key=lambda flip: (-flip.margin, flip.tick))
 
 
-def _passed_over(one: LogJudgement) -> Iterator[str]:
+def passed_over(one: LogJudgement) -> Iterator[str]:
     """What did not count."""
     if one.below_margin:
-        yield f"{one.below_margin} more flips have a smaller margin than the least that counts"
+        yield f"not counted: {amount(one.below_margin, 'flip')} of smaller margins"
     if one.rounding:
-        yield f"{one.rounding} more flips are rounding: two backends may differ by as much"
+        yield f"not counted: {amount(one.rounding, 'flip')} of rounding: two backends may differ so"
     if one.warming_up:
-        yield f"{one.warming_up} ticks do not count: the candidate's memory warms up"
+        yield f"not counted: {amount(one.warming_up, 'tick')} in which its memory warms up"
 
 
 def markdown_row(one: LogJudgement) -> tuple[str, ...]:

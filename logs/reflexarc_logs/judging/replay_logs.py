@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, cast
 
+from reflexarc_logs.judging.amounts import amount
 from reflexarc_logs.judging.log_names import named, without_place
 from reflexarc_logs.judging.log_work import (
     LogFailedError,
@@ -87,7 +88,7 @@ class ReplayedLogs:
 
     @property
     def _title(self) -> str:
-        return f"{len(self.logs)} log{'s' * (len(self.logs) != 1)}, replayed by this software"
+        return f"{amount(len(self.logs), 'log')}, replayed by this software"
 
 
 def replay_logs(
