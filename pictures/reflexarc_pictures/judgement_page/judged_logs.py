@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 
-from reflexarc_logs.judging.flip_limits import share
+from reflexarc_logs.judging.amounts import share
 from reflexarc_logs.judging.judgement import IncidentAnswer, JudgedFlip, LogJudgement
 from reflexarc_pictures.judgement_page.flip_card import flip_card
 from reflexarc_pictures.judgement_page.flips_over_time import flips_over_time

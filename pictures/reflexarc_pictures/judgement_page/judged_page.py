@@ -6,7 +6,7 @@ browser to. The same judgement gives the same bytes.
 
 from pathlib import Path
 
-from reflexarc_logs.judging.flip_limits import share
+from reflexarc_logs.judging.amounts import share
 from reflexarc_logs.judging.judgement import LogJudgement
 from reflexarc_logs.judging.judgement_report import Judgement
 from reflexarc_pictures.judgement_page.judged_logs import judged_logs

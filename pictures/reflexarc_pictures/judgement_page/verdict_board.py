@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from reflexarc_logs.judging.flip_limits import share
+from reflexarc_logs.judging.amounts import share
 from reflexarc_logs.judging.judgement import LogJudgement
 from reflexarc_pictures.judgement_page.flip_card import figure_words
 from reflexarc_pictures.suite_page.markup import Child, Markup, element, joined
