@@ -4,18 +4,15 @@ Frame: x ahead to the right, y to the left upwards, metres, as in `courses/top_v
 """
 
 import math
-from base64 import b64encode
 from collections.abc import Sequence
-from io import BytesIO
 
 import numpy as np
-import numpy.typing as npt
-from PIL import Image
 
 from reflexarc_pictures.courses.course import Course, Snapshot
 from reflexarc_pictures.suite_page.markup import Markup, element, joined
 from reflexarc_pictures.suite_page.moment import Moment
 from reflexarc_pictures.suite_page.page_content import PageContent
+from reflexarc_pictures.suite_page.pixels import png_address
 from reflexarc_pictures.suite_page.plot import label, svg
 from reflexarc_pictures.suite_page.tables import note, section
 from reflexarc_pictures.suite_page.told import MINUS, number
@@ -254,7 +251,7 @@ def _strip(course: Course, top: float) -> Markup:
     return joined(
         element(
             "image",
-            href=_as_address(pixels),
+            href=png_address(pixels),
             x=0,
             y=top,
             width=_WIDTH,
@@ -266,12 +263,3 @@ def _strip(course: Course, top: float) -> Markup:
         label(0, top + _STRIP_HEIGHT + 15, f"{MINUS}{lead_s:.1f} s", "tick"),
         label(_WIDTH, top + _STRIP_HEIGHT + 15, "the last look", "tick end"),
     )
-
-
-def _as_address(pixels: npt.NDArray[np.uint8]) -> str:
-    """A PNG as an address that holds it: (rows, columns, channels), one channel or three."""
-    is_grey = pixels.shape[2] == 1
-    image = Image.fromarray(np.ascontiguousarray(pixels[:, :, 0] if is_grey else pixels))
-    file = BytesIO()
-    image.save(file, format="PNG", optimize=True)
-    return f"data:image/png;base64,{b64encode(file.getvalue()).decode()}"

@@ -52,6 +52,7 @@ class Body:
         world_text: the file of the world, which the body tells others.
         checks: the body looks for itself, along its own rays, whether the commanded way is free,
             and goes slower or stands where it is not.
+        all_round: see `Simulation`.
 
     Raises:
         WorldError: the contract asks for a sense or a motion that the world does not have, or for
@@ -68,6 +69,7 @@ class Body:
         world_text: str = "",
         *,
         checks: bool = False,
+        all_round: bool = False,
     ) -> None:
         step_s = 1.0 / rate_hz
         _check_speed(contract, step_s)
@@ -85,6 +87,7 @@ class Body:
             contract,
             np.array([seed], np.uint64),
             lanes=np.array([number], np.uint64),
+            all_round=all_round,
         )
         self.contacts = 0
         self.held_back = 0
@@ -160,12 +163,16 @@ class Body:
         return BodyPose(float(here.x_m[0]), float(here.y_m[0]), float(here.heading_rad[0]))
 
 
-def rebuild(info: BodyInfo, contract: PolicyContract) -> Body:
+def rebuild(
+    info: BodyInfo, contract: PolicyContract, *, checks: bool = False, all_round: bool = False
+) -> Body:
     """The body that a log tells of, as it was when it began: in the same world, at the same place.
 
     Args:
         info: what it said on `<robot>/body`.
         contract: of the policy that drove it.
+        checks: see `Body`.
+        all_round: see `Simulation`.
 
     Raises:
         WorldError: it was not simulated, or its text is no world.
@@ -173,7 +180,16 @@ def rebuild(info: BodyInfo, contract: PolicyContract) -> Body:
     if not (info.world_text and info.step_s):
         raise WorldError("body: expected the text of a world and a step, got a body without")
     world = parse_world(info.world_text, info.world).drawn(info.seed)
-    return Body(world, contract, 1.0 / info.step_s, info.seed, info.number, info.world_text)
+    return Body(
+        world,
+        contract,
+        1.0 / info.step_s,
+        info.seed,
+        info.number,
+        info.world_text,
+        checks=checks,
+        all_round=all_round,
+    )
 
 
 def _in_steps_of(world: World, step_s: float) -> World:

@@ -56,6 +56,8 @@ class ReplayCommand:
       reflexarc replay runs/drive.mcap --json
       reflexarc replay logs/ --policy new.onnx --max-flips 5% --margin 0.02 --jobs 8
       reflexarc replay logs/ --policy new.onnx --max-reversals 0 --from 50s --to 58s --markdown
+      reflexarc replay logs/ --policy new.onnx --page judged.html
+      reflexarc replay runs/drive.mcap --policy new.onnx --drive --first contact
     """
 
     logs: tyro.conf.Positional[tuple[Path, ...]]
@@ -80,6 +82,18 @@ class ReplayCommand:
     """Processes for several logs; by default as many as there are processors."""
     markdown: bool = False
     """Print a table for a comment on a change."""
+    page: Path | None = None
+    """Draw what was found about a candidate into this file, a page that needs nothing else."""
+    drive: bool = False
+    """Rebuild the moments before contacts, and let the candidate drive on."""
+    at: int | None = None
+    """With --drive: before this tick alone."""
+    first: Literal["contact"] | None = None
+    """With --drive: before the first contact alone."""
+    before: float = 2.0
+    """With --drive: how long before it the candidate takes over, seconds."""
+    driven: float = 5.0
+    """With --drive: how long it drives, seconds."""
     json: bool = False
     """Print one JSON object."""
 
@@ -93,7 +107,11 @@ class ReplayCommand:
         if limits.are_set and self.policy is None:
             raise UsageError("limits judge a candidate: give one with --policy")
         is_one = len(self.logs) == 1 and not self.logs[0].is_dir()
-        if is_one and not limits.are_set and not self.markdown:
+        if self.drive or self.at is not None or self.first is not None:
+            return self._show(self._drive(paths, limits))
+        if self.page is not None and self.policy is None:
+            raise UsageError("--page: shows what a candidate does; give one with --policy")
+        if is_one and not limits.are_set and not self.markdown and self.page is None:
             return self._replay_one(paths[0])
         return self._show(self._table(paths, limits))
 
@@ -128,9 +146,26 @@ class ReplayCommand:
             raise UsageError(
                 "--level node: a candidate is judged at level policy; replay one log for more"
             )
-        return judge_logs(
+        found = judge_logs(
             paths, policy, limits, backend=self.backend, jobs=self.jobs, progress=progress
         )
+        if self.page is not None:
+            from reflexarc_pictures.judgement_page.judged_page import write_judgement_page
+
+            write_judgement_page(found, self.page)
+        return found
+
+    def _drive(self, paths: tuple[Path, ...], limits: "FlipLimits") -> TableReport:
+        from reflexarc.rebuilding.driven_findings import WantedDrives
+        from reflexarc.rebuilding.driven_report import drive_logs
+
+        if not self.drive:
+            raise UsageError("--at, --first: say where a candidate drives on; add --drive")
+        if limits.are_set or self.level or self.page or self.backend:
+            raise UsageError("--drive: takes no limits, --level, --backend or --page")
+        wanted = WantedDrives(self.at, self.first is not None, self.before, self.driven)
+        with progress_bar("logs", len(paths)) as progress:
+            return drive_logs(paths, self.policy, wanted, progress)
 
     def _show(self, report: TableReport) -> int:
         if self.json:
