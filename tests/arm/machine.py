@@ -8,6 +8,7 @@ nothing unless the pinned versions, or this module, have changed.
 
 import os
 import platform
+import shlex
 import shutil
 import subprocess
 import sys
@@ -53,11 +54,24 @@ class ArmMachine:
         Raises:
             ReflexarcError: it ended otherwise than with 0.
         """
-        python = self.root / "usr" / "bin" / "python3"
-        command = [str(self.emulator), "-L", str(self.root), "-cpu", cpu, str(python), *arguments]
+        command = [str(self._python(cpu)), *arguments]
         status = subprocess.run(command, cwd=ROOT, env=self._environment(), check=False).returncode
         if status:
             raise ReflexarcError(f"emulated Python on {cpu}: ended with status {status}")
+
+    def _python(self, cpu: str) -> Path:
+        """A script that starts Python on a model of a processor, for us and for Python itself.
+
+        What Python takes for its own name (`sys.executable`) is that of the script: the kernel,
+        which is not told of qemu, can start no Arm program. It lies beside Python, which looks for
+        its library from there.
+        """
+        binaries = self.root / "usr" / "bin"
+        script = binaries / f"python-on-{cpu}"
+        words = (self.emulator, "-L", self.root, "-cpu", cpu, "-0", script, binaries / "python3")
+        script.write_text(f'#!/bin/sh\nexec {shlex.join(map(str, words))} "$@"\n')
+        script.chmod(0o755)
+        return script
 
     def _environment(self) -> dict[str, str]:
         """Nothing of this machine's own: settings for BLAS may name kernels of its processor."""

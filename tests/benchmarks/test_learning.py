@@ -60,6 +60,7 @@ def test_the_adapter_shows_and_pays_what_the_simulation_does(held_steps: int) ->
     assert contacts > 0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["PPO", "DQN", "QRDQN"])
 @pytest.mark.parametrize("input_power", [1, 2])
 def test_a_frozen_policy_decides_as_the_model_predicts(name: str, input_power: int) -> None:

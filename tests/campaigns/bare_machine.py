@@ -154,7 +154,9 @@ def _tests(scratch: Path, _seconds: float) -> Iterator[Row]:
         done = _bare(
             [*words, "--basetemp", scratch / f"pytest-{room}", ROOT / "tests" / room], scratch, {}
         )
-        yield Row(f"tests/{room}", done.returncode == 0, done.stdout.strip().splitlines()[-1])
+        said = done.stdout.strip().splitlines() or [done.stderr.strip()]
+        failed = [line for line in said if line.startswith(("FAILED", "ERROR"))]
+        yield Row(f"tests/{room}", done.returncode == 0, "; ".join([said[-1], *failed]))
 
 
 def _bare(

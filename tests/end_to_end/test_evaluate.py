@@ -40,6 +40,7 @@ def orphans() -> Iterator[list[int]]:
             os.kill(pid, signal.SIGKILL)
 
 
+@pytest.mark.long
 def test_suite_that_was_killed_or_interrupted_goes_on_to_the_same_bytes(
     tmp_path: Path, orphans: list[int], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -25,7 +25,7 @@ rooms = "runtime", "logs", "sim_bridge", "pictures"
 for room in ("reflexarc", *(f"reflexarc_{room}" for room in rooms)):
     package = importlib.import_module(room)
     for module in pkgutil.walk_packages(package.__path__, room + "."):
-        if any(part in module.name for part in ("demo", "progress", "__main__")):
+        if any(part in module.name for part in ("demo", "progress", "__main__", "rerun_canvas")):
             continue
         importlib.import_module(module.name)
 loaded = {name.partition(".")[0] for name in sys.modules}

@@ -7,6 +7,7 @@ out; `identical` where ticks are missing and nothing says so.
 """
 
 import random
+import struct
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import suppress
@@ -24,6 +25,9 @@ from reflexarc_logs.replaying.replay import replay
 from reflexarc_logs.replaying.report import ReplayReport
 from reflexarc_runtime.errors import ReflexarcError
 from reflexarc_runtime.messages_pb2 import Command, Decision, Tick
+
+MAGIC = b"\x89MCAP0\r\n"
+MESSAGE_INDEX = 7
 
 
 class Row(NamedTuple):
@@ -140,6 +144,7 @@ class FlipJudge:
     def __post_init__(self) -> None:
         self.data = self.path.read_bytes()
         self.whole = contents(self.path)
+        self._lengths = [*_index_lengths(self.data)]
         self.seen: Counter[str] = Counter()
         """Outcomes: of the damaged log, and of what was recovered of it."""
 
@@ -158,24 +163,47 @@ class FlipJudge:
     def attempt(self, data: bytes) -> list[str]:
         """Replay these bytes, and what can be recovered of them."""
         damaged, saved = self.scratch / "damaged.mcap", self.scratch / "saved.mcap"
+        legible = self.scratch / "legible.mcap"
         damaged.write_bytes(data)
+        legible.write_bytes(self._legible(data))
         saved.unlink(missing_ok=True)
-        wrong = [f"damaged: {one}" for one in self._replayed("damaged", damaged)]
+        wrong = [f"damaged: {one}" for one in self._replayed("damaged", damaged, legible)]
         try:
             recover(damaged, saved)
         except ReflexarcError:
             self.seen["recovered: nothing"] += 1
             return wrong
-        return wrong + [f"recovered: {one}" for one in self._replayed("recovered", saved)]
+        return wrong + [f"recovered: {one}" for one in self._replayed("recovered", saved, saved)]
 
-    def _replayed(self, name: str, path: Path) -> list[str]:
+    def _legible(self, data: bytes) -> bytes:
+        """The same with the lengths of message indexes as they were.
+
+        An index holds no message. The plain library reads nothing behind one that says that it is
+        longer than the file; the product does, and is right.
+        """
+        restored = bytearray(data)
+        for at in self._lengths:
+            restored[at : at + 8] = self.data[at : at + 8]
+        return bytes(restored) if len(data) == len(self.data) else data
+
+    def _replayed(self, name: str, path: Path, legible: Path) -> list[str]:
         try:
             report = replay(read_log(path, allow_truncated=True))
         except ReflexarcError:
             self.seen[f"{name}: refused"] += 1
             return []
         self.seen[f"{name}: {report.verdict}"] += 1
-        return untruths(self.whole, contents(path), report)
+        return untruths(self.whole, contents(legible), report)
+
+
+def _index_lengths(data: bytes) -> Iterator[int]:
+    """Where each message index of a whole log says how long it is."""
+    at = len(MAGIC)
+    while at < len(data) - len(MAGIC):
+        opcode, length = struct.unpack_from("<BQ", data, at)
+        if opcode == MESSAGE_INDEX:
+            yield at + 1
+        at += 9 + length
 
 
 def without_checks(path: Path, out: Path) -> Path:

@@ -72,7 +72,7 @@ def may_be_refused(drawn: Drawn, beams: list[Beam], rays: list[Ray], centred: bo
     if is_hidden(rays, drawn.spec, surely=False):
         return True
     step_rad = abs(drawn.step_rad)
-    if step_rad > math.pi:
+    if step_rad > math.pi - ROUNDED_RAD:  # half a turn in degrees may be more, once it is sent
         return True
     return centred and farthest_rad(drawn, beams) > 0.5 * step_rad - ROUNDED_RAD
 

@@ -12,7 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_sim_bridge.arrays.world_tables import world_tables
+from reflexarc_sim_bridge.evaluation.effort import effort_of
 from reflexarc_sim_bridge.native.cache import prepare
 from reflexarc_sim_bridge.native.decorators import compiled
 from reflexarc_sim_bridge.obstacles.keys import layer_key
@@ -30,6 +32,8 @@ _SHARED_M = 500.0
 them. In a wider world every place costs as much as a column of a narrow one: fewer are looked at,
 and the errors say so. (At 10 km the same number would take minutes.)"""
 _WANTED_ERROR = 0.01
+_SIGHT_M = 0.1
+"""Obstacles within sight are drawn for every place; of the reference's 5 m most are in vain."""
 _WALL_MARGIN_M = 0.1
 """Largest distance between the straight pieces of a wall and its curve."""
 _RANDOM_SEED = 20_250_102
@@ -75,8 +79,7 @@ def measure_profile(source: WorldSource, seeds: Sequence[int], progress: Progres
     """
     generator = np.random.default_rng(_RANDOM_SEED)
     worlds = [source.drawn(seed) for seed in seeds]
-    few = min(1.0, _SHARED_M / max(_room_m(world) for world in worlds))
-    least, most = math.ceil(few * _FIRST_COLUMNS), math.ceil(few * _MOST_COLUMNS)
+    least, most = columns_allowed(source, len(seeds))
     first = [_shares(w, s, least, generator) for w, s in zip(worlds, seeds, strict=True)]
     columns, shares = _columns_for(float(np.mean(first)), len(seeds), least, most), []
     for done, (world, seed) in enumerate(zip(worlds, seeds, strict=True), start=1):
@@ -84,6 +87,16 @@ def measure_profile(source: WorldSource, seeds: Sequence[int], progress: Progres
         progress(done, len(seeds))
     width_m = float(np.mean([_room_m(world) for world in worlds]))
     return CoverProfile(width_m, np.mean(shares, axis=0), *_deviations(np.array(shares)))
+
+
+def columns_allowed(source: WorldSource, seeds: int) -> tuple[int, int]:
+    """How many columns of each seed are looked at, at least and at most."""
+    fullest = source.fullest
+    few = min(1.0, _SHARED_M / max(_room_m(world) for world in fullest))
+    efforts = [effort_of(world, short_sighted(), BINS) for world in fullest]
+    allowed = min(effort.most_columns(seeds) for effort in efforts)
+    most = math.ceil(min(few * _MOST_COLUMNS, allowed))
+    return min(math.ceil(few * _FIRST_COLUMNS), math.ceil(most / 8)), most
 
 
 def are_covered(world: World, seed: int, x_m: Floats, y_m: Floats) -> npt.NDArray[np.bool_]:
@@ -96,7 +109,7 @@ def are_covered(world: World, seed: int, x_m: Floats, y_m: Floats) -> npt.NDArra
         y_m: (n,).
     """
     pointlike = replace(world, chassis=replace(world.chassis, radius_m=0.0))
-    return covered(pointlike, reference_contract(), seed, np.stack([x_m, y_m], axis=1))
+    return covered(pointlike, short_sighted(), seed, np.stack([x_m, y_m], axis=1))
 
 
 def right_side_m(world: World, seed: int, x_m: Floats) -> Floats:
@@ -125,6 +138,12 @@ def ratio(parts: Floats, wholes: Floats) -> tuple[Floats, Floats]:
     rests, n = parts - ratios * wholes[:, np.newaxis], len(wholes)
     errors: Floats = np.sqrt((rests**2).sum(axis=0) * n / max(n - 1, 1)) / wholes.sum()
     return ratios, errors
+
+
+def short_sighted() -> PolicyContract:
+    """An agent that sees next to nothing: what is farther than that covers no place."""
+    contract = reference_contract()
+    return replace(contract, retina=replace(contract.retina, range_m=_SIGHT_M))
 
 
 def _shares(world: World, seed: int, columns: int, generator: np.random.Generator) -> Floats:

@@ -24,7 +24,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from reflexarc_runtime.errors import WorldError
-from reflexarc_sim_bridge.evaluation.cover_profile import CoverProfile, measure_profile, ratio
+from reflexarc_sim_bridge.evaluation.cover_profile import (
+    BINS,
+    CoverProfile,
+    measure_profile,
+    ratio,
+)
+from reflexarc_sim_bridge.evaluation.effort import Effort, effort_of
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.layers import Scatter
 from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
@@ -44,6 +50,7 @@ CRITICAL_CLUTTER = 0.25
 _SURE = 4.0
 """Standard errors by which a tolerance must be exceeded."""
 _BLIND_AGENTS, _BLIND_STEPS, _DISCARDED_STEPS = 1024, 1000, 50
+_FEWEST_AGENTS = 64
 _SIDES = 0.1
 """Share of the width that counts as a side."""
 
@@ -101,13 +108,13 @@ def check_world(
     if not 2 <= seeds <= MAX_SEEDS:
         raise WorldError(f"seeds: expected 2 to {MAX_SEEDS}, got {seeds}")
     profile = measure_profile(source, range(seeds), lambda n, of: progress(n, 2 * of))
-    blind, error = _blind_rate(source, seeds, lambda n, of: progress(of + n, 2 * of))
+    contacts = _blind_rate(source, seeds, profile.mean, lambda n, of: progress(of + n, 2 * of))
     worlds = [source.drawn(seed) for seed in range(seeds)]
-    return _report(source.name, worlds, profile, blind, error)
+    return _report(source.name, worlds, profile, *contacts)
 
 
 def _report(
-    name: str, worlds: list[World], profile: CoverProfile, blind: float, error: float
+    name: str, worlds: list[World], profile: CoverProfile, blind: float, error: float, steps: int
 ) -> WorldReport:
     """The verdict on a world, by what was measured of it.
 
@@ -117,6 +124,7 @@ def _report(
         profile: their cover.
         blind: contacts per 100 m of an agent that never steers.
         error: the standard error of that.
+        steps: that each of them made.
     """
     expected = _expected_blind(worlds)
     clutter = math.fsum(world.clutter() for world in worlds) / len(worlds)
@@ -126,7 +134,7 @@ def _report(
         name=name,
         fair=not reasons,
         reasons=reasons,
-        notes=_notes(profile, clutter, blind),
+        notes=_notes(profile, clutter, blind, steps),
         seeds=len(worlds),
         cover=profile.mean,
         flatness=float(np.abs(profile.deviation[worst])),
@@ -143,28 +151,44 @@ def _report(
 
 
 def _blind_rate(
-    source: WorldSource, seeds: int, progress: Callable[[int, int], None]
-) -> tuple[float, float]:
-    """Contacts per 100 m of agents that never steer, and its standard error.
+    source: WorldSource, seeds: int, cover: float, progress: Callable[[int, int], None]
+) -> tuple[float, float, int]:
+    """Contacts per 100 m of agents that never steer, its standard error, and the steps of each.
 
     Each agent has a seed of its own; in a family, whose worlds differ by seed, one of `seeds`.
+    The discarded steps tell how often they meet something, and so what a step costs.
     """
-    worlds = _BLIND_AGENTS if isinstance(source, World) else seeds
-    own = np.resize(np.arange(worlds), max(_BLIND_AGENTS, seeds))
+    efforts = [effort_of(world, reference_contract(), BINS) for world in source.fullest]
+    agents = max(blind_agents(efforts), seeds)
+    worlds = agents if isinstance(source, World) else seeds
+    own = np.resize(np.arange(worlds), agents)
     simulation = Simulation(source, reference_contract(), own.astype(np.uint64))
-    onwards = np.zeros(len(own), np.int64)
+    _go_on(simulation, _DISCARDED_STEPS, lambda n: progress(n, _DISCARDED_STEPS + _BLIND_STEPS))
     contacts, distance_m = simulation.contacts.copy(), simulation.distance_m.copy()
-    for step in range(_DISCARDED_STEPS + _BLIND_STEPS):
-        if step == _DISCARDED_STEPS:
-            contacts, distance_m = simulation.contacts.copy(), simulation.distance_m.copy()
-        simulation.step(onwards)
-        progress(step + 1, _DISCARDED_STEPS + _BLIND_STEPS)
+    met_a_step = float(contacts.mean()) / _DISCARDED_STEPS
+    most = min(effort.most_steps(met_a_step, cover) for effort in efforts) / agents
+    steps = min(_BLIND_STEPS, max(_DISCARDED_STEPS, int(most)))
+    _go_on(simulation, steps, lambda n: progress(_DISCARDED_STEPS + n, _DISCARDED_STEPS + steps))
     # Agents of one seed meet the same obstacles: together they are one sample.
     met, gone_m = np.zeros((worlds, 1)), np.zeros(worlds)
     np.add.at(met[:, 0], own, simulation.contacts - contacts)
     np.add.at(gone_m, own, simulation.distance_m - distance_m)
     rate, error = ratio(100.0 * met, gone_m)
-    return float(rate[0]), float(error[0])
+    return float(rate[0]), float(error[0]), steps
+
+
+def blind_agents(efforts: list[Effort]) -> int:
+    """As many as may make the discarded steps in a third of the time, if nothing is met."""
+    most = min(effort.most_steps(0.0, 0.0) for effort in efforts)
+    return min(_BLIND_AGENTS, max(_FEWEST_AGENTS, int(most / _DISCARDED_STEPS / 3)))
+
+
+def _go_on(simulation: Simulation, steps: int, progress: Callable[[int], None]) -> None:
+    """Let all agents go straight on."""
+    onwards = np.zeros(len(simulation.contacts), np.int64)
+    for step in range(steps):
+        simulation.step(onwards)
+        progress(step + 1)
 
 
 def _expected_blind(worlds: list[World]) -> float | None:
@@ -215,8 +239,13 @@ def _is_all_upright(world: World) -> bool:
     return all(upright) and world.chassis.radius_m == 0.0
 
 
-def _notes(profile: CoverProfile, clutter: float, blind: float) -> tuple[str, ...]:
+def _notes(profile: CoverProfile, clutter: float, blind: float, steps: int) -> tuple[str, ...]:
     notes = []
+    if steps < _BLIND_STEPS:
+        notes.append(
+            f"so much is near an agent that it made {steps} steps only, of {_BLIND_STEPS}: rates "
+            "are known less well"
+        )
     if blind == 0.0:
         notes.append("an agent that never steers has no contacts here")
     if round(clutter, 2) > CRITICAL_CLUTTER:

@@ -181,6 +181,7 @@ def rate(policy: SpikingNetwork | Shuffled) -> float:
     return score.contacts_per_100m
 
 
+@pytest.mark.long
 def test_it_beats_random_motion_and_itself_with_shuffled_receptors() -> None:
     contract = reference_contract()
     chance = measure(RandomPolicy(0), contract, agents=128, steps=200, seeds=SEEDS)

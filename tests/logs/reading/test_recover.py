@@ -93,7 +93,7 @@ def test_inputs_after_the_last_tick_are_kept_and_counted(policy, tmp_path, monke
     monkeypatch.setattr(log_file, "CHUNK_BYTES", 50)  # one message each
     drive(tmp_path / "log.mcap", policy, nominal(40), 40)
     data, notes = (tmp_path / "log.mcap").read_bytes(), set()
-    for size in range(6000, len(data), 190):
+    for size in range(6000, len(data), 570):
         cut, fixed = tmp_path / f"{size}.mcap", tmp_path / f"{size}-fixed.mcap"
         cut.write_bytes(data[:size])
         recover(cut, fixed)

@@ -68,6 +68,7 @@ def test_a_new_place_after_a_contact_is_no_warning_of_the_next():
     assert (worst.step, worst.warning_steps) == (5, 5)
 
 
+@pytest.mark.long
 def test_the_command_under_a_moment_drives_to_the_very_contact_that_the_suite_counted(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):

@@ -7,7 +7,7 @@ from support.scan_judge import judge
 
 
 @seed(20)
-@settings(max_examples=1500, deadline=None, database=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=500, deadline=None, database=None, suppress_health_check=list(HealthCheck))
 @given(scans())
 def test_no_sector_is_darker_than_its_nearest_return_and_nothing_unknown_is_free(drawn: Drawn):
     judge(drawn)

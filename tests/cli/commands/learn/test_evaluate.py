@@ -68,6 +68,7 @@ def test_suite_prints_tables_and_writes_results(
     assert (out / "results.json").read_bytes() == before
 
 
+@pytest.mark.long
 def test_against_has_a_status_for_each_answer(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -83,7 +83,7 @@ def message_of(event: Event) -> Message:
     return said if event.is_in_order else replace(said, encoding="text/plain")
 
 
-@settings(max_examples=600, deadline=None)
+@settings(max_examples=250, deadline=None)
 @given(
     events(),
     st.sampled_from([(True, False), (False, False), (False, True)]),

@@ -30,6 +30,7 @@ def test_blind_meets_what_is_in_its_way_and_an_oracle_only_what_it_must():
     assert dense.oracle_per_100m > 1.0
 
 
+@pytest.mark.long
 def test_ways_close_where_theory_says_that_they_must():
     assert critical_clutter((0.2, 0.25), 1.0, 40.0, 80.0, 10.0, 8) == (0.2, 0.25)
 
