@@ -144,7 +144,7 @@ class FlipJudge:
     def __post_init__(self) -> None:
         self.data = self.path.read_bytes()
         self.whole = contents(self.path)
-        self._lengths = [*_index_lengths(self.data)]
+        self.indexes = [*_index_bodies(self.data)]
         self.seen: Counter[str] = Counter()
         """Outcomes: of the damaged log, and of what was recovered of it."""
 
@@ -176,14 +176,14 @@ class FlipJudge:
         return wrong + [f"recovered: {one}" for one in self._replayed("recovered", saved, saved)]
 
     def _legible(self, data: bytes) -> bytes:
-        """The same with the lengths of message indexes as they were.
+        """The same with the message indexes as they were.
 
-        An index holds no message. The plain library reads nothing behind one that says that it is
-        longer than the file; the product does, and is right.
+        They hold no message. The plain library reads nothing behind one that says that it, or its
+        list, is longer than the file; the product does, and is right.
         """
         restored = bytearray(data)
-        for at in self._lengths:
-            restored[at : at + 8] = self.data[at : at + 8]
+        for place in self.indexes:
+            restored[place] = self.data[place]
         return bytes(restored) if len(data) == len(self.data) else data
 
     def _replayed(self, name: str, path: Path, legible: Path) -> list[str]:
@@ -196,13 +196,13 @@ class FlipJudge:
         return untruths(self.whole, contents(legible), report)
 
 
-def _index_lengths(data: bytes) -> Iterator[int]:
-    """Where each message index of a whole log says how long it is."""
+def _index_bodies(data: bytes) -> Iterator[slice]:
+    """Where the message indexes of a whole log are, but for the byte that says what they are."""
     at = len(MAGIC)
     while at < len(data) - len(MAGIC):
         opcode, length = struct.unpack_from("<BQ", data, at)
         if opcode == MESSAGE_INDEX:
-            yield at + 1
+            yield slice(at + 1, at + 9 + length)
         at += 9 + length
 
 

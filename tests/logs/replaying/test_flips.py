@@ -28,6 +28,15 @@ def test_a_log_with_a_flipped_bit_is_never_called_identical_where_it_is_not(judg
     assert sum(judge.seen.values()) == 80
 
 
+@pytest.mark.parametrize("offset", [8, 14], ids=["its length", "that of its list"])
+def test_an_index_that_lies_about_its_length_hides_no_tick(log_path, tmp_path, offset):
+    judge = FlipJudge(without_checks(log_path, tmp_path / "plain.mcap"), tmp_path)
+    data = bytearray(judge.data)
+    data[judge.data.index(b"\x07", judge.indexes[0].start - 1) + offset] ^= 0x40
+    assert judge.attempt(bytes(data)) == []
+    assert judge.seen["recovered: identical"] == 1
+
+
 def test_the_judge_sees_each_kind_of_untruth(log_path, tmp_path):
     whole, report = contents(log_path), replay(log_path)
     fewer = rewrite(log_path, tmp_path / "fewer.mcap", lambda t, n, p: None if n == 30 else p)
