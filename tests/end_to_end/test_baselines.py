@@ -13,6 +13,7 @@ TICKS = 30
 LONG = [pytest.param(name, marks=pytest.mark.long) for name in ("rob-nav", "motor-schemas-sum")]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["subsumption", *LONG])
 def test_a_baseline_drives_and_replays(name: str, port: int, tmp_path: Path) -> None:
     policy, log = tmp_path / "policy.onnx", tmp_path / "log.mcap"

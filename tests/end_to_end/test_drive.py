@@ -56,6 +56,7 @@ def test_a_50_hz_loop_of_12_s_loses_neither_a_tick_nor_a_retina(
     assert replay(heard, policy=policy, level="policy").exit_status == 0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("first", ["sim", "run", "record"])
 def test_the_processes_find_each_other_in_any_order(
     policy: Path, port: int, tmp_path: Path, first: str

@@ -151,6 +151,7 @@ def test_the_kernel_says_how_long_somebody_waited_for_a_core():
             process.wait()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("only", ["bus, runtime: SIGKILL", "ros2, bridge: SIGSTOP"])
 def test_a_sample_of_real_ends(tmp_path: Path, only: str):
     report = summary(run(ends=2, seed=7, parallel=1, only=only, folder=tmp_path))

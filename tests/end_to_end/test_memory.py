@@ -47,6 +47,7 @@ def killed_drive(policy: Path, port: int, log: Path, backend: str) -> Log:
     return read_log(fixed)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("backend", ["numpy", "onnxruntime"])
 def test_a_killed_drive_of_a_policy_with_a_memory_replays(backend, policy, port, tmp_path):
     log = killed_drive(policy, port, tmp_path / "log.mcap", backend)

@@ -64,6 +64,7 @@ def answering(port: int, *answers: bytes) -> Iterator[None]:
         yield
 
 
+@pytest.mark.long
 def test_with_a_policy_of_its_own_a_body_keeps_its_eye_and_another_runtime_does_not_drive(
     far: Path, near: Path, port: int, tmp_path: Path
 ):

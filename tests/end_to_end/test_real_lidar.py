@@ -77,6 +77,7 @@ def test_a_real_log_drives_a_policy_in_lockstep_and_replays_to_the_bit(
     check(drive)
 
 
+@pytest.mark.long
 def test_a_real_log_drives_a_policy_in_real_time_and_replays_to_the_bit(
     lidar_policy: Path, port: int, tmp_path: Path
 ):

@@ -88,6 +88,7 @@ def times(words: str, text: str) -> int:
     return len(re.findall(words, " ".join(text.split())))
 
 
+@pytest.mark.long
 def test_zeros_are_unknown_until_a_flag_says_that_nothing_was_met(
     port: int, policy: Path, tmp_path: Path
 ):

@@ -23,6 +23,7 @@ def line_of(process: Process, number: signal.Signals | None = signal.SIGINT) -> 
     return line.strip()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("lockstep", [(), ("--lockstep",)])
 def test_run_without_a_body(policy: Path, port: int, lockstep: tuple[str, ...]):
     with started("run", policy, "--port", port, *lockstep) as loop:

@@ -79,6 +79,7 @@ def decisions(log: Log, events: list[LoopEvent]) -> dict[int, bytes]:
     return found
 
 
+@pytest.mark.long
 def test_from_every_keyframe_replay_is_the_tail_of_the_full_replay(logs):
     keyframes = 0
     for path in logs:

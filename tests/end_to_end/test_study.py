@@ -108,6 +108,7 @@ def test_killed_worker_is_replaced_and_no_result_is_lost(
     assert (out / "study.png").exists()
 
 
+@pytest.mark.long
 def test_study_goes_on_where_it_was_killed_or_interrupted(
     folder: Path, alone: dict[str, Any], orphans: list[int]
 ) -> None:

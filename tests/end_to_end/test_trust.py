@@ -116,6 +116,7 @@ def test_a_release_hands_over(policy: Path, port: int, tmp_path: Path):
         assert seen.rolled_m() > 0.3
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGHUP])
 def test_a_runtime_that_ends_gives_its_lease_back_and_the_next_one_need_not_wait(
     port: int, tmp_path: Path, number: signal.Signals

@@ -117,6 +117,7 @@ class Drawn(Env[Any, Any]):
         return self.observation_space.sample(), float(action == 1), False, False, {}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("algorithm", ["PPO", "A2C", "DQN"])
 @pytest.mark.parametrize("normalises", [False, True])
 def test_the_library_s_models_decide_in_the_file_as_they_do_themselves(

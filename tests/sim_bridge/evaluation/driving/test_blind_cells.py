@@ -32,6 +32,7 @@ def rate(source, cell, setting):
     return 100.0 * sums["contacts"].sum() / sums["progress_m"].sum(), error
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", [*UPRIGHT, "discs 0.10", "outlines stars"])
 def test_a_blind_agent_meets_two_rho_r_obstacles_a_metre_in_cells_of_the_suite(name):
     cell = CELLS[name]

@@ -16,6 +16,7 @@ FAMILIES = (SuiteFamily("f", cells=(CELL,)),)
 SUITE = Suite("t", 1, worlds=4, lanes=8, families=FAMILIES)
 
 
+@pytest.mark.long
 def test_blind_meets_what_is_in_its_way_and_an_oracle_only_what_it_must():
     sideways = 0.5
     sparse, dense = clutter_curve(SUITE, sideways, (0.1, 0.5))
