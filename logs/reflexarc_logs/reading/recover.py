@@ -129,7 +129,7 @@ def _recovered(file: BinaryIO, found: Survey, index: Index | None, target: RawLo
 def _add_the_end(salvage: Salvage, found: Survey, account: LossAccount) -> None:
     """Note what is missing at the end of the file, or stands behind it."""
     if not salvage.has_ended:
-        account.add("the end: it was never finished, or is cut off", 0, 0, LossPlace.END)
+        account.add("it was never finished, or is cut off", 0, 0, LossPlace.END)
     elif found.behind:
         what = "another log" if found.is_log_behind else "bytes that belong to no log"
         account.add(f"{what}, not read", found.behind, 0, LossPlace.BEHIND)
