@@ -182,13 +182,13 @@ class Bus:
 
     def publisher_of_key(self, key: str, encoding: str, quality: Quality) -> Publisher:
         """A publisher on a key that is not in our topic table."""
-        urgent = quality is Quality.CONTROL
+        urgent, control = quality is Quality.CONTROL, zenoh.CongestionControl
         publisher = self._session.declare_publisher(
             key,
             encoding=zenoh.Encoding(encoding),
             express=urgent,
             priority=zenoh.Priority.REAL_TIME if urgent else zenoh.Priority.DATA,
-            congestion_control=zenoh.CongestionControl.DROP,
+            congestion_control=control.BLOCK if self._config.waits else control.DROP,
         )
         return Publisher(publisher, self.sender)
 

@@ -27,6 +27,9 @@ class BusConfig:
     """A Zenoh configuration (JSON5) to use in place of all this."""
     client: bool = False
     """Whether this node reaches the others only through the router that listens on that port."""
+    waits: bool = False
+    """Whether a message waits for a busy network, as in lockstep, where a lost one is never asked
+    for again; else it is dropped, as the next one is fresher."""
 
     def __post_init__(self) -> None:
         wanted = "letters, digits, _ . - (at most 64)"

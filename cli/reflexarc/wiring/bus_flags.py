@@ -52,7 +52,7 @@ class Joining:
         from reflexarc_runtime.messages.wire import lockstep_sender
 
         sender = lockstep_sender(node) if lockstep else None
-        config = self.config(listens=listens, client=client)
+        config = replace(self.config(listens=listens, client=client), waits=lockstep)
         return Bus(config, MonotonicClock().now_ns, sender)
 
     def fleet(self, robots: int) -> "list[Joining]":
