@@ -56,6 +56,8 @@ def test_what_is_surely_free_is_free_by_the_geometry(data, mine, twist, angles, 
     fan, guard = fan_of(*angles), one_action(mine, twist)
     bound_m = guard._work_out(fan, 0)[min(int(age_s * AGE_STEPS / VALID_S), AGE_STEPS - 1)]
     assume(np.isfinite(bound_m).all())
+    steps = age_s * AGE_STEPS / VALID_S
+    assume(abs(steps - round(steps)) > 1e-9)  # at an edge rounding may take the stricter bound
     above = st.sampled_from([0.0, 0.0, 1e-9, 0.01, 0.3, math.inf])
     seen = bound_m + np.array(
         data.draw(st.lists(above, min_size=len(bound_m), max_size=len(bound_m)))
