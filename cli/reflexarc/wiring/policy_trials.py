@@ -14,7 +14,6 @@ def try_policy(path: Path | str, backend: BackendName) -> None:
     """
     if backend == "numpy":
         return
-    from reflexarc_runtime.loop.trials.trial import Trial
+    from reflexarc_runtime.loop.trials.tried_policy import load_tried_policy
 
-    with Trial(Path(path), backend) as trial:
-        trial.finding()
+    load_tried_policy(Path(path), backend)

@@ -7,7 +7,9 @@ from typing import Any, NamedTuple, Self
 
 from rosbags.rosbag2 import Reader, ReaderError
 
+from reflexarc_logs.container.frames import MAGIC
 from reflexarc_runtime.errors import LogError
+from reflexarc_runtime.words.suggestion import pasteable
 
 _FILES = (".mcap", ".db3")
 
@@ -96,9 +98,18 @@ class BagFile:
         reason = error.strerror if isinstance(error, OSError) else None
         words = " ".join(str(reason or error).split())[:160] or type(error).__name__
         advice = "" if isinstance(error, ReaderError | OSError) else "; is it damaged?"
-        if self.path.suffix == ".mcap":
-            advice = f"; `reflexarc recover {self.path} -o FIXED.mcap` saves what is intact"
+        if _begins_as_mcap(self.path):
+            command = pasteable("reflexarc", "recover", self.path, "-o", "FIXED.mcap")
+            advice = f"; `{command}` saves what is intact"
         return LogError(f"{self.path}: expected a bag of ROS 2, cannot read it: {words}{advice}")
+
+
+def _begins_as_mcap(path: Path) -> bool:
+    """Whether there is anything in it that could be saved."""
+    if not path.is_file():
+        return False
+    with path.open("rb") as file:
+        return file.read(len(MAGIC)) == MAGIC
 
 
 def _check_kind(path: Path) -> None:

@@ -103,7 +103,9 @@ def _allowed(word: str) -> tuple[Fraction, bool] | None:
     if _COUNT.fullmatch(word):
         return Fraction(word), False
     found = _SHARE.fullmatch(word)
-    return (Fraction(found[1]) / 100, True) if found else None
+    if found is None or Fraction(found[1]) > 100:  # more than all of them limits nothing
+        return None
+    return Fraction(found[1]) / 100, True
 
 
 def _is_empty(window: tuple[TickWord | None, TickWord | None]) -> bool:

@@ -30,7 +30,9 @@ def test_who_limits_reversals_only_lets_other_flips_pass():
     assert FlipLimits(max_reversals=2).exceeded(900, 3, 1000) == ("3 reversals of at most 2",)
 
 
-@pytest.mark.parametrize("word", ["5 percent", "%", "-1", "1e3", "5%%", "nan", "5/100", "٥%"])
+@pytest.mark.parametrize(
+    "word", ["5 percent", "%", "-1", "1e3", "5%%", "nan", "5/100", "٥%", "101%"]
+)
 def test_a_limit_that_is_none_is_refused(word):
     with pytest.raises(UsageError, match="--max-flips: expected a count or a share"):
         FlipLimits(word)

@@ -8,7 +8,11 @@ from tempfile import TemporaryDirectory
 from reflexarc_runtime.contract.bounds import Bounds
 from reflexarc_runtime.errors import PolicyError
 from reflexarc_runtime.loop.trials.trial import Trial
+from reflexarc_runtime.policy.model_file import policy_hash, read_model
 from reflexarc_runtime.policy.policy import Backend, LoadedPolicy, load_policy
+
+_PASSED: set[str] = set()
+"""Hashes of the files that a trial let pass: an evaluation loads the same one for each cell."""
 
 
 def load_tried_policy(
@@ -18,7 +22,7 @@ def load_tried_policy(
     verify: bool = True,
     bounds: Bounds | None = None,
 ) -> LoadedPolicy:
-    """Load a policy: see `load_policy`. What onnxruntime computes is tried first.
+    """Load a policy: see `load_policy`. What onnxruntime computes is tried first, once a process.
 
     The NumPy backend bounds memory and work itself, and has no operator that loops.
 
@@ -32,12 +36,16 @@ def load_tried_policy(
 
 
 def _try(source: Path | str | bytes) -> None:
+    identity = policy_hash(source if isinstance(source, bytes) else read_model(Path(source)))
+    if identity in _PASSED:
+        return
     with _policy_file(source) as path, Trial(path, Backend.ONNXRUNTIME.value) as trial:
         try:
             trial.finding()
         except PolicyError as error:
             name = "policy" if isinstance(source, bytes) else str(source)
             raise PolicyError(str(error).replace(str(path), name)) from None
+    _PASSED.add(identity)
 
 
 @contextmanager

@@ -24,7 +24,20 @@ def test_no_process_is_started_for_numpy(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(trial.subprocess, "Popen", none)
     assert load_tried_policy(exported(SMALL), "numpy").backend == "numpy"
     with pytest.raises(AssertionError, match="a process"):
-        load_tried_policy(exported(SMALL), "onnxruntime")
+        load_tried_policy(exported(SMALL, seed=77), "onnxruntime")
+
+
+def test_the_same_file_is_tried_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    data, begun, popen = exported(SMALL, seed=78), [], trial.subprocess.Popen
+
+    def counted(*how: object, **more: object) -> object:
+        begun.append(how)
+        return popen(*how, **more)
+
+    monkeypatch.setattr(trial.subprocess, "Popen", counted)
+    for _ in range(2):
+        load_tried_policy(data, "onnxruntime")
+    assert len(begun) == 1
 
 
 def test_more_memory_than_it_may_is_refused_before_this_process_takes_it() -> None:
