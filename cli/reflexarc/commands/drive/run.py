@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 import tyro
 
-from reflexarc.terminal.output import aside, console, facts, plain, print_json
+from reflexarc.terminal.output import aside, console, facts, print_json
 from reflexarc.terminal.signals import StopFlag
 from reflexarc.wiring.bus_flags import Joining
 from reflexarc.wiring.guard_flags import GuardFlags
@@ -27,19 +27,11 @@ if TYPE_CHECKING:
 
     from reflexarc.wiring.keeping_logs.outcome import Recording
     from reflexarc.wiring.keeping_logs.run_sinks import RunSinks
+    from reflexarc.wiring.running.sense_act_loop import LoopFlags
     from reflexarc_logs.recording.black_box import BoxSpan
     from reflexarc_logs.recording.keeping import Keeping
     from reflexarc_logs.recording.recorder import Recorder
-    from reflexarc_runtime.bus import Bus
-    from reflexarc_runtime.controller import Controller
-    from reflexarc_runtime.loop.inbox import Inbox
     from reflexarc_runtime.loop.monitor import Summary
-    from reflexarc_runtime.loop.node import Node
-    from reflexarc_runtime.loop.notices.input_notices import Notices
-    from reflexarc_runtime.loop.outlets import Outlets
-    from reflexarc_runtime.loop.pacer import Pacer
-    from reflexarc_runtime.loop.sink import Sink
-    from reflexarc_runtime.loop.watch import Watch
     from reflexarc_runtime.policy.policy import LoadedPolicy
 
 
@@ -95,6 +87,7 @@ class RunCommand:
 
     def run(self) -> int:
         """Tick until the end, then say how it went."""
+        from reflexarc.wiring.running.sense_act_loop import SenseActLoop
         from reflexarc_runtime.controller import Controller
         from reflexarc_runtime.guard import asks_the_input
         from reflexarc_runtime.messages.topics import RUNTIME_NODE
@@ -115,7 +108,8 @@ class RunCommand:
             self._sinks(policy, run_id) as sinks,
             self.joining.bus(RUNTIME_NODE, lockstep=self.lockstep) as bus,
         ):
-            summary = self._loop(bus, controller, sinks, run_id, policy, stop)
+            loop = SenseActLoop(bus, controller, policy, sinks, run_id, self._loop_flags())
+            summary = loop.run(stop, self.ticks)
         self._tell(summary, sinks.recordings)
         return int(any(recording.failed for recording in sinks.recordings.values()))
 
@@ -153,110 +147,18 @@ class RunCommand:
         if not 0 <= self.fifo <= 99:
             raise UsageError(f"--fifo: expected 0 to 99, got {self.fifo}")
 
-    def _loop(
-        self,
-        bus: "Bus",
-        controller: "Controller",
-        sinks: "RunSinks",
-        run_id: str,
-        policy: "LoadedPolicy",
-        stop: StopFlag,
-    ) -> "Summary":
-        from reflexarc.wiring.awaiting import awaiting_input, wait_for_body
-        from reflexarc.wiring.waiting import Arrival
-        from reflexarc_runtime.loop import realtime
-        from reflexarc_runtime.loop.inbox import Inbox
-        from reflexarc_runtime.loop.notices.input_notices import Notices
-        from reflexarc_runtime.loop.outlets import NoOutlet, Outlets
-        from reflexarc_runtime.messages.topics import COMMAND, RELEASE, RESET, STATUS, STOP, TICK
+    def _loop_flags(self) -> "LoopFlags":
+        from reflexarc.wiring.running.sense_act_loop import LoopFlags
 
-        inbox, command = Inbox(), bus.publisher(COMMAND)
-        release = NoOutlet() if self.lockstep else bus.publisher(RELEASE)
-        outlets = Outlets(command, bus.publisher(TICK), bus.publisher(STATUS), release)
-        self._listen_to_the_rest(bus, sinks)
-        bus.offer_policy(policy.data)
-        if self.lockstep:
-            wait_for_body(bus, command, stop)
-        came = Arrival(inbox.put)
-        bus.subscribe([controller.sense.topic], came.hear)
-        ranges = [topic for topic in (controller.ranges_topic,) if topic is not None]
-        bus.subscribe([*ranges, STOP, RESET], inbox.put)
-        self._look_for_rivals(bus)
-        robot, lockstep = self.joining.robot, self.lockstep
-        watching = self.watching.watch(
-            bus, inbox, policy, robot=robot, run_id=run_id, lockstep=lockstep
-        )
-        said = "; ".join(realtime.prepare(self.fifo))  # the watchdog's thread inherits it
-        notices = Notices(self._say, controller.contract, self.input)
-        key = controller.sense.topic.key(robot)
-        waiting = awaiting_input(bus, self.input, key, came)
-        # The watchdog ends first: what it watches has ended, and the others take a moment to.
-        with notices, waiting, watching as watch:
-            words = f"{plain(str(self.policy))} on {self.backend}; {said}; watchdog {watch.state}"
-            aside.print(f"reflexarc run: {words}", soft_wrap=True)
-            node = self._node(controller, inbox, outlets, sinks, run_id, bus.sender, watch, notices)
-            return node.run(stop, self.ticks)
-
-    def _look_for_rivals(self, bus: "Bus") -> None:
-        """Say whom the body obeys in place of this runtime; in lockstep all have one name."""
-        from reflexarc.wiring.rivals import Rivals
-        from reflexarc_runtime.messages.topics import LEASE
-
-        if not self.lockstep:
-            bus.subscribe([LEASE], Rivals(bus.sender, self._say, bus.robot).hear)
-
-    def _say(self, words: str) -> None:
-        aside.print(f"reflexarc run: {plain(words)}", soft_wrap=True)
-
-    def _node(
-        self,
-        controller: "Controller",
-        inbox: "Inbox",
-        outlets: "Outlets",
-        sink: "Sink",
-        run_id: str,
-        sender: bytes,
-        watch: "Watch",
-        notices: "Notices",
-    ) -> "Node":
-        """The loop, with all that it is connected to."""
-        from reflexarc_runtime.loop.node import Node
-
-        return Node(
-            controller,
-            self._pacer(controller.contract.rate_hz, inbox),
-            outlets,
-            sink=sink,
-            robot=self.joining.robot,
-            run_id=run_id,
-            sender=sender,
-            overflows=lambda: inbox.overflows,
-            watch=watch,
+        return LoopFlags(
+            policy_name=str(self.policy),
+            sensor=self.input,
+            backend=self.backend,
+            lockstep=self.lockstep,
+            fifo=self.fifo,
             guard=self.guarding.state,
-            saw=notices.saw,
-            sensor=notices.sensor,
+            watching=self.watching,
         )
-
-    def _pacer(self, rate_hz: float, inbox: "Inbox") -> "Pacer":
-        from reflexarc_runtime.loop.clock import MonotonicClock
-        from reflexarc_runtime.loop.pacer import LockstepPacer, RatePacer
-
-        return (
-            LockstepPacer(inbox) if self.lockstep else RatePacer(rate_hz, MonotonicClock(), inbox)
-        )
-
-    def _listen_to_the_rest(self, bus: "Bus", sinks: "RunSinks") -> None:
-        """Record the streams that the loop does not decide on; they bypass the inbox."""
-        from reflexarc_runtime.messages.topics import OVERHEARD
-        from reflexarc_runtime.messages.wire import Message, at_source_time
-
-        if not sinks.takes_any:
-            return
-
-        def keep(message: Message) -> None:
-            sinks.put(at_source_time(message) if self.lockstep else message)
-
-        bus.subscribe(OVERHEARD, keep)
 
     def _sinks(self, policy: "LoadedPolicy", run_id: str) -> "AbstractContextManager[RunSinks]":
         """What the run is recorded by."""

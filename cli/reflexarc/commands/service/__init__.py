@@ -1,0 +1,1 @@
+"""Commands for robots in service: what a machine can promise, who is there, what they run."""
