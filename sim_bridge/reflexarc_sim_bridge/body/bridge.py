@@ -6,7 +6,7 @@ steps: the same drive on any machine, under any load.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
@@ -65,7 +65,12 @@ class Journey:
 
 
 def gate_settings(
-    body: Body, *, auto_arm: bool, hold_to_run: bool = False, lockstep: bool = False
+    body: Body,
+    *,
+    auto_arm: bool,
+    hold_to_run: bool = False,
+    arm_each_runtime: bool = False,
+    lockstep: bool = False,
 ) -> GateSettings:
     """What a simulated body decides for itself: by its world, and by the eye that it was built for.
 
@@ -73,6 +78,7 @@ def gate_settings(
         body: the robot.
         auto_arm: whether it is armed without being asked.
         hold_to_run: whether only a held button arms it.
+        arm_each_runtime: whether an arm counts for one runtime.
         lockstep: whether time is counted in steps.
     """
     return GateSettings(
@@ -80,7 +86,18 @@ def gate_settings(
         limits=body.limits,
         auto_arm=auto_arm,
         hold_to_run=hold_to_run,
+        arm_each_runtime=arm_each_runtime,
         lockstep=lockstep,
+        safe=body.safe,
+    )
+
+
+def settings_anew(body: Body, settings: GateSettings) -> GateSettings:
+    """The same for a body that was built anew: who may arm it does not depend on its eye."""
+    return replace(
+        settings,
+        max_input_age_s=body.contract.max_input_age_s,
+        limits=body.limits,
         safe=body.safe,
     )
 
@@ -291,10 +308,7 @@ class Bridge:
         body.take_over(self._body)
         self._body = body
         self._publisher.show(body)
-        settings = self._gate.settings
-        self._gate = self._gate.under(
-            gate_settings(body, auto_arm=settings.auto_arm, lockstep=settings.lockstep)
-        )
+        self._gate = self._gate.under(settings_anew(body, self._gate.settings))
         return pacer if rate_hz == former_hz else pacer.at(rate_hz)
 
     def _hear(self, now_ns: int, message: Message) -> None:

@@ -88,6 +88,8 @@ class Ros2Command:
     """Drive as soon as a runtime says so, without `reflexarc arm`."""
     hold_to_run: bool = False
     """Drive only while somebody holds a button: `reflexarc arm --hold`."""
+    arm_each_runtime: bool = False
+    """Let an arm count for one runtime: one that is started again must be armed again."""
     no_companion: bool = False
     """Go without the process that stops the robot if this one is killed or hangs."""
     state: Path = Path("runs")
@@ -119,7 +121,13 @@ class Ros2Command:
         from reflexarc_sim_bridge.body.gate.settings import GateSettings
 
         limits = self.robot_limits.body_limits()
-        return GateSettings(SILENCE_S, limits, self.auto_arm, self.hold_to_run)
+        return GateSettings(
+            SILENCE_S,
+            limits,
+            auto_arm=self.auto_arm,
+            hold_to_run=self.hold_to_run,
+            arm_each_runtime=self.arm_each_runtime,
+        )
 
     def _route(self) -> "Route":
         from reflexarc_sim_bridge.body.ros2.key_expressions import check_topic

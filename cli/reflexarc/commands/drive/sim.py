@@ -49,6 +49,7 @@ class SimCommand:
       reflexarc sim --policy racer.onnx --max-speed-mps 30
       reflexarc sim --no-auto-arm
       reflexarc sim --hold-to-run
+      reflexarc sim --arm-each-runtime
     """
 
     world: str = "reference-1"
@@ -77,6 +78,8 @@ class SimCommand:
     """Obey from the start, and again after a reset; else only after `reflexarc arm`."""
     hold_to_run: bool = False
     """Obey only while somebody holds a button: `reflexarc arm --hold`."""
+    arm_each_runtime: bool = False
+    """Let an arm count for one runtime: one that is started again must be armed again."""
     state: Path = Path("runs")
     """Folder in which a stop is kept until its reset; not used in lockstep."""
     bounds: Bounds = field(default_factory=Bounds)
@@ -223,8 +226,9 @@ class SimCommand:
         with faulty_retinas(bus, script, clock.now_ns) if script else nullcontext() as retinas:
             settings = gate_settings(
                 body,
-                auto_arm=self.auto_arm and not self.hold_to_run,
+                auto_arm=self.auto_arm and not (self.hold_to_run or self.arm_each_runtime),
                 hold_to_run=self.hold_to_run,
+                arm_each_runtime=self.arm_each_runtime,
                 lockstep=self.lockstep,
             )
             latch = self._latch(robot)

@@ -14,7 +14,8 @@ compared. The rules, in the order in which they are asked:
 3. A command counts if its encoding, attachment and speeds are in order, and if it is safe or names
    this body, a time that is past, and is still valid by the command's and by the body's measure.
 4. The first sender of a command that counts gets the lease, and is the only one that is obeyed,
-   until its release or its silence. See `lease.py`.
+   until its release or its silence. See `lease.py`. Where an arm counts for one runtime, another
+   one that gets the lease disarms.
 5. What is obeyed is slowed to the body's own limits. See `limits.py`.
 
 Whatever is refused is counted by reason. Whether anybody has a liveliness token decides nothing.
@@ -37,7 +38,7 @@ from reflexarc_runtime.messages.topics import (
 from reflexarc_runtime.messages.wire import Message
 from reflexarc_sim_bridge.body.gate.account import Account
 from reflexarc_sim_bridge.body.gate.hold import Button
-from reflexarc_sim_bridge.body.gate.lease import Lease
+from reflexarc_sim_bridge.body.gate.lease import NOBODY, Lease
 from reflexarc_sim_bridge.body.gate.limits import STANDSTILL, Motion, eased, slowed
 from reflexarc_sim_bridge.body.gate.reading import (
     fault_of_operator,
@@ -70,6 +71,8 @@ class Gate:
     """What the body did last."""
     refusals: tuple[tuple[str, int], ...] = ()
     button: Button = field(default_factory=Button)
+    armed_for: bytes = NOBODY
+    """The runtime for which the last arm counts; `NOBODY`: the next one that gets the lease."""
 
     @classmethod
     def closed(cls, own: bytes, settings: GateSettings, stopped: str = "") -> "Gate":
@@ -186,7 +189,16 @@ class Gate:
         if holding is None:
             waits = self.holding.former == sender
             return self._refuse(Refusal.RELEASED if waits else Refusal.OTHER_SENDER)
-        return self._take(command, holding)
+        gate = self._handed_to(holding.holder) if self.settings.arm_each_runtime else self
+        return gate._take(command, holding)
+
+    def _handed_to(self, holder: bytes) -> "Gate":
+        """The gate of a body whose arm counts for one runtime, when this one holds it."""
+        if not self.allowed or self.armed_for == holder:
+            return self
+        if self.armed_for == NOBODY:
+            return replace(self, armed_for=holder)
+        return replace(self, allowed=False, armed_for=NOBODY, wanted=None)
 
     def _fault_of(self, command: Command, now_ns: int) -> Refusal | None:
         """Why a command does not count, whoever sent it. A safe one names neither body nor time."""
@@ -220,6 +232,7 @@ class Gate:
             self.motion,
             self.refusals,
             self.button,
+            self.armed_for,
         )
         if command.is_safe or not slowed(command, self.settings.limits)[1]:
             return after
@@ -240,7 +253,9 @@ class Gate:
             return self._refuse(Refusal.STOPPED)
         if self.settings.hold_to_run:
             return self._refuse(Refusal.NEEDS_BUTTON)
-        return replace(self, allowed=True, wanted=self.wanted if self.armed else None)
+        holder = self.holding.at(now_ns, self.settings.silence_ns).holder
+        wanted = self.wanted if self.armed else None
+        return replace(self, allowed=True, armed_for=holder, wanted=wanted)
 
     def _reset(self, now_ns: int) -> "Gate":
         return replace(

@@ -20,6 +20,8 @@ class GateSettings:
     """Whether it is armed at its start and after a reset, without being asked."""
     hold_to_run: bool = False
     """Whether only a held button arms it: see `hold.py`."""
+    arm_each_runtime: bool = False
+    """Whether an arm counts for one runtime: the next one that gets the lease is armed anew."""
     lockstep: bool = False
     """Whether time is counted in steps: then no lease expires."""
     safe: Motion = STANDSTILL
@@ -33,6 +35,10 @@ class GateSettings:
         if self.auto_arm and self.hold_to_run:
             raise UsageError(
                 "expected a body that arms itself or one that needs a button, got both"
+            )
+        if self.auto_arm and self.arm_each_runtime:
+            raise UsageError(
+                "expected a body that arms itself or one that is armed for each runtime, got both"
             )
         if self.lockstep and self.hold_to_run:
             raise UsageError("expected real time for a button that is held, got lockstep")
