@@ -11,6 +11,7 @@ import logging
 import os
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Annotated, Any
 
 import tyro
@@ -23,6 +24,7 @@ from reflexarc.command_groups import (
     overview,
     summary_of,
 )
+from reflexarc.config_file.reading import config_in, settings_of
 from reflexarc.terminal.compilation import show_compilation
 from reflexarc.terminal.complaint import in_one_line
 from reflexarc.terminal.output import console
@@ -53,6 +55,7 @@ NEEDS = {
 }
 """Command → the extra with all that it needs; it is named whichever of these is missing."""
 
+_NO_DEFAULT = tyro.MISSING_NONPROP
 _STYLE = (tyro.conf.FlagCreatePairsOff, tyro.conf.OmitArgPrefixes, tyro.conf.DisallowNone)
 
 
@@ -116,10 +119,11 @@ def _quieten_threads() -> None:
 def _parse(words: list[str]) -> Any:
     """Parse the command line; tyro's framed complaints become one line."""
     complaint = io.StringIO()
+    any_command = _any_command(words[0], config_in(words))
     try:
         with contextlib.redirect_stderr(complaint):
             return tyro.cli(
-                _any_command(words[0]),
+                any_command,
                 prog="reflexarc",
                 description=DESCRIPTION,
                 args=words,
@@ -132,15 +136,20 @@ def _parse(words: list[str]) -> Any:
         raise
 
 
-def _any_command(asked: str) -> Any:
-    """The union of all commands, with the full description of the one that is asked for."""
+def _any_command(asked: str, config: Path | None = None) -> Any:
+    """The union of all commands, with the full description of the one that is asked for.
+
+    Its defaults are those of a file, where there is one and the command takes one.
+    """
     union: Any = None
     for command in COMMANDS:
         name = name_of(command)
         description = description_of(command) if name == asked else summary_of(command)
+        takes_file = name == asked and hasattr(command, "show_config")
+        default = settings_of(command, config) if config and takes_file else _NO_DEFAULT
         choice: Any = Annotated[
             command,
-            tyro.conf.subcommand(name, description=description),
+            tyro.conf.subcommand(name, description=description, default=default),
         ]
         union = choice if union is None else union | choice
     return union

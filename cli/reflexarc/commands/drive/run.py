@@ -55,6 +55,7 @@ class RunCommand:
       reflexarc run runs/reflex-0/policy.onnx --black-box 30 -o runs/incidents
       reflexarc run runs/reflex-0/policy.onnx --input scan --robot rover1
       reflexarc run racer.onnx --max-speed-mps 30
+      reflexarc run --config /etc/reflexarc/robot0.toml
       reflexarc run rover.onnx --input scan --mount 0.1 0 180 --no-return zero
     """
 
@@ -82,6 +83,10 @@ class RunCommand:
     guarding: GuardFlags = field(default_factory=GuardFlags)
     watching: Watching = field(default_factory=Watching)
     joining: Joining = field(default_factory=Joining)
+    config: Path | None = None
+    """TOML file with flags, named as here; what the command line says counts more."""
+    show_config: bool = False
+    """Print all settings as such a file, and end."""
     json: bool = False
     """Print one JSON object at the end."""
 
@@ -92,8 +97,15 @@ class RunCommand:
         from reflexarc_runtime.guard import asks_the_input
         from reflexarc_runtime.messages.topics import RUNTIME_NODE
         from reflexarc_runtime.sensing.senses import sense_for
+        from reflexarc_runtime.service.manager import manager_of
 
+        if self.show_config:
+            from reflexarc.config_file.printing import as_toml
+
+            print(as_toml(self), end="")
+            return 0
         self._check_flags()
+        manager = manager_of()  # before other processes start: they are no service
         policy = self._tried_policy()
         for note in policy.notes:
             aside.print(f"reflexarc run: {note}", soft_wrap=True)
@@ -108,7 +120,8 @@ class RunCommand:
             self._sinks(policy, run_id) as sinks,
             self.joining.bus(RUNTIME_NODE, lockstep=self.lockstep) as bus,
         ):
-            loop = SenseActLoop(bus, controller, policy, sinks, run_id, self._loop_flags())
+            flags = self._loop_flags()
+            loop = SenseActLoop(bus, controller, policy, sinks, run_id, flags, manager)
             summary = loop.run(stop, self.ticks)
         self._tell(summary, sinks.recordings)
         return int(any(recording.failed for recording in sinks.recordings.values()))

@@ -1,7 +1,7 @@
 """Connects the loop of `reflexarc run` to bus, watchdog, notices and sinks, and runs it."""
 
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from reflexarc.terminal.output import aside, plain
 from reflexarc.terminal.signals import StopFlag
@@ -12,6 +12,7 @@ from reflexarc.wiring.waiting import Arrival
 from reflexarc.wiring.watching import Watching
 from reflexarc_runtime.bus import Bus, Publisher
 from reflexarc_runtime.controller import Controller
+from reflexarc_runtime.decision import Decision
 from reflexarc_runtime.loop import realtime
 from reflexarc_runtime.loop.clock import MonotonicClock
 from reflexarc_runtime.loop.inbox import Inbox
@@ -33,6 +34,7 @@ from reflexarc_runtime.messages.topics import (
 )
 from reflexarc_runtime.messages.wire import Message, at_source_time
 from reflexarc_runtime.policy.policy import LoadedPolicy
+from reflexarc_runtime.service.manager import Manager, NoManager
 
 
 @dataclass(frozen=True)
@@ -61,6 +63,8 @@ class SenseActLoop:
     sinks: RunSinks
     run_id: str
     flags: LoopFlags
+    manager: Manager = field(default_factory=NoManager)
+    """Whoever started this as a service."""
 
     def run(self, stop: StopFlag, max_ticks: int | None) -> Summary:
         """Listen, announce the runtime, and tick until asked to stop, or `max_ticks` times."""
@@ -81,7 +85,9 @@ class SenseActLoop:
         # The watchdog ends first: what it watches has ended, and the others take a moment to.
         with notices, waiting, watching as watch:
             self._say(f"{flags.policy_name} on {flags.backend}; {said}; watchdog {watch.state}")
-            return self._node(inbox, outlets, watch, notices).run(stop, max_ticks)
+            summary = self._node(inbox, outlets, watch, notices).run(stop, max_ticks)
+        self.manager.ending()
+        return summary
 
     def _outlets(self, command: Publisher) -> Outlets:
         bus = self.bus
@@ -120,6 +126,11 @@ class SenseActLoop:
 
     def _node(self, inbox: Inbox, outlets: Outlets, watch: Watch, notices: Notices) -> Node:
         """The loop, with all that it is connected to."""
+
+        def saw(decision: Decision) -> None:
+            notices.saw(decision)
+            self.manager.ticked(decision.now_ns, lambda: decision.verdict.name)
+
         return Node(
             self.controller,
             self._pacer(inbox),
@@ -131,7 +142,7 @@ class SenseActLoop:
             overflows=lambda: inbox.overflows,
             watch=watch,
             guard=self.flags.guard,
-            saw=notices.saw,
+            saw=saw,
             sensor=notices.sensor,
         )
 
