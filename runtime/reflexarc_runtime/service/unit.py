@@ -27,7 +27,7 @@ class ServiceUnit:
     robot: str
     command: tuple[str, ...]
     """What is run, in absolute paths."""
-    watchdog_s: float = 2.0
+    watchdog_s: float = 1.0
     """How long the loop may make no tick before the manager ends the process."""
     stop_s: float = 30.0
     """How long it may take to end, its log included."""

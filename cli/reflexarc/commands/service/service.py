@@ -42,7 +42,7 @@ class ServiceCommand:
     """Run as this user; by default, as one that systemd makes for it."""
     writes: tuple[Path, ...] = ()
     """Folders beside its own, /var/lib/reflexarc-<robot>, that it may write to."""
-    watchdog_s: float = 2.0
+    watchdog_s: float = 1.0
     """Start it again when it has made no tick for so long."""
     units: Path = SYSTEM_UNITS
     """Folder of the units."""

@@ -1,0 +1,150 @@
+"""Follows the rules of a systemd unit, as far as they say when a process is started and ended.
+
+For machines on which no systemd runs. What it follows: Type=notify, WatchdogSec, TimeoutStartSec,
+TimeoutStopSec, KillMode=mixed, Restart=on-failure, RestartSec, RestartPreventExitStatus. Source:
+systemd.service(5), systemd.kill(5) and sd_notify(3). What a unit says of rights it does not follow.
+"""
+
+import contextlib
+import os
+import shlex
+import signal
+import socket
+import subprocess
+import tempfile
+import threading
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+LOOK_S = 0.005
+CLEAN = (0, -signal.SIGHUP, -signal.SIGINT, -signal.SIGTERM, -signal.SIGPIPE)
+"""How a service ends that has not failed: systemd.service(5), Restart=."""
+
+
+def settings_of_unit(text: str) -> dict[str, str]:
+    """The last value of each setting; of the command line, its words with `%%` and `$$` undone."""
+    lines = (line.partition("=") for line in text.splitlines() if "=" in line and line[0] != "#")
+    return {name: value for name, _, value in lines}
+
+
+@dataclass
+class Life:
+    """One process of the service, from its start to its end. Times are monotonic, in seconds."""
+
+    process: "subprocess.Popen[bytes]"
+    began_s: float
+    ready_s: float | None = None
+    fed_s: float = 0.0
+    said: str = ""
+    asked_s: float | None = None
+    """When it was asked to end."""
+    cause: str = ""
+    """Why it was asked."""
+    ended_s: float | None = None
+    status: int | None = None
+
+
+@dataclass
+class Supervisor:
+    """A context manager: inside, a thread keeps the service running."""
+
+    unit: str
+    folder: Path
+    """Where it runs."""
+    lives: list[Life] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self._settings = settings_of_unit(self.unit)
+        self._stopping = threading.Event()
+        self._thread = threading.Thread(target=self._supervise, name="supervisor")
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._stopping.set()
+        self._thread.join()
+
+    @property
+    def gave_up(self) -> bool:
+        """Whether it does not start the service again."""
+        return not self._thread.is_alive()
+
+    def _seconds(self, name: str) -> float:
+        return float(self._settings[name])
+
+    def _supervise(self) -> None:
+        with tempfile.TemporaryDirectory() as place:
+            while not self._stopping.is_set():
+                life = self._live(Path(place) / f"notify{len(self.lives)}")
+                if not self._starts_again(life):
+                    return
+                self._stopping.wait(self._seconds("RestartSec"))
+
+    def _starts_again(self, life: Life) -> bool:
+        refused = self._settings["RestartPreventExitStatus"].split()
+        return life.status not in CLEAN and str(life.status) not in refused
+
+    def _live(self, place: Path) -> Life:
+        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as ours:
+            ours.bind(str(place))
+            ours.settimeout(LOOK_S)
+            life = self._start(place)
+            self.lives.append(life)
+            while life.process.poll() is None:
+                self._hear(life, ours)
+                self._look(life, time.monotonic())
+        life.ended_s, life.status = time.monotonic(), life.process.returncode
+        with contextlib.suppress(ProcessLookupError):  # KillMode=mixed: the rest of them
+            os.killpg(life.process.pid, signal.SIGKILL)
+        return life
+
+    def _start(self, place: Path) -> Life:
+        words = shlex.split(self._settings["ExecStart"].replace("%%", "%").replace("$$", "$"))
+        patience_us = round(self._seconds("WatchdogSec") * 1e6)
+        environment = os.environ | {"NOTIFY_SOCKET": str(place), "WATCHDOG_USEC": str(patience_us)}
+        with (self.folder / "said.txt").open("ab") as said:
+            process = subprocess.Popen(
+                words, cwd=self.folder, env=environment, stdout=said, stderr=said, process_group=0
+            )
+        return Life(process, time.monotonic())
+
+    def _hear(self, life: Life, ours: socket.socket) -> None:
+        try:
+            lines = ours.recv(8192).decode().split("\n")
+        except TimeoutError:
+            return
+        now_s = time.monotonic()
+        if "READY=1" in lines and life.ready_s is None:
+            life.ready_s = life.fed_s = now_s
+        if "WATCHDOG=1" in lines:
+            life.fed_s = now_s
+        life.said = next((one for one in lines if one.startswith("STATUS=")), life.said)
+
+    def _look(self, life: Life, now_s: float) -> None:
+        if life.asked_s is not None:
+            if now_s - life.asked_s > self._seconds("TimeoutStopSec"):
+                life.process.kill()
+            return
+        if self._stopping.is_set():
+            self._ask(life, signal.SIGTERM, "stop", now_s)
+        elif life.ready_s is None:
+            if now_s - life.began_s > self._seconds("TimeoutStartSec"):
+                self._ask(life, signal.SIGTERM, "start timeout", now_s)
+        elif now_s - life.fed_s > self._seconds("WatchdogSec"):
+            self._ask(life, signal.SIGABRT, "watchdog", now_s)
+
+    def _ask(self, life: Life, number: signal.Signals, cause: str, now_s: float) -> None:
+        """Send a signal, and SIGCONT behind it, as systemd does: also what is stopped shall end."""
+        life.asked_s, life.cause = now_s, cause
+        for each in (number, signal.SIGCONT):
+            life.process.send_signal(each)
