@@ -104,11 +104,12 @@ standing: $(STAMP) ## train, measure everybody on the full suite → docs/standi
 
 # Their quarter of the sideways speed has limits of its own. The grid of robustness is left out: it
 # divides by a score, and none of theirs is above that of an agent that never steers.
-standing-flow: $(STAMP) ## measure those that see by flow → their section of docs/standing.md
-	$(BIN)/reflexarc evaluate --suite full --setting field --no-page --resume -o runs/evaluation-flow \
+SUITE ?= full
+standing-flow: $(STAMP) ## measure those that see by flow [SUITE=lite] → their section of docs/standing.md
+	$(BIN)/reflexarc evaluate --suite $(SUITE) --setting field --no-page --resume -o runs/evaluation-flow-$(SUITE) \
 		--family discs rectangles outlines gates corridors steps motion appearance senses timing body automata home \
 		--baseline $$($(BIN)/python -c 'from reflexarc_baselines.registry import HOMES; print(*(n for n in HOMES if n.startswith("flow")))')
-	$(BIN)/python docs/standing_page.py runs/evaluation-flow/results.json --flow
+	$(BIN)/python docs/standing_page.py runs/evaluation-flow-$(SUITE)/results.json --flow
 
 limits: $(STAMP) ## the oracle's figures that ship with the suites: half an hour
 	$(BIN)/python -m reflexarc_sim_bridge.evaluation.limits.shipping

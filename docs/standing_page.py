@@ -1,7 +1,7 @@
 """The published table: who stands where in a suite, from the results of a run.
 
     python docs/standing_page.py runs/evaluation-full/results.json
-    python docs/standing_page.py runs/evaluation-flow/results.json --flow
+    python docs/standing_page.py runs/evaluation-flow-full/results.json --flow
 
 Writes `standing.md` beside this file and its picture, `figures/suite.png`. Those that see by flow
 have a run and a section of their own: a call writes its part anew and keeps the other. `make
@@ -64,9 +64,10 @@ def _flow_section(results: Results, cards: Sequence[ScoreCard]) -> str:
     """Their scores, by a blind agent and an oracle as slow aside as they are; their home."""
     agents = {agent.name: agent for agent in results.agents}
     motions = sorted({agents[card.members[0]].motion for card in cards})
+    suite = results.suite.rpartition("-")[0]
     introduction = f"""{FLOW_HEADING}
 
-A run of its own, `make standing-flow` (suite `{results.suite}`, reflexarc {results.version}), for \
+A run of its own, `make standing-flow SUITE={suite}` (suite `{results.suite}`, reflexarc {results.version}), for \
 they move otherwise ({"; ".join(motions)}): what never steers and what is possible are of bodies \
 like theirs, and no score here is to be laid beside one above. In `{HOME}`, which never counts, \
 contacts per 100 m stand before those of such a body that never steers.

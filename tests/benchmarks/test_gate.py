@@ -3,7 +3,7 @@
 import gate
 import numpy as np
 import pytest
-from gate import Careless, Driven
+from gate_drives import Careless, Driven
 
 from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
 from reflexarc_sim_bridge.evaluation.scoring.regression import Claim, overall
