@@ -70,7 +70,8 @@ def _flow_section(results: Results, cards: Sequence[ScoreCard]) -> str:
 A run of its own, `make standing-flow SUITE={suite}` (suite `{results.suite}`, reflexarc \
 {results.version}), for they move otherwise ({"; ".join(motions)}): what never steers and what is \
 possible are of bodies like theirs, and no score here is to be laid beside one above. In \
-`{HOME}`, which never counts, contacts per 100 m stand before those of such a body that never steers.
+`{HOME}`, which never counts, contacts per 100 m stand before those of such a body that never \
+steers.
 """
     settings = [s for s in Setting if any(card.setting == s for card in cards)]
     parts = [introduction]
