@@ -1,21 +1,23 @@
 """The published table: who stands where in a suite, from the results of a run.
 
     python docs/standing_page.py runs/evaluation-full/results.json
+    python docs/standing_page.py runs/evaluation-flow-full/results.json --flow
 
-Writes `standing.md` beside this file and its picture, `figures/suite.png`. `make standing` trains,
-measures and writes all of it.
+Writes `standing.md` beside this file and its picture, `figures/suite.png`. Those that see by flow
+have a run and a section of their own: a call writes its part anew and keeps the other. `make
+standing` trains, measures and writes all of it, `make standing-flow` the section.
 """
 
+import argparse
 import json
 import math
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 
 from reflexarc_pictures.rendering import render_results
-from reflexarc_runtime.errors import UsageError
 from reflexarc_sim_bridge.evaluation.metrics.figures import figures_of
-from reflexarc_sim_bridge.evaluation.protocol.results import Agent, Results
+from reflexarc_sim_bridge.evaluation.protocol.contender import BLIND
+from reflexarc_sim_bridge.evaluation.protocol.results import Agent, ResultRow, Results
 from reflexarc_sim_bridge.evaluation.protocol.setting import Setting
 from reflexarc_sim_bridge.evaluation.scoring.score_card import ScoreCard
 from reflexarc_sim_bridge.evaluation.scoring.suite_scores import score_cards
@@ -25,17 +27,80 @@ PAGE = Path(__file__).parent / "standing.md"
 PICTURE = "figures/suite.png"
 COLOURS = "appearance"
 """The family whose worlds differ in colours alone."""
+HOME = "home"
+"""The family of the worlds that flow was made for; it never counts."""
+FLOW_HEADING = "## Those that see by flow"
 
 
-def main(path: Path) -> None:
-    """Write the page and its picture."""
+def main(path: Path, *, is_flow: bool = False) -> None:
+    """Write the page and its picture, or the section of those that see by flow.
+
+    Args:
+        path: `results.json` of a run.
+        is_flow: whether it is the run of those.
+    """
     results = Results.from_json(json.loads(path.read_text()))
     cards = score_cards(results)
     grouped = {member for card in cards if len(card.members) > 1 for member in card.members}
     shown = [card for card in cards if card.members[0] not in grouped or len(card.members) > 1]
     shown.sort(key=lambda card: -card.headline.value)
-    render_results(path, PAGE.parent / PICTURE)
-    PAGE.write_text(_page(results, shown), encoding="utf-8")
+    everybody, flow = _parts_of_before()
+    if is_flow:
+        flow = _flow_section(results, shown)
+    else:
+        render_results(path, PAGE.parent / PICTURE)
+        everybody = _page(results, shown)
+    PAGE.write_text("\n".join(part for part in (everybody, flow) if part), encoding="utf-8")
+
+
+def _parts_of_before() -> tuple[str, str]:
+    """What the page says of everybody, and of those that see by flow; empty where nothing is."""
+    before = PAGE.read_text(encoding="utf-8") if PAGE.exists() else ""
+    everybody, heading, flow = before.partition(FLOW_HEADING)
+    return everybody.rstrip("\n") + "\n" if everybody else "", heading + flow
+
+
+def _flow_section(results: Results, cards: Sequence[ScoreCard]) -> str:
+    """Their scores, by a blind agent and an oracle as slow aside as they are; their home."""
+    agents = {agent.name: agent for agent in results.agents}
+    motions = sorted({agents[card.members[0]].motion for card in cards})
+    suite = results.suite.rpartition("-")[0]
+    introduction = f"""{FLOW_HEADING}
+
+A run of its own, `make standing-flow SUITE={suite}` (suite `{results.suite}`, reflexarc \
+{results.version}), for they move otherwise ({"; ".join(motions)}): what never steers and what is \
+possible are of bodies like theirs, and no score here is to be laid beside one above. In \
+`{HOME}`, which never counts, contacts per 100 m stand before those of such a body that never \
+steers.
+"""
+    settings = [s for s in Setting if any(card.setting == s for card in cards)]
+    parts = [introduction]
+    for setting in settings:
+        chosen = [card for card in cards if card.setting == setting]
+        parts += [_flow_standings(results, chosen, setting), _families(chosen)]
+    return "\n".join(parts)
+
+
+def _flow_standings(results: Results, cards: Sequence[ScoreCard], setting: Setting) -> str:
+    tiers = list(dict.fromkeys(cell.tier for cell in results.cells if cell.family == HOME))
+    columns = ["", "who", "score [95 %]", "contacts per 100 m", "switches a second"]
+    columns += [f"`{tier}`, blind" for tier in tiers]
+    lines = [f"| {' | '.join(columns)} |", "|---" * len(columns) + "|"]
+    for place, card in enumerate(cards, start=1):
+        rows = [r for r in results.rows if r.contender in card.members and r.setting == setting]
+        figures = figures_of([row for row in rows if row.family != HOME])
+        at_home = [_at_home(results, row) for row in rows if row.family == HOME]
+        words = [str(place), f"`{_name(card)}`", _score(card)]
+        words += [f"{figures[name]:.2f}" for name in ("contacts_per_100m", "switches_per_s")]
+        lines.append(f"| {' | '.join([*words, *at_home])} |")
+    return "\n".join(lines) + "\n"
+
+
+def _at_home(results: Results, row: ResultRow) -> str:
+    """Contacts per 100 m of a row and of what never steers there."""
+    blind = results.limit(row, BLIND)
+    rates = [figures_of([each])["contacts_per_100m"] for each in (row, blind) if each is not None]
+    return ", ".join(f"{rate:.2f}" for rate in rates)
 
 
 def _page(results: Results, cards: Sequence[ScoreCard]) -> str:
@@ -136,7 +201,13 @@ def _score(card: ScoreCard) -> str:
     return f"{card.headline.value:.3f}{interval}"
 
 
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("results", type=Path, help="results.json of a run")
+    parser.add_argument("--flow", action="store_true", help="of those that see by flow")
+    return parser.parse_args()
+
+
 if __name__ == "__main__":
-    if len(sys.argv) != 2:
-        raise UsageError("expected the path of results.json")
-    main(Path(sys.argv[1]))
+    given = _arguments()
+    main(given.results, is_flow=given.flow)

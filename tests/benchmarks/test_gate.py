@@ -1,0 +1,79 @@
+"""The gate's own error rates are found as they are: on contacts whose loss is known."""
+
+import gate
+import numpy as np
+import pytest
+from gate_drives import Careless, Driven
+
+from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
+from reflexarc_sim_bridge.evaluation.scoring.regression import Claim, overall
+
+WORLDS = 1000
+
+
+class Left:
+    """Always the second action, by 1 in Q."""
+
+    def decide(self, retinas: RetinaBatch) -> tuple[QValues, Actions]:
+        """See `Policy.decide`."""
+        n = len(retinas)
+        return np.tile(np.array([0.0, 1.0, 0.0], np.float32), (n, 1)), np.full(n, 1)
+
+
+def driven(mean: float, ratio: float, seed: int = 0) -> Driven:
+    """Contacts after four looks, each with twice as much behind it; the worse `ratio` times."""
+    generator = np.random.default_rng(seed)
+    means = mean * np.array([1.0, 1.0, 2.0, 4.0])[:, np.newaxis]
+    drawn = [
+        generator.poisson(factor * means, (2, 4, WORLDS)).cumsum(axis=1).astype(float)
+        for factor in (1.0, ratio)
+    ]
+    return Driven(*drawn)
+
+
+def test_a_careless_policy_looks_away_as_often_as_it_is_told() -> None:
+    q_values, actions = Careless(Left(), 0.3, seed=1).decide(np.zeros((20_000, 1), np.uint8))
+    away = (q_values == 0.0).all(axis=1)
+    assert away.mean() == pytest.approx(0.3, abs=0.015)
+    assert (actions == np.where(away, 0, 1)).all()
+
+
+def test_two_drives_of_one_policy_are_swapped_world_by_world() -> None:
+    counts = np.arange(16.0).reshape(2, 4, 2)
+    new, old = gate.alike(Driven(counts, counts), np.array([1, 0]), np.array([0, 1]))
+    assert new.T.tolist() == [[1.0, 3.0, 5.0, 7.0], [8.0, 10.0, 12.0, 14.0]]
+    assert old.T.tolist() == [[9.0, 11.0, 13.0, 15.0], [0.0, 2.0, 4.0, 6.0]]
+
+
+def test_the_mixture_loses_just_what_is_asked_for() -> None:
+    made = driven(4.0, 1.3)
+    generator = np.random.default_rng(2)
+    new, old = gate.worse(
+        made,
+        np.tile(np.arange(WORLDS), 40),
+        generator.integers(2, size=40 * WORLDS),
+        generator.random(40 * WORLDS),
+        0.15,
+    )
+    assert new[-1].sum() / old[-1].sum() - 1.0 == pytest.approx(0.15, abs=0.01)
+
+
+def test_alike_is_hardly_ever_an_alarm_and_a_plain_loss_is_found() -> None:
+    families = {str(k): driven(2.0, 1.4, seed=k) for k in range(4)}
+    said = [overall(gate.compare_alike(families, seed)) for seed in range(100)]
+    assert said.count(Claim.LOSES) <= 5
+    found = gate.found_in(families, "2", 0.3, comparisons=20)
+    assert found is not None
+    assert (found.found, found.kept) == (1.0, 0.0)
+
+
+def test_a_loss_at_the_margin_is_rarely_called_one() -> None:
+    """At 10 % itself "loses" is a false alarm: at most one in twenty, of four families."""
+    families = {str(k): driven(2.0, 1.2, seed=k) for k in range(4)}
+    found = gate.found_in(families, "1", gate.MARGIN, comparisons=100)
+    assert found is not None
+    assert found.found <= 0.05
+
+
+def test_a_policy_that_did_not_lose_enough_is_not_judged() -> None:
+    assert gate.found_in({"a": driven(2.0, 1.05)}, "a", 0.15, comparisons=1) is None
