@@ -19,7 +19,7 @@ from reflexarc_logs.recording.wall_clock import WallClock
 from reflexarc_logs.recording.whole_run import Destination
 from reflexarc_runtime.messages.topics import LOG
 
-FLUSH_PERIOD_S = 0.5
+FLUSH_PERIOD_S = 0.8
 NAME = "recorder"
 """Of who speaks, in the log's messages."""
 

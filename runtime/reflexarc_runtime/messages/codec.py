@@ -159,9 +159,8 @@ def _command_to_protobuf(command: Command) -> pb.Command:
 
 
 def _timing_to_protobuf(timing: Timing) -> pb.Timing:
+    """Without what the others tell: it woke `receive_ns` before the tick's `now_ns`."""
     return pb.Timing(
-        deadline_ns=timing.deadline_ns,
-        wake_ns=timing.wake_ns,
         lateness_ns=timing.lateness_ns,
         receive_ns=timing.receive_ns,
         decide_ns=timing.decide_ns,

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from reflexarc_logs.container import unfinished
 from reflexarc_logs.container import writing as log_file
 from reflexarc_logs.container.first_look import look
 from reflexarc_logs.container.manifest import read_manifest
@@ -49,7 +50,7 @@ def at_once(monkeypatch):
 @pytest.fixture
 def disks(monkeypatch) -> Callable[..., None]:
     def become(*fails: Callable[[int], None]) -> None:
-        monkeypatch.setattr(log_file, "open_for_writing", Disks(*fails))
+        monkeypatch.setattr(unfinished, "open_for_writing", Disks(*fails))
 
     return become
 
