@@ -1,8 +1,8 @@
 """How a chunk is compressed: zstd, thoroughly or quickly.
 
 On a drive of 50 Hz level 15 leaves a tenth less than the library's level 3, at 15 MB a second
-instead of 700; level 19 takes four times as long for less than another percent
-(`benchmarks/chunks.py`). The compressor holds no lock of the interpreter while it works.
+instead of 700; level 19 takes four times as long for less than another percent (docs/figures.md).
+The compressor holds no lock of the interpreter while it works.
 """
 
 import time
@@ -15,9 +15,9 @@ ZSTD = "zstd"
 THOROUGH_LEVEL = 15
 QUICK_LEVEL = 3
 """What zstd and the MCAP library's writer do by default."""
-MOST_SHARE = 0.2
-"""Of the time; a recorder of 5,000 messages a second takes a tenth."""
-MOST_SAVED_S = 1.0
+MOST_SHARE = 0.02
+"""Of the time: a drive of 50 Hz takes 0.003, 5,000 messages a second would take 0.08."""
+MOST_SAVED_S = 0.1
 """Time that was not used so far, and may be used at once."""
 
 
@@ -64,8 +64,9 @@ class ThriftyCompressor:
         begun_s = self._now_s()
         earned_s = MOST_SHARE * (begun_s - self._before_s)
         self._saved_s = min(MOST_SAVED_S, self._saved_s + earned_s)
-        compressor = self._thorough if self._saved_s > 0.0 else self._quick
-        compressed = compressor.compress(data)
-        self._saved_s -= self._now_s() - begun_s
         self._before_s = begun_s
+        if self._saved_s <= 0.0:
+            return self._quick.compress(data)
+        compressed = self._thorough.compress(data)
+        self._saved_s -= self._now_s() - begun_s
         return compressed

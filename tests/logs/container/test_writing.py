@@ -181,7 +181,7 @@ def taking(clock: Clock, took_s: float) -> Callable[[FixedCompressor, bytes], by
 
 def levels(clock: Clock, pause_s: float, count: int) -> list[int]:
     """The levels of chunks that come so long one after the other."""
-    data = b"".join(bytes([k % 251, k * k % 241, k % 7, 9]) for k in range(3000))
+    data = b"".join(bytes([k % 251, k * k % 241, k % 7, 9]) for k in range(300))
     compressor, found = ThriftyCompressor(clock), []
     for _ in range(count):
         found.append(level_of(compressor.compress(data), data))
@@ -192,12 +192,20 @@ def levels(clock: Clock, pause_s: float, count: int) -> list[int]:
 def test_chunks_are_compressed_thoroughly_while_that_takes_little_of_the_time(monkeypatch):
     clock = Clock()
     monkeypatch.setattr(FixedCompressor, "compress", taking(clock, 0.01))
-    assert set(levels(clock, 0.09, 500)) == {THOROUGH_LEVEL}
+    assert set(levels(clock, 0.6, 500)) == {THOROUGH_LEVEL}
 
 
 def test_where_compression_would_take_a_core_most_chunks_are_compressed_quickly(monkeypatch):
     clock = Clock()
     monkeypatch.setattr(FixedCompressor, "compress", taking(clock, 0.01))
-    found = levels(clock, 0.0, 500)
-    assert found[:100] == [THOROUGH_LEVEL] * 100  # a second that was saved
-    assert QUICK_LEVEL in found[150:]
+    found = levels(clock, 0.01, 500)
+    assert found[:10] == [THOROUGH_LEVEL] * 10  # a tenth of a second that was saved
+    assert 0.03 < found[20:].count(THOROUGH_LEVEL) / 480 < 0.05  # a fiftieth of 20 ms is 0.4 of 10
+
+
+def test_thorough_chunks_take_a_fiftieth_of_the_time_and_no_more(monkeypatch):
+    clock = Clock()
+    monkeypatch.setattr(FixedCompressor, "compress", taking(clock, 0.001))
+    found = levels(clock, 0.03, 600)
+    share = found[300:].count(THOROUGH_LEVEL) / 300
+    assert 0.5 < share < 0.75  # a fiftieth of 31 ms is 0.62
