@@ -14,6 +14,7 @@ from pathlib import Path
 
 from reflexarc_logs.bags.bag_file import BagFile, BagMessage
 from reflexarc_logs.bags.bag_streams import STATIC, BagStream, BagWishes, streams_of
+from reflexarc_logs.container.compression import QUICK_LEVEL, FixedCompressor
 from reflexarc_logs.container.run_info import RUN, RunInfo, installed_versions
 from reflexarc_logs.container.writing import CONFIG_ATTACHMENT, LogWriter
 from reflexarc_runtime.errors import LogError
@@ -63,7 +64,7 @@ def import_bag(path: Path | str, out: Path | str, wishes: BagWishes | None = Non
     wishes = wishes or BagWishes()
     with BagFile(Path(path)) as bag:
         work = _Import(bag, BagImport(str(path), str(Path(out)), wishes.robot), wishes)
-        file = LogWriter(Path(out), UNFINISHED, CHUNK_BYTES)
+        file = LogWriter(Path(out), UNFINISHED, CHUNK_BYTES, FixedCompressor(QUICK_LEVEL))
         try:
             work.write(file)
             file.finish()

@@ -1,10 +1,9 @@
-"""Writes an MCAP file from records of another one, byte for byte, and makes its index anew.
+"""Writes an MCAP file of records that are ready, byte for byte, and makes its index.
 
-The library's writer makes records of its own; this one copies them: chunks as they were compressed,
-fields that it does not know, messages outside of chunks.
+The library's writer makes records of its own; this one takes them as they are: chunks as they were
+compressed, fields that it does not know, messages outside of chunks.
 """
 
-import contextlib
 import struct
 import zlib
 from array import array
@@ -28,7 +27,7 @@ from mcap.records import (
 
 from reflexarc_logs.container.attachments import Attached
 from reflexarc_logs.container.frames import FOOTER_BYTES, HEAD, MAGIC
-from reflexarc_logs.container.writing import give_name, open_unfinished, sync
+from reflexarc_logs.container.unfinished import PARTIAL, UnfinishedFile
 
 
 @dataclass
@@ -62,7 +61,7 @@ class ChunkContent:
 
 
 class RawLog:
-    """A file of copied records that one thread writes.
+    """A file of ready records that one thread writes.
 
     Args:
         path: its name when it is finished.
@@ -72,12 +71,10 @@ class RawLog:
         LogError: something of that name is there already, or the place cannot be written.
     """
 
-    def __init__(self, path: Path, unfinished: str) -> None:
-        self.path = path
-        self.partial = path.with_name(path.name + unfinished)
+    def __init__(self, path: Path, unfinished: str = PARTIAL) -> None:
+        self.file = UnfinishedFile(path, unfinished)
         self.counts: Counter[int] = Counter()
         """Messages written, by channel."""
-        self._file = open_unfinished(path, self.partial)
         self._position = 0
         self._crc = 0
         self._known: dict[int, dict[int, bytes]] = {Opcode.SCHEMA: {}, Opcode.CHANNEL: {}}
@@ -166,6 +163,11 @@ class RawLog:
 
     def finish(self) -> None:
         """Write the index, make the file durable and give it its name."""
+        self.seal()
+        self.file.settle()
+
+    def seal(self) -> None:
+        """Write the index; nothing can be added any more."""
         self._write(bytes_of(DataEnd(self._crc)))
         self._crc, start = 0, self._position
         groups = [self._group(*group) for group in self._summary()]
@@ -176,16 +178,11 @@ class RawLog:
         self._write(HEAD.pack(Opcode.FOOTER, FOOTER_BYTES))
         self._write(struct.pack("<QQ", start, offsets_start))
         self._write(struct.pack("<I", self._crc) + MAGIC)
-        self._file.flush()
-        sync(self._file)
-        self._file.close()
-        give_name(self.partial, self.path)
+        self.file.flush()
 
     def discard(self) -> None:
         """Close the file and remove it."""
-        with contextlib.suppress(OSError):  # a full disk refuses the last bytes once more
-            self._file.close()
-        self.partial.unlink(missing_ok=True)
+        self.file.discard()
 
     def _summary(self) -> Iterator[tuple[int, Iterable[bytes]]]:
         """The groups of the index: their kind, and their records."""
@@ -222,7 +219,7 @@ class RawLog:
         self._times_ns = min(first, first_ns), max(last, last_ns)
 
     def _write(self, data: bytes) -> None:
-        self._file.write(data)
+        self.file.write(data)
         self._position += len(data)
         self._crc = zlib.crc32(data, self._crc)
 

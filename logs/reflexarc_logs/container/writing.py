@@ -1,27 +1,28 @@
 """Writes one MCAP file, which is named `PATH.partial` until it is finished, then `PATH`.
 
-A `.partial` without a process that writes it is what a killed recording left; `reflexarc recover`
-makes a log of it. Chunks are small (64 KiB): closing one stalls the writer for 0.7 ms
-where 1 MiB takes 4 to 14 ms, and a chunk is what a killed recording loses.
+The library's writer says neither how thoroughly a chunk is compressed nor what a kill costs; this
+one writes the same records (a test compares the bytes). Chunks are small (64 KiB): what a killed
+recording loses is the last one.
 """
 
-import contextlib
-import errno
-import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import BinaryIO
 
 from google.protobuf.message import Message as ProtobufMessage
-from mcap.records import Schema
-from mcap.writer import CompressionType, Writer
-from mcap_protobuf.schema import build_file_descriptor_set
+from mcap.opcode import Opcode
+from mcap.records import Attachment, Channel, Header, Schema
+from mcap.writer import LIBRARY_IDENTIFIER
 
-from reflexarc_runtime.errors import LogError
+from reflexarc_logs.container.attachments import Attached
+from reflexarc_logs.container.compression import Compressor, FixedCompressor
+from reflexarc_logs.container.frames import HEAD
+from reflexarc_logs.container.open_chunk import OpenChunk
+from reflexarc_logs.container.raw_log import RawLog, bytes_of
+from reflexarc_logs.container.schemas import NO_SCHEMA, PROTOBUF, schema_of
+from reflexarc_logs.container.unfinished import PARTIAL
 from reflexarc_runtime.messages.wire import NO_SENDER
 
 CHUNK_BYTES = 64 * 1024
-PARTIAL = ".partial"
 PROFILE = "reflexarc"
 
 POLICY_ATTACHMENT = "policy.onnx"
@@ -32,10 +33,7 @@ END = "reflexarc.end"
 SENDER = "reflexarc.sender"
 """Metadata of a channel: the identifier of whoever sent its messages, in hexadecimal."""
 NO_METADATA: Mapping[str, str] = {}
-NO_SCHEMA = 0
 
-_CANNOT_SYNC = (errno.EINVAL, errno.ENOTSUP, errno.ENOSYS)
-"""Not every file system can be told to sync."""
 _MEDIA_TYPES = {".onnx": "application/onnx", ".json": "application/json"}
 
 
@@ -46,46 +44,48 @@ class LogWriter:
         path: its name when it is finished.
         unfinished: what is added to the name until then.
         chunk_bytes: size after which a chunk is compressed and written; None: `CHUNK_BYTES`.
+        compressor: of the chunks; None: a thorough one.
 
     Raises:
         LogError: something of that name is there already, or the place cannot be written.
     """
 
     def __init__(
-        self, path: Path, unfinished: str = PARTIAL, chunk_bytes: int | None = None
+        self,
+        path: Path,
+        unfinished: str = PARTIAL,
+        chunk_bytes: int | None = None,
+        compressor: Compressor | None = None,
     ) -> None:
-        self.path = path
-        self.partial = path.with_name(path.name + unfinished)
-        self._file = open_unfinished(path, self.partial)
-        self._writer = Writer(
-            self._file,
-            chunk_size=chunk_bytes or CHUNK_BYTES,
-            compression=CompressionType.ZSTD,
-            enable_crcs=True,
-            enable_data_crcs=True,
-        )
+        self._log = RawLog(path, unfinished)
+        self.file = self._log.file
+        """The file itself: its names, its descriptor, how it is synced and given up."""
+        self._chunk = OpenChunk()
+        self._chunk_bytes = chunk_bytes or CHUNK_BYTES
+        self._compressor = FixedCompressor() if compressor is None else compressor
         self._schemas: dict[tuple[str, str, bytes], int] = {}
         self._channels: dict[tuple[str, str, bytes], int] = {}
         self._raw_channels: dict[tuple[str, str, int, tuple[tuple[str, str], ...]], int] = {}
-        self._writer.start(profile=PROFILE)
+        header = Header(PROFILE, LIBRARY_IDENTIFIER)
+        self._log.record(Opcode.HEADER, bytes_of(header)[HEAD.size :])
 
     def attach(self, name: str, media_type: str, data: bytes) -> None:
         """Write an attachment, without a time: it is true of the whole run."""
-        self._writer.add_attachment(0, 0, name, media_type, data)
+        record = Attachment(log_time=0, create_time=0, name=name, media_type=media_type, data=data)
+        fields = bytes_of(record)[HEAD.size :]
+        attached = Attached(name, media_type, 0, 0, data=0, size=len(data), crc=0)
+        self._log.attachment(attached, len(fields), [fields])
 
     def describe(self, name: str, document: Mapping[str, str]) -> None:
         """Write a metadata record."""
-        self._writer.add_metadata(name, {key: _in_utf8(text) for key, text in document.items()})
+        self._log.describe(name, {key: _in_utf8(text) for key, text in document.items()})
 
     def channel(self, topic: str, kind: type[ProtobufMessage], sender: bytes = NO_SENDER) -> int:
         """The channel of a topic that carries this protobuf message from this sender."""
         place = (topic, kind.DESCRIPTOR.full_name, sender)
         if place not in self._channels:
             self._channels[place] = self.raw_channel(
-                topic,
-                "protobuf",
-                _schema_of(kind),
-                {SENDER: sender.hex()},
+                topic, PROTOBUF, schema_of(kind), {SENDER: sender.hex()}
             )
         return self._channels[place]
 
@@ -104,138 +104,82 @@ class LogWriter:
             schema: None: the messages have none.
             metadata: of the channel.
         """
-        number = NO_SCHEMA if schema is None else self._schema(schema)
-        place = (topic, encoding, number, tuple(metadata.items()))
+        schema_id = NO_SCHEMA if schema is None else self._schema(schema)
+        place = (topic, encoding, schema_id, tuple(metadata.items()))
         if place not in self._raw_channels:
-            registered = self._writer.register_channel(topic, encoding, number, dict(metadata))
-            self._raw_channels[place] = registered
+            number = len(self._raw_channels) + 1
+            channel = Channel(
+                id=number,
+                topic=topic,
+                message_encoding=encoding,
+                metadata=dict(metadata),
+                schema_id=schema_id,
+            )
+            self._define(Opcode.CHANNEL, number, bytes_of(channel)[HEAD.size :])
+            self._raw_channels[place] = number
         return self._raw_channels[place]
 
     def _schema(self, schema: Schema) -> int:
         """The number of a schema in this file; its number elsewhere does not matter."""
         place = (schema.name, schema.encoding, schema.data)
         if place not in self._schemas:
-            self._schemas[place] = self._writer.register_schema(*place)
+            number = len(self._schemas) + 1
+            numbered = Schema(number, schema.data, schema.encoding, schema.name)
+            self._define(Opcode.SCHEMA, number, bytes_of(numbered)[HEAD.size :])
+            self._schemas[place] = number
         return self._schemas[place]
+
+    def _define(self, opcode: int, number: int, fields: bytes) -> None:
+        self._log.define(opcode, number, fields, is_written=False)
+        self._chunk.define(opcode, fields)
+        self._close_full()
 
     def add(
         self, channel: int, payload: bytes, *, sequence: int, publish_ns: int, log_ns: int
     ) -> None:
         """Write one message; times in nanoseconds, not negative."""
-        self._writer.add_message(channel, log_ns, payload, publish_ns, sequence)
+        self._chunk.message(
+            channel, payload, sequence=sequence, publish_ns=publish_ns, log_ns=log_ns
+        )
+        self._close_full()
 
     def flush(self) -> None:
         """Hand to the system all that was added: what a killed process does not lose."""
-        self._writer.flush()  # type: ignore[no-untyped-call]  # mcap has no type for it
-
-    def sync(self) -> None:
-        """Hand to the disk all that was flushed; a disk that is gone says so only then.
-
-        Raises:
-            OSError: the disk did not take it.
-        """
-        sync(self._file)
-
-    def fileno(self) -> int:
-        """Descriptor of the open file."""
-        return self._file.fileno()
+        self._close()
+        self.file.flush()
 
     def finish(self) -> None:
         """Write the index, make the file durable and give it its name."""
         self.seal()
-        self.settle()
+        self.file.settle()
 
     def seal(self) -> None:
         """Write the index; nothing can be added any more."""
-        self._writer.finish()  # type: ignore[no-untyped-call]  # mcap has no type for it
-        self._file.flush()
-
-    def settle(self) -> None:
-        """Make a sealed file durable, close it and give it its name; from any thread."""
-        self._close_durably()
-        give_name(self.partial, self.path)
+        self._close()
+        self._log.seal()
 
     def end(self) -> None:
         """Write the index, make the file durable and close it; it keeps the name `partial`."""
         self.seal()
-        self._close_durably()
-
-    def abandon(self) -> None:
-        """Close the file as it is; the `.partial` stays, for `recover`."""
-        with contextlib.suppress(OSError):  # a full disk refuses the last bytes once more
-            self._file.close()
+        self.file.end()
 
     def discard(self) -> None:
         """Close the file and remove it."""
-        self.abandon()
-        self.partial.unlink(missing_ok=True)
+        self.file.discard()
 
-    def _close_durably(self) -> None:
-        self.sync()
-        self._file.close()
+    def _close_full(self) -> None:
+        if self._chunk.size_bytes > self._chunk_bytes:
+            self._close()
+
+    def _close(self) -> None:
+        """Compress the open chunk and write it; schemas alone wait for a message."""
+        if self._chunk.has_messages:
+            self._log.chunk(*self._chunk.taken(self._compressor))
 
 
 def media_type_of(attachment: str) -> str:
     """Media type of an attachment, by its name."""
     return _MEDIA_TYPES.get(Path(attachment).suffix, "application/octet-stream")
-
-
-def open_for_writing(partial: Path) -> BinaryIO:
-    """Create a file that is not there yet."""
-    return partial.open("xb")
-
-
-def sync(file: BinaryIO) -> None:
-    """Hand to the disk all that was flushed; a disk that is gone says so only then.
-
-    Raises:
-        OSError: the disk did not take it.
-    """
-    try:
-        os.fsync(file.fileno())
-    except OSError as error:
-        if error.errno not in _CANNOT_SYNC:
-            raise
-
-
-def give_name(partial: Path, path: Path) -> None:
-    """Give a file that is finished and closed its name.
-
-    Raises:
-        OSError: something of that name is there, or the folder does not take it.
-    """
-    if os.path.lexists(path):
-        raise FileExistsError(17, "appeared during the recording", str(path))
-    partial.rename(path)
-
-
-def open_unfinished(path: Path, partial: Path) -> BinaryIO:
-    """Create the file that will be `path` when it is finished.
-
-    Raises:
-        LogError: something of one of the two names is there, or the place cannot be written.
-    """
-    if os.path.lexists(path):
-        raise LogError(f"{path}: exists already; choose another name or remove it")
-    try:
-        return open_for_writing(partial)
-    except FileExistsError:
-        advice = "`reflexarc recover` it or remove it"
-        if partial.suffix != PARTIAL:
-            advice = "what made it was killed; remove it"
-        raise LogError(f"{partial}: an unfinished log is there; {advice}") from None
-    except OSError as error:
-        raise LogError(
-            f"{path}: cannot be written: {error.strerror}; choose another place"
-        ) from None
-
-
-def _schema_of(kind: type[ProtobufMessage]) -> Schema:
-    """The schema of a protobuf message, with all that it is made of."""
-    descriptors = build_file_descriptor_set(kind).SerializeToString()
-    return Schema(
-        id=NO_SCHEMA, name=kind.DESCRIPTOR.full_name, encoding="protobuf", data=descriptors
-    )
 
 
 def _in_utf8(text: str) -> str:

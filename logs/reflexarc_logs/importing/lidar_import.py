@@ -12,6 +12,7 @@ from collections.abc import Iterable
 from contextlib import closing
 from pathlib import Path
 
+from reflexarc_logs.container.compression import QUICK_LEVEL, FixedCompressor
 from reflexarc_logs.container.run_info import RUN, RunInfo, installed_versions
 from reflexarc_logs.container.writing import CONFIG_ATTACHMENT, LogWriter
 from reflexarc_logs.importing.lidar_reading import (
@@ -59,7 +60,7 @@ def import_log(
         raise UsageError(f"expected {' or '.join(FORMATS)}, got {kind!r}")
     times = _times(rate)
     report = ImportReport(str(path), kind, str(Path(out)), robot, times.rate_hz)
-    file = LogWriter(Path(out), chunk_bytes=CHUNK_BYTES)
+    file = LogWriter(Path(out), chunk_bytes=CHUNK_BYTES, compressor=FixedCompressor(QUICK_LEVEL))
     try:
         _begin(file, report)
         with closing(read_lidar(Path(path), times, report)) as batches:

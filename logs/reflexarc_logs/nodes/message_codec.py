@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 from google.protobuf.message import Message as ProtobufMessage
-from mcap_protobuf.schema import build_file_descriptor_set
 
+from reflexarc_logs.container.schemas import PROTOBUF, schema_of
 from reflexarc_logs.diffing.message_file import Stream
 from reflexarc_logs.diffing.payloads import UnreadableError, protobuf_class, ros2_store
 from reflexarc_logs.nodes.node_class import NodeError
@@ -55,8 +55,8 @@ def stream_for(topic: str, said: object, type_name: str = "") -> Stream:
         NodeError: of a type of ROS 2 that is none of Jazzy's own.
     """
     if isinstance(said, ProtobufMessage):
-        schema = build_file_descriptor_set(type(said)).SerializeToString()
-        return Stream(topic, said.DESCRIPTOR.full_name, "protobuf", "protobuf", schema)
+        schema = schema_of(type(said))
+        return Stream(topic, schema.name, PROTOBUF, PROTOBUF, schema.data)
     if type_name := ros2_type_of(said) or type_name:
         return Stream(topic, type_name, "cdr", "ros2msg", _definition(type_name))
     return Stream(topic, "", "json", "", b"")

@@ -113,7 +113,7 @@ def _recovered(file: BinaryIO, found: Survey, index: Index | None, target: RawLo
     if missing:
         target.describe(END, {"damaged_chunks": str(missing)})
     return Recovered(
-        path=target.path,
+        path=target.file.path,
         is_ours=found.is_ours or rescue.is_ours,
         messages=target.counts.total(),
         losses=losses,

@@ -9,12 +9,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from reflexarc_logs.container.compression import ThriftyCompressor
 from reflexarc_logs.container.rejected import LogEntry
 from reflexarc_logs.container.run_info import RUN, RunInfo
+from reflexarc_logs.container.unfinished import PARTIAL
 from reflexarc_logs.container.writing import (
     CONFIG_ATTACHMENT,
     END,
-    PARTIAL,
     POLICY_ATTACHMENT,
     LogWriter,
 )
@@ -30,7 +31,7 @@ PART_OF = "of"
 MAX_PARTS = 1_000_000
 """A part every ten seconds for four months."""
 
-_EARLY_S = 0.1
+_EARLY_S = 0.25
 """A sync is done with a flush, if it is due by then or soon after."""
 _SYNC_SHARE = 4.0
 """A disk that takes long to sync is left alone for so many times as long."""
@@ -97,7 +98,7 @@ class Part:
         self._publish_shift_ns = head.run.publish_shift_ns
         self._is_finished = False
         self._said: dict[str, str] = {}
-        self._file = LogWriter(path)
+        self._file = LogWriter(path, compressor=ThriftyCompressor())
         self._sync_due_s = time.monotonic() + self._period_s
         try:
             head.write(self._file, part or {})
@@ -115,7 +116,7 @@ class Part:
     @property
     def partial(self) -> Path:
         """Its name until it is finished."""
-        return self._file.partial
+        return self._file.file.partial
 
     @property
     def place_now(self) -> Path:
@@ -124,8 +125,8 @@ class Part:
 
     @property
     def size_bytes(self) -> int:
-        """What is on the disk; the last flush may be half a second ago."""
-        return os.fstat(self._file.fileno()).st_size
+        """What is on the disk; the last flush may be most of a second ago."""
+        return os.fstat(self._file.file.fileno()).st_size
 
     @property
     def sync_error(self) -> Exception | None:
@@ -197,7 +198,7 @@ class Part:
         Raises:
             OSError: the disk did not take it, or something of that name is there.
         """
-        self._file.settle()
+        self._file.file.settle()
         self._is_finished = True
 
     def finish(self, missing: Mapping[str, int]) -> None:
@@ -219,20 +220,20 @@ class Part:
 
     def abandon(self) -> None:
         """Close it as it is, for `recover`."""
-        self._file.abandon()
+        self._file.file.abandon()
 
     def discard(self) -> None:
         """Close it and remove it."""
         self._file.discard()
 
     def _look(self) -> str:
-        return self._place.look(self.path, self.partial, self._file.fileno())
+        return self._place.look(self.path, self.partial, self._file.file.fileno())
 
     def _keep_synced(self) -> None:
         """Ask for a sync when one is due, and none is under way."""
         self._hear_of_sync()
         if self._sync is None and time.monotonic() >= self._sync_due_s:
-            self._sync = self._syncer.do(self._file.sync)
+            self._sync = self._syncer.do(self._file.file.sync)
 
     def _hear_of_sync(self) -> None:
         last = self._sync

@@ -8,7 +8,7 @@ from collections import deque
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from reflexarc_logs.container.writing import PARTIAL
+from reflexarc_logs.container.unfinished import PARTIAL
 from reflexarc_logs.recording.keeping import Keeping
 from reflexarc_logs.recording.part import PART_OF, Head, Part, next_path
 from reflexarc_logs.recording.place import LostPlaceError, NoRoomError, Place

@@ -28,7 +28,7 @@ class Destination(Protocol):
         ...
 
     def keep(self) -> None:
-        """Called twice a second: bring all to the disk."""
+        """Called every `FLUSH_PERIOD_S`: bring all to the disk."""
         ...
 
     def finish(self) -> None:

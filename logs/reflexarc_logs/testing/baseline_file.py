@@ -5,14 +5,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from google.protobuf.message import Message as ProtobufMessage
-from mcap.records import Channel, Message, Schema
-from mcap_protobuf.schema import build_file_descriptor_set
+from mcap.records import Channel, Message
 
 from reflexarc_logs.container.copying import MessageCopier
 from reflexarc_logs.container.run_info import RUN, installed_versions
+from reflexarc_logs.container.schemas import PROTOBUF, schema_of
 from reflexarc_logs.container.writing import (
     CONFIG_ATTACHMENT,
-    NO_SCHEMA,
     POLICY_ATTACHMENT,
     LogWriter,
     media_type_of,
@@ -125,12 +124,8 @@ class _Rewriting:
                 f"{self._log.path}: it tells more ticks or keyframes than one loop: it cannot be "
                 "decided anew; record it again"
             )
-        data = build_file_descriptor_set(kind).SerializeToString()
-        schema = Schema(
-            id=NO_SCHEMA, name=kind.DESCRIPTOR.full_name, encoding="protobuf", data=data
-        )
         channel = self._channels[message.channel_id]
-        target = self._file.raw_channel(channel.topic, "protobuf", schema, channel.metadata)
+        target = self._file.raw_channel(channel.topic, PROTOBUF, schema_of(kind), channel.metadata)
         self._file.add(
             target,
             payload,

@@ -52,6 +52,11 @@ from reflexarc_sim_bridge.body.latch import StopLatch
 if TYPE_CHECKING:
     from reflexarc_runtime.bus import Bus
 
+TRANSFORM_EVERY_NS = 100_000_000
+"""It says the pose a second time, for viewers: with each one it would be a tenth of a log."""
+PLACE_EVERY_NS = 1_900_000_000
+"""With every second status: in which world it is, and what is near. A scene shows obstacles beyond
+the eye's reach as well, for as long."""
 _PUBLISHED = (RETINA, POSE, TRANSFORM, SCENE, CONTACT, BODY, STATUS, LEASE)
 
 
@@ -147,6 +152,8 @@ class StatePublisher:
         self._steps = 0
         self._every_second = Throttle()
         self._lease_period = Throttle(SAID_EVERY_NS)
+        self._transform_period = Throttle(TRANSFORM_EVERY_NS)
+        self._place_period = Throttle(PLACE_EVERY_NS)
         self._said_lease: object = None
 
     def has_listener(self, topic: Topic) -> bool:
@@ -174,7 +181,8 @@ class StatePublisher:
             self._retinas.put(payload, now_ns)
         place = self._body.place
         self._publishers[POSE].put(encode_pose(place, now_ns), now_ns)
-        self._publishers[TRANSFORM].put(encode_transform(place, self._robot, now_ns), now_ns)
+        if self._transform_period.is_due(now_ns):
+            self._publishers[TRANSFORM].put(encode_transform(place, self._robot, now_ns), now_ns)
         if contact is not None:
             payload = encode_contact(self._body.contacts, contact.x_m, contact.y_m, now_ns)
             self._publishers[CONTACT].put(payload, now_ns)
@@ -183,14 +191,15 @@ class StatePublisher:
             self._said_lease = account.news
             self._publishers[LEASE].put(encode_lease(account), now_ns)
         if self._every_second.is_due(now_ns) or self._has_news:
+            self._publish_every_second(account, now_ns, is_another=self._has_news)
             self._has_news = False
-            self._publish_every_second(account, now_ns)
 
-    def _publish_every_second(self, account: Account, now_ns: int) -> None:
+    def _publish_every_second(self, account: Account, now_ns: int, *, is_another: bool) -> None:
         # Again and again: a recorder that joins later shall know where it is, too.
-        self._publishers[BODY].put(self._info, now_ns)
-        near = self._body.simulation.outlines_near(0)
-        self._publishers[SCENE].put(encode_scene(near, now_ns), now_ns)
+        if self._place_period.is_due(now_ns) or is_another:
+            self._publishers[BODY].put(self._info, now_ns)
+            near = self._body.simulation.outlines_near(0)
+            self._publishers[SCENE].put(encode_scene(near, now_ns), now_ns)
         status = Status(
             node=BODY_NODE,
             ticks=self._steps,

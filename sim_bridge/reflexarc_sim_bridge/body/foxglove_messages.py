@@ -24,6 +24,9 @@ from reflexarc_sim_bridge.simulation.stripe_outlines import Stripe
 
 WORLD_FRAME = "world"
 OBSTACLE_HEIGHT_M = 0.5
+GRAIN_M = 2.0**-10
+"""Of what a scene shows: a millimetre. Numbers with few digits leave half as much in a log; what
+the obstacles truly are follows from the world."""
 
 
 def encode_pose(place: BodyPose, time_ns: int) -> bytes:
@@ -67,12 +70,12 @@ def encode_scene(outlines: Sequence[Outline], time_ns: int) -> bytes:
 
 def _cube(box: Outline) -> CubePrimitive:
     length_m, width_m = np.ptp(box.corners_m, axis=0).tolist()
-    size = _point(length_m, width_m, OBSTACLE_HEIGHT_M)
+    size = _shown(length_m, width_m, OBSTACLE_HEIGHT_M)
     return CubePrimitive(pose=_pose_of(box), size=size, color=_paint(box.colour))
 
 
 def _cylinder(disc: Outline) -> CylinderPrimitive:
-    size = _point(2 * disc.radius_m, 2 * disc.radius_m, OBSTACLE_HEIGHT_M)
+    size = _shown(2 * disc.radius_m, 2 * disc.radius_m, OBSTACLE_HEIGHT_M)
     return CylinderPrimitive(
         pose=_pose_of(disc), size=size, bottom_scale=1.0, top_scale=1.0, color=_paint(disc.colour)
     )
@@ -87,14 +90,14 @@ def _fan(polygon: Outline | Stripe) -> TriangleListPrimitive:
     points = [polygon.corners_m.mean(axis=0).tolist(), *polygon.corners_m.tolist()]
     return TriangleListPrimitive(
         pose=Pose(position=_point(0.0, 0.0, 0.0), orientation=_rotation(0.0)),
-        points=[Point3(x=x, y=y, z=OBSTACLE_HEIGHT_M) for x, y in points],
+        points=[Point3(x=_coarse(x), y=_coarse(y), z=OBSTACLE_HEIGHT_M) for x, y in points],
         indices=[index for k in range(n) for index in (0, k + 1, (k + 1) % n + 1)],
         color=_paint(polygon.colour),
     )
 
 
 def _pose_of(outline: Outline) -> Pose:
-    centre = _point(outline.x_m, outline.y_m, OBSTACLE_HEIGHT_M / 2)
+    centre = _shown(outline.x_m, outline.y_m, OBSTACLE_HEIGHT_M / 2)
     return Pose(position=centre, orientation=_rotation(0.0))
 
 
@@ -111,3 +114,11 @@ def _rotation(heading_rad: float) -> Quaternion:
 
 def _point(x: float, y: float, z: float) -> Vector3:
     return Vector3(x=x, y=y, z=z)
+
+
+def _shown(x: float, y: float, z: float) -> Vector3:
+    return _point(_coarse(x), _coarse(y), z)
+
+
+def _coarse(length_m: float) -> float:
+    return round(length_m / GRAIN_M) * GRAIN_M

@@ -33,7 +33,7 @@ for slot in range(500):
     recorder.put(retina_at(slot, np.zeros((1, 16, 1), np.uint8)))
 sizes = [0, partial.stat().st_size]
 while sizes[-1] != sizes[-2] or len(sizes) < 4:  # until nothing is left to be flushed
-    time.sleep(0.6)
+    time.sleep(1.0)
     sizes.append(partial.stat().st_size)
 for slot in range(500, 700):
     recorder.put(retina_at(slot, np.zeros((1, 16, 1), np.uint8)))
@@ -58,7 +58,7 @@ def test_a_recording_killed_outright_loses_only_what_was_not_yet_flushed(tmp_pat
 
 
 def test_the_flush_period_keeps_the_promise_of_losing_less_than_a_second():
-    assert FLUSH_PERIOD_S <= 0.5
+    assert FLUSH_PERIOD_S <= 0.8  # a fifth of a second for a busy machine and for compressing
 
 
 def test_a_log_cut_anywhere_is_recovered_to_a_log_that_replays(log_path, tmp_path):

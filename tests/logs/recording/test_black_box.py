@@ -109,7 +109,7 @@ def test_a_box_that_could_not_be_written_is_written_again_with_all_that_it_holds
 ):
     monkeypatch.setattr("reflexarc_logs.recording.series.RETRY_S", 0.0)
     disks = Disks(full_after(60_000))
-    monkeypatch.setattr("reflexarc_logs.container.writing.open_for_writing", disks)
+    monkeypatch.setattr("reflexarc_logs.container.unfinished.open_for_writing", disks)
     monkeypatch.setattr("reflexarc_logs.container.writing.CHUNK_BYTES", 4096)
     schedule = silent(nominal(700), 400, 430)
     drive(tmp_path / "a.mcap", policy, schedule, 700, box=BoxSpan(4.0, 3.0))

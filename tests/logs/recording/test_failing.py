@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from reflexarc_logs.container import unfinished
 from reflexarc_logs.container import writing as log_file
 from reflexarc_logs.container.first_look import look
 from reflexarc_logs.container.manifest import read_manifest
@@ -49,7 +50,7 @@ def at_once(monkeypatch):
 @pytest.fixture
 def disks(monkeypatch) -> Callable[..., None]:
     def become(*fails: Callable[[int], None]) -> None:
-        monkeypatch.setattr(log_file, "open_for_writing", Disks(*fails))
+        monkeypatch.setattr(unfinished, "open_for_writing", Disks(*fails))
 
     return become
 
@@ -94,7 +95,7 @@ def test_a_disk_that_fails_ends_a_part_and_the_next_begins_with_a_keyframe(
     recover(tmp_path / "a.mcap.partial", tmp_path / "b.mcap")
     assert replay(tmp_path / "b.mcap").exit_status == 0
     lost = set(range(TICKS)) - {*ticks_of(tmp_path / "b.mcap"), *ticks_of(second)}
-    assert 0 < len(lost) < TICKS / 2
+    assert len(lost) < TICKS / 2  # none, if the disk failed right before a keyframe
 
 
 def test_every_part_counts_and_all_are_named(policy, tmp_path, disks):

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from reflexarc_logs.container import unfinished
 from reflexarc_logs.container import writing as log_file
 from reflexarc_logs.container.first_look import look
 from reflexarc_logs.container.manifest import read_manifest
@@ -167,7 +168,9 @@ def test_a_listener_s_parts_begin_with_whatever_comes(tmp_path):
 def test_a_disk_that_fails_amid_parts_goes_on_as_ever(policy, tmp_path, monkeypatch):
     monkeypatch.setattr("reflexarc_logs.recording.series.RETRY_S", 0.0)
     monkeypatch.setattr(scribe_module, "FLUSH_PERIOD_S", 0.01)
-    monkeypatch.setattr(log_file, "open_for_writing", Disks(full_after(1 << 20), full_after(8_000)))
+    monkeypatch.setattr(
+        unfinished, "open_for_writing", Disks(full_after(1 << 20), full_after(8_000))
+    )
     drive(tmp_path / "a.mcap", policy, nominal(TICKS), TICKS, keeping=Keeping(rotate_s=3.0))
     listed = read_manifest(tmp_path / "a.parts.jsonl")
     assert [part.state for part in listed[:2]] == ["finished", "failed"]

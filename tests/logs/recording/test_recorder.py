@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mcap.reader import make_reader
 
-from reflexarc_logs.container import writing as log_file
+from reflexarc_logs.container import unfinished
 from reflexarc_logs.container.rejected import KEPT_BYTES
 from reflexarc_logs.container.run_info import RunInfo
 from reflexarc_logs.reading.reader import read_log
@@ -196,7 +196,7 @@ def noise(count: int) -> list[Message]:
 def test_a_full_disk_stops_the_recording_says_so_once_and_keeps_what_was_written(
     tmp_path, monkeypatch, caplog
 ):
-    monkeypatch.setattr(log_file, "open_for_writing", lambda path: FullDisk(path, 300_000))
+    monkeypatch.setattr(unfinished, "open_for_writing", lambda path: FullDisk(path, 300_000))
     with caplog.at_level(logging.ERROR):
         recorder = record(tmp_path / "log.mcap", noise(2000))
     assert recorder.state == "stopped: No space left on device"
@@ -211,7 +211,7 @@ def test_a_full_disk_stops_the_recording_says_so_once_and_keeps_what_was_written
 
 
 def test_a_disk_that_is_full_from_the_start_is_refused_and_leaves_nothing(tmp_path, monkeypatch):
-    monkeypatch.setattr(log_file, "open_for_writing", lambda path: FullDisk(path, 100))
+    monkeypatch.setattr(unfinished, "open_for_writing", lambda path: FullDisk(path, 100))
     with pytest.raises(LogError, match="cannot be written: No space left on device"):
         record(tmp_path / "log.mcap", [])
     assert not list(tmp_path.iterdir())
@@ -224,7 +224,7 @@ def test_a_configuration_that_is_no_json_is_our_mistake_and_leaves_nothing(tmp_p
 
 
 def test_the_node_drives_on_when_its_recording_stops(tmp_path, monkeypatch, policy, caplog):
-    monkeypatch.setattr(log_file, "open_for_writing", lambda path: FullDisk(path, 8_000))
+    monkeypatch.setattr(unfinished, "open_for_writing", lambda path: FullDisk(path, 8_000))
     verdicts = drive(tmp_path / "log.mcap", policy, nominal(300), 300)
     assert verdicts["OK"] == 298
     assert "the recording stopped" in caplog.text

@@ -134,7 +134,7 @@ def test_a_disk_that_turns_read_only_after_a_sync_that_failed_is_named_by_the_sy
             raise OSError(errno.EROFS, os.strerror(errno.EROFS))
 
     monkeypatch.setattr(os, "fsync", sync)
-    monkeypatch.setattr("reflexarc_logs.container.writing.open_for_writing", Disks(refuse))
+    monkeypatch.setattr("reflexarc_logs.container.unfinished.open_for_writing", Disks(refuse))
     keeping = Keeping(sync_s=0.0)
     with Recorder(tmp_path / "a.mcap", RUN, b"", {}, wall_offset_ns=0, keeping=keeping) as recorder:
         while not recorder.state.startswith("stopped"):

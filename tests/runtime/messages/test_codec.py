@@ -119,7 +119,7 @@ def test_a_tick_holds_every_field_of_its_decision():
         "abc",
         (0.5, 1.5),
     )
-    tick = pb.Tick.FromString(encode_tick(decision, Timing(70, 72, 1, 2, 3, 4)))
+    tick = pb.Tick.FromString(encode_tick(decision, Timing(70, 76, 1, 2499, 2500, 4)))
     said = tick.decision
     assert (said.index, said.slot, said.now_ns, said.inputs) == (3, 5, 77, 2)
     assert (said.input.sequence, said.input.source_time_ns) == (9, 123)
@@ -130,7 +130,12 @@ def test_a_tick_holds_every_field_of_its_decision():
     assert math.isnan(said.q_values[2])
     assert (said.reason, said.policy_hash) == ("why", "abc")
     assert (said.command.linear_mps, said.command.lateral_mps) == (1.0, 0.5)
-    assert tick.timing.lateness_ns == 2
+    timing = tick.timing
+    assert (timing.lateness_ns, timing.receive_ns) == (6, 1)
+    assert (timing.decide_ns, timing.publish_ns, timing.record_ns) == (2000, 3000, 0)
+    wake_ns = said.now_ns - timing.receive_ns  # neither it nor the deadline is said again
+    assert (wake_ns, wake_ns - timing.lateness_ns) == (76, 70)
+    assert (timing.deadline_ns, timing.wake_ns) == (0, 0)
 
 
 def test_a_time_stamp_is_seconds_and_nanoseconds():

@@ -41,17 +41,35 @@ class FakeBus:
         return self.publishers.setdefault(topic.name, Spoken())
 
 
-def test_a_body_says_where_it_is_when_it_begins_and_then_once_a_second():
+def test_a_body_says_where_it_is_when_it_begins_and_then_every_two_seconds():
     bus: Any = FakeBus()
     body = Body(world_named("reference-1").drawn(7), PolicyContract(), 4.0, 7, 2, "its text")
     state = StatePublisher(bus, body, "robot0")
-    for step in range(9):
+    for step in range(17):
         state.publish(None, ACCOUNT, step * STEP_NS)
     said = bus.publishers["body"].said
-    assert [time_ns for _, time_ns in said] == [0, 4 * STEP_NS, 8 * STEP_NS]
+    assert [time_ns for _, time_ns in said] == [0, 8 * STEP_NS, 16 * STEP_NS]
+    assert [time_ns for _, time_ns in bus.publishers["scene"].said] == [
+        0,
+        8 * STEP_NS,
+        16 * STEP_NS,
+    ]
+    assert len(bus.publishers["status"].said) == 5
+    assert len(bus.publishers["pose"].said) == 17
     assert {decode_body(payload) for payload, _ in said} == {body.info}
     assert (body.info.world, body.info.world_text) == ("reference-1", "its text")
     assert (body.info.seed, body.info.number, body.info.step_s) == (7, 2, 0.25)
+
+
+def test_transforms_which_say_the_pose_again_come_ten_times_a_second():
+    bus: Any = FakeBus()
+    state = StatePublisher(bus, Body(World("still"), PolicyContract(), 50.0, 0), "robot0")
+    for step in range(500):
+        state.publish(None, ACCOUNT, step * 20_000_000)
+    times_ns = [time_ns for _, time_ns in bus.publishers["tf"].said]
+    assert times_ns == list(range(0, 500 * 20_000_000, 100_000_000))
+    placed = {time_ns for _, time_ns in bus.publishers["pose"].said}
+    assert set(times_ns) <= placed
 
 
 @pytest.mark.parametrize("again", [False, True])
