@@ -8,7 +8,7 @@ from typing import NamedTuple
 from mcap.records import Channel, Chunk, McapRecord, Metadata, Schema
 
 from reflexarc_logs.container.chunks import Allowance, content_of
-from reflexarc_logs.container.first_look import check_is_no_pointer
+from reflexarc_logs.container.first_look import check_is_no_folder, check_is_no_pointer
 from reflexarc_logs.container.frames import (
     DamagedError,
     NotMcapError,
@@ -81,6 +81,7 @@ class MessageFile:
             LogError: it is missing, damaged, or no MCAP file.
         """
         channels = _StreamChannels(self.path)
+        check_is_no_folder(self.path)
         try:
             with self.path.open("rb") as file:
                 check_is_no_pointer(self.path, file)
