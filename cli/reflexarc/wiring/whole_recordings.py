@@ -12,12 +12,13 @@ from reflexarc_runtime.errors import LogError
 
 
 @contextlib.contextmanager
-def as_one_log(place: Path, beside: Path) -> Iterator[Path]:
+def as_one_log(place: Path, beside: Path | None) -> Iterator[Path]:
     """The log itself; of a folder or a manifest, its parts joined, for as long as it is wanted.
 
     Args:
         place: a log, the folder of a recording, or its manifest.
-        beside: in the folder of this file there is room for the whole.
+        beside: in the folder of this file there is room for the whole; None: where the system
+            keeps what is passing.
 
     Raises:
         LogError: see `join`.
@@ -27,8 +28,8 @@ def as_one_log(place: Path, beside: Path) -> Iterator[Path]:
         return
     first = manifest_in(place).name.removesuffix(MANIFEST)
     try:
-        folder = TemporaryDirectory(prefix=".reflexarc-", dir=beside.parent)
+        folder = TemporaryDirectory(prefix=".reflexarc-", dir=beside and beside.parent)
     except OSError as error:
-        raise LogError(f"{beside}: cannot be written: {error.strerror}") from None
+        raise LogError(f"{beside or place}: cannot be written: {error.strerror}") from None
     with folder as name:
         yield join(place, Path(name) / f"{first}.mcap").path

@@ -122,6 +122,9 @@ def test_the_commands_take_the_folder_as_one_log(parts: Path, tmp_path: Path):
     cut = reflexarc("cut", parts, "--from", "30", "--to", "120", "-o", tmp_path / "part.mcap")
     assert (cut.returncode, numbers(tmp_path / "part.mcap")) == (0, list(range(30, 120)))
     assert sorted(path.name for path in tmp_path.iterdir()) == ["one.mcap", "part.mcap", "parts"]
-    refused = reflexarc("diff", parts, tmp_path / "one.mcap")
-    assert refused.returncode == 2
-    assert "got a folder; of a recording in parts `reflexarc join" in refused.stderr
+    listed = reflexarc("incident", parts / "a.parts.jsonl")
+    assert (listed.returncode, listed.stdout.splitlines()[0][:15]) == (0, "nothing happene")
+    for words in (("diff", parts, tmp_path / "one.mcap"), ("info", parts)):
+        refused = reflexarc(*words)
+        assert refused.returncode == 2
+        assert "got a folder; of a recording in parts `reflexarc join" in refused.stderr

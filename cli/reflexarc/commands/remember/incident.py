@@ -52,7 +52,7 @@ class IncidentCommand:
         from reflexarc_logs.reading.reader import read_log
 
         around_s = self._around_s()
-        with as_one_log(self.log, self.out or self.log) as path:
+        with as_one_log(self.log, self.out) as path:
             log = read_log(path)
             if self.out is None:
                 return self._list(log)
