@@ -30,6 +30,7 @@ from reflexarc.commands.remember.diff import DiffCommand
 from reflexarc.commands.remember.import_log import ImportCommand
 from reflexarc.commands.remember.incident import IncidentCommand
 from reflexarc.commands.remember.info import InfoCommand
+from reflexarc.commands.remember.join import JoinCommand
 from reflexarc.commands.remember.mark import MarkCommand
 from reflexarc.commands.remember.play import PlayCommand
 from reflexarc.commands.remember.record import RecordCommand
@@ -79,6 +80,7 @@ GROUPS: dict[str, tuple[type[CliCommand], ...]] = {
         ViewCommand,
         ImportCommand,
         CutCommand,
+        JoinCommand,
         IncidentCommand,
         DecideCommand,
         DiffCommand,

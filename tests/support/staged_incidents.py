@@ -9,17 +9,22 @@ from mcap.reader import NonSeekingReader
 
 from reflexarc_logs.container.writing import LogWriter
 from reflexarc_runtime.messages.controls import encode_stop
-from reflexarc_runtime.messages.topics import CONTACT, MARK, RESET, STOP, Topic
+from reflexarc_runtime.messages.topics import BODY, CONTACT, MARK, RESET, STOP, Topic
 from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp, protobuf_encoding
-from reflexarc_runtime.messages_pb2 import Contact, Reset, Tick
+from reflexarc_runtime.messages_pb2 import Body, Contact, Reset, Tick
 from support.recordings import MS, PERIOD_NS, START_NS
 
 Staged = Mapping[int, tuple[Topic, ProtobufMessage]]
 """Index of a tick → what is heard behind it."""
+NOWHEN: Mapping[int, int] = {}
 
 
 def contact(count: int = 1) -> tuple[Topic, ProtobufMessage]:
     return CONTACT, Contact(count=count, x_m=1.25, y_m=-0.5)
+
+
+def body() -> tuple[Topic, ProtobufMessage]:
+    return BODY, Body(world="reflex", world_text="name = 'reflex'", seed=7, step_s=0.02)
 
 
 def mark(text: str) -> tuple[Topic, ProtobufMessage]:
@@ -42,8 +47,11 @@ def stopped_between(schedule: dict[int, list[Message]], first: int, end: int) ->
     schedule[end] = [*schedule[end], control_at(end, RESET, "go on")]
 
 
-def staged(source: Path, out: Path, heard: Staged) -> Path:
-    """Copy a log, and put messages behind its ticks."""
+def staged(source: Path, out: Path, heard: Staged, sent_ns: Mapping[int, int] = NOWHEN) -> Path:
+    """Copy a log, and put messages behind its ticks.
+
+    `sent_ns` says when the message behind a tick was sent; by default, with the tick.
+    """
     file = LogWriter(out)
     with source.open("rb") as stream:
         for record in NonSeekingReader(stream).iter_metadata():
@@ -64,6 +72,7 @@ def staged(source: Path, out: Path, heard: Staged) -> Path:
                 if index in heard:
                     topic, said = heard[index]
                     beside = file.channel(f"/{topic.key('robot0')}", topic.message)
+                    times["publish_ns"] = sent_ns.get(index, message.publish_time)
                     file.add(beside, said.SerializeToString(), sequence=index, **times)
     file.finish()
     return out

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 from google.protobuf.descriptor import Descriptor, FieldDescriptor
 
-from reflexarc_logs.columns.wire_walk import FieldPlace, UnusualError, WireKind, fields_at
+from reflexarc_logs.reading.wire_walk import FieldPlace, UnusualError, WireKind, fields_at
 from reflexarc_runtime.decision import Verdict
 from reflexarc_runtime.messages_pb2 import Decision, Tick
 

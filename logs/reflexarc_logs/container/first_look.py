@@ -36,6 +36,7 @@ from reflexarc_logs.container.run_info import RUN, RunInfo
 from reflexarc_logs.container.writing import END, PROFILE
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.files import is_lfs_pointer
+from reflexarc_runtime.words.suggestion import pasteable
 
 MAX_METADATA_BYTES = 16 << 20
 """All that a file may say about itself, together."""
@@ -165,7 +166,30 @@ def check_is_no_pointer(path: Path, file: BinaryIO) -> None:
     file.seek(0)
 
 
+def is_folder(path: Path) -> bool:
+    """Whether it is one; what cannot even be looked for is none."""
+    try:
+        return path.is_dir()
+    except OSError:  # a name that is too long
+        return False
+
+
+def check_is_no_folder(path: Path) -> None:
+    """Refuse a folder where one log is wanted.
+
+    Raises:
+        LogError: it is one.
+    """
+    if is_folder(path):
+        joining = pasteable("reflexarc", "join", path)
+        raise LogError(
+            f"{path}: expected one log (.mcap), got a folder; of a recording in parts "
+            f"`{joining} -o ONE.mcap` makes one"
+        )
+
+
 def _size(path: Path) -> int:
+    check_is_no_folder(path)
     try:
         size = path.stat().st_size
     except OSError as error:

@@ -1,7 +1,8 @@
 """Cuts a part out of a log: it begins with what the controller knew, so it replays by itself.
 
 The cut is made behind a tick in file order, never by log time: what a tick used stands in front of
-it, whatever its time. The keyframe at its beginning is made by replaying all that is cut off.
+it, whatever its time. The keyframe at its beginning is made by replaying all that is cut off. What
+a body said of itself and its world, it says once a second: the last of it stands there as well.
 """
 
 from collections.abc import Iterator, Mapping
@@ -19,7 +20,7 @@ from reflexarc_logs.replaying.node_level import why_not
 from reflexarc_logs.replaying.state_at_tick import KnownState, state_at_tick
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.keyframe import encode_state
-from reflexarc_runtime.messages.topics import COMMAND, KEYFRAME, TICK
+from reflexarc_runtime.messages.topics import BODY, COMMAND, KEYFRAME, TICK
 from reflexarc_runtime.messages_pb2 import Tick
 from reflexarc_runtime.policy.policy import Backend, LoadedPolicy
 
@@ -97,6 +98,9 @@ class _Part:
         self._tick = log.topic(TICK.name)
         self._command = log.topic(COMMAND.name)
         self._keyframe = log.topic(KEYFRAME.name)
+        self._body = log.topic(BODY.name)
+        self._bodies: dict[int, Message] = {}
+        """What each body said of itself last before the part begins, by channel."""
         self._is_keyed = False
 
     def write_head(self, known: KnownState | None, policy: LoadedPolicy | None) -> None:
@@ -135,6 +139,11 @@ class _Part:
             index = Tick.FromString(message.data).decision.index if topic == self._tick else None
             if index is not None and index >= end:
                 return
+            if topic == self._body and not inside:
+                self._bodies[message.channel_id] = message
+            if inside and self._bodies:
+                yield from self._bodies.values()
+                self._bodies.clear()
             if inside and not self._is_of_the_tick_before(topic, message):
                 self.ticks += index is not None
                 yield message

@@ -89,7 +89,10 @@ def cut_incident(
     here = next((n for n, m in enumerate(moments) if m.index == incident.tick), None)
     if here is None:
         raise LogError(f"{log.path}: expected a tick {incident.tick}, found none of that number")
-    span = _narrowed(moments, here) if narrow else TickSpan(moments[0].index, moments[-1].index + 1)
+    span = TickSpan(moments[0].index, moments[-1].index + 1)
+    if narrow:
+        needed = [n for n, m in enumerate(moments) if m.index <= incident.behind]
+        span = _narrowed(moments, here, max([here, *needed]))
     note = _note(log, incident)
     part = cut(log, span, out, said={INCIDENT: _described(log, incident, note)})
     shown = _shows(read_log(part.path), incident)
@@ -105,8 +108,8 @@ def _around(log: Log, tick: int, around_s: float) -> list[_Moment]:
     return [m for m in moments if abs(m.now_ns - at_ns) <= around_s * 1e9]
 
 
-def _narrowed(moments: list[_Moment], here: int) -> TickSpan:
-    """From the tick before the choice that led to it, to the tick behind it.
+def _narrowed(moments: list[_Moment], here: int, last: int) -> TickSpan:
+    """From the tick before the choice that led to it, to the tick behind the last one it needs.
 
     Where the policy was asked, what was done at the incident was chosen at the first of the ticks
     in a row that did the same; where it was not asked, nothing was chosen.
@@ -117,8 +120,8 @@ def _narrowed(moments: list[_Moment], here: int) -> TickSpan:
     choice = _choice(moments[start])
     while start and choice[0] in ASKED and _choice(moments[start - 1]) == choice:
         start -= 1
-    first, last = moments[max(0, start - 1)], moments[min(here + 1, len(moments) - 1)]
-    return TickSpan(first.index, last.index + 1)
+    end = moments[min(last + 1, len(moments) - 1)]
+    return TickSpan(moments[max(0, start - 1)].index, end.index + 1)
 
 
 def _choice(moment: _Moment) -> tuple[int, int]:

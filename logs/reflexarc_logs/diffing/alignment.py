@@ -8,12 +8,16 @@ sides, as in two logs of one drive. Else in their order.
 from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import TypeAlias
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
 
 from reflexarc_logs.diffing.diff_rules import Alignment
 from reflexarc_logs.diffing.message_file import StreamMessage
 
 Key: TypeAlias = Callable[[StreamMessage], int]
+Unsigned: TypeAlias = npt.NDArray[np.unsignedinteger[Any]]
 
 _SAMPLE = 1000
 """So many times of sending are looked at to see whether both sides have the same."""
@@ -34,16 +38,40 @@ class Census:
     sent_ns: set[int] = field(default_factory=set)
     """When the first ones were sent."""
 
-    def add(self, message: StreamMessage) -> None:
+    def add(self, sequence: int, sent_ns: int) -> None:
         """Count a message."""
         if not self.count:
-            self.first = message.sequence
-        self.sequences_tell &= message.sequence > self.last
-        self.times_tell &= message.publish_ns > self.last_sent_ns
-        self.count, self.last = self.count + 1, message.sequence
-        self.last_sent_ns = message.publish_ns
+            self.first = sequence
+        self.sequences_tell &= sequence > self.last
+        self.times_tell &= sent_ns > self.last_sent_ns
+        self.count, self.last, self.last_sent_ns = self.count + 1, sequence, sent_ns
         if len(self.sent_ns) < _SAMPLE:
-            self.sent_ns.add(message.publish_ns)
+            self.sent_ns.add(sent_ns)
+
+    def add_all(self, sequences: Unsigned, sent_ns: Unsigned, shift_ns: int) -> None:
+        """Count messages that follow each other.
+
+        Args:
+            sequences: of each, (messages,).
+            sent_ns: when each was sent, (messages,).
+            shift_ns: what has to be taken off those times.
+        """
+        if not self.count:
+            self.first = int(sequences[0])
+        self.sequences_tell &= int(sequences[0]) > self.last and _grows(sequences)
+        self.times_tell &= int(sent_ns[0]) - shift_ns > self.last_sent_ns and _grows(sent_ns)
+        self.count, self.last = self.count + len(sequences), int(sequences[-1])
+        self.last_sent_ns = int(sent_ns[-1]) - shift_ns
+        for begin in range(0, len(sent_ns), _SAMPLE):  # of those that are the same, one counts
+            if (wanted := _SAMPLE - len(self.sent_ns)) <= 0:
+                return
+            some = [sent - shift_ns for sent in sent_ns[begin : begin + _SAMPLE].tolist()]
+            new = [sent for sent in dict.fromkeys(some) if sent not in self.sent_ns]
+            self.sent_ns.update(new[:wanted])
+
+
+def _grows(values: Unsigned) -> bool:
+    return bool((values[1:] > values[:-1]).all())
 
 
 def chosen(asked: Alignment, one: Census, other: Census) -> Alignment:
@@ -59,8 +87,7 @@ def chosen(asked: Alignment, one: Census, other: Census) -> Alignment:
     return "order"
 
 
-@dataclass(frozen=True, slots=True)
-class Matched:
+class Matched(NamedTuple):
     """What belongs together; None: that side has nothing."""
 
     number: int
@@ -86,8 +113,9 @@ class Pairing:
 
     def add(self, side: int, message: StreamMessage) -> Iterator[Matched]:
         """Take a message of side 0 or 1; yields what is certain now."""
+        ours, theirs = self._waiting
         self._waiting[side].append(message)
-        while all(self._waiting):
+        while ours and theirs:
             yield self._take()
 
     def rest(self) -> Iterator[Matched]:

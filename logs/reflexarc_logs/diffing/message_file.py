@@ -5,20 +5,20 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from mcap.opcode import Opcode
-from mcap.records import Channel, Chunk, Message, Metadata, Schema
+from mcap.records import Channel, Chunk, McapRecord, Metadata, Schema
 
-from reflexarc_logs.container.chunks import Allowance, content_of, records_in
-from reflexarc_logs.container.fields import MESSAGE, decoded
-from reflexarc_logs.container.first_look import check_is_no_pointer
+from reflexarc_logs.container.chunks import Allowance, content_of
+from reflexarc_logs.container.first_look import check_is_no_folder, check_is_no_pointer
 from reflexarc_logs.container.frames import (
     DamagedError,
     NotMcapError,
     NotReadHereError,
     TruncatedError,
 )
-from reflexarc_logs.container.record_stream import stream_records
+from reflexarc_logs.container.record_stream import ChunkBytes, stream_records
 from reflexarc_logs.container.run_info import RUN, RunInfo
+from reflexarc_logs.reading.channels import Channels
+from reflexarc_logs.reading.message_tables import MessageTable, tables_of
 from reflexarc_runtime.errors import LogError
 
 
@@ -45,6 +45,14 @@ class StreamMessage(NamedTuple):
     payload: bytes
 
 
+class StreamTable(NamedTuple):
+    """Many messages at once, in file order."""
+
+    table: MessageTable
+    streams: dict[int, Stream]
+    """By the channel's number in the table."""
+
+
 class MessageFile:
     """An MCAP file that is read as often as its streams are wanted.
 
@@ -54,8 +62,6 @@ class MessageFile:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self._allowance = Allowance.of(0)
-        self._publish_shift_ns = 0
         self.was_cut = False
         """Whether it ended in the middle when it was last read to its end."""
 
@@ -65,25 +71,22 @@ class MessageFile:
         Raises:
             LogError: it is missing, damaged, or no MCAP file.
         """
-        channels = _Channels()
+        for one in self.tables():
+            yield from _messages_of(one)
+
+    def tables(self) -> Iterator[StreamTable]:
+        """The same, many at once, for who needs no object for each.
+
+        Raises:
+            LogError: it is missing, damaged, or no MCAP file.
+        """
+        channels = _StreamChannels(self.path)
+        check_is_no_folder(self.path)
         try:
             with self.path.open("rb") as file:
                 check_is_no_pointer(self.path, file)
-            self._allowance = Allowance.of(self.path.stat().st_size)
-            for located in stream_records(self.path):
-                record = located.record
-                if isinstance(record, Chunk):
-                    yield from self._in_chunk(record, channels)
-                elif isinstance(record, Message):
-                    sent_ns = record.publish_time - self._publish_shift_ns
-                    times = record.sequence, record.log_time, sent_ns
-                    yield StreamMessage(channels.of(record.channel_id), *times, record.data)
-                elif isinstance(record, Metadata) and record.name == RUN:
-                    self._publish_shift_ns = _publish_shift_ns(record)
-                elif isinstance(record, Schema | Channel):
-                    channels.learn(record)
-        except TruncatedError:
-            self.was_cut = True
+            for table in tables_of(self._parts(), channels):
+                yield StreamTable(table, channels.by_number)
         except NotMcapError:
             raise LogError(f"{self.path}: expected an MCAP file, got another kind") from None
         except DamagedError as error:
@@ -93,20 +96,32 @@ class MessageFile:
         except OSError as error:
             raise LogError(f"{self.path}: cannot be read: {error.strerror}") from None
 
-    def _in_chunk(self, chunk: Chunk, channels: "_Channels") -> Iterator[StreamMessage]:
-        """Its messages, without an object of the library for each: most are only passed on."""
-        content, streams = content_of(chunk, self._allowance), channels.streams
-        for opcode, start, end in records_in(content, self._allowance):
-            if opcode == Opcode.MESSAGE:
-                channel, sequence, log_ns, sent_ns = MESSAGE.unpack_from(content, start)
-                stream = streams.get(channel) or channels.of(channel)
-                payload = content[start + MESSAGE.size : end]
-                sent_ns -= self._publish_shift_ns
-                yield StreamMessage(stream, sequence, log_ns, sent_ns, payload)
-            elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
-                record = decoded(opcode, content[start:end])
-                assert isinstance(record, Schema | Channel)
-                channels.learn(record)
+    def _parts(self) -> Iterator[McapRecord | ChunkBytes]:
+        """The records of the file; its chunks as they are when unpacked."""
+        allowance = Allowance.of(self.path.stat().st_size)
+        try:
+            for located in stream_records(self.path):
+                if isinstance(located.record, Chunk):
+                    yield ChunkBytes(content_of(located.record, allowance), allowance)
+                else:
+                    yield located.record
+        except TruncatedError:
+            self.was_cut = True
+
+
+def _messages_of(one: StreamTable) -> Iterator[StreamMessage]:
+    table = one.table
+    heads, content, shift_ns = table.heads, table.content, table.publish_shift_ns
+    places = zip(table.payloads.tolist(), table.ends.tolist(), strict=True)
+    sent_ns = heads["sent_ns"].tolist()
+    return map(
+        StreamMessage,
+        map(one.streams.__getitem__, heads["channel"].tolist()),
+        heads["sequence"].tolist(),
+        heads["log_ns"].tolist(),
+        [sent - shift_ns for sent in sent_ns] if shift_ns else sent_ns,
+        [content[start:end] for start, end in places],
+    )
 
 
 def _publish_shift_ns(run: Metadata) -> int:
@@ -117,36 +132,30 @@ def _publish_shift_ns(run: Metadata) -> int:
         return 0
 
 
-class _Channels:
+class _StreamChannels(Channels):
     """The streams of the channels read so far, by the channels' numbers."""
 
-    def __init__(self) -> None:
-        self.streams: dict[int, Stream] = {}
-        self._schemas: dict[int, Schema] = {}
+    def __init__(self, path: Path) -> None:
+        super().__init__(path)
+        self.by_number: dict[int, Stream] = {}
+        self._known: dict[int, Schema] = {}
         self._times: Counter[str] = Counter()
 
-    def learn(self, record: Schema | Channel) -> None:
+    def learn(self, record: McapRecord) -> None:
         """Take a record; those behind the messages repeat what was said before them."""
-        if isinstance(record, Schema):
-            self._schemas.setdefault(record.id, record)
-        elif record.id not in self.streams:
-            self.streams[record.id] = self._stream(record)
-
-    def of(self, channel_id: int) -> Stream:
-        """The stream of a channel.
-
-        Raises:
-            DamagedError: nothing says what it is.
-        """
-        if channel_id not in self.streams:
-            raise DamagedError("a message on an unknown channel")
-        return self.streams[channel_id]
+        super().learn(record)
+        if isinstance(record, Metadata) and record.name == RUN:
+            self.publish_shift_ns = _publish_shift_ns(record)
+        elif isinstance(record, Schema):
+            self._known.setdefault(record.id, record)
+        elif isinstance(record, Channel) and record.id not in self.by_number:
+            self.by_number[record.id] = self._stream(record)
 
     def _stream(self, channel: Channel) -> Stream:
         self._times[channel.topic] += 1
         occurrence = self._times[channel.topic]
         topic = channel.topic if occurrence == 1 else f"{channel.topic}#{occurrence}"
-        schema = self._schemas.get(channel.schema_id)
+        schema = self._known.get(channel.schema_id)
         if schema is None:
             return Stream(topic, "", channel.message_encoding, "", b"")
         return Stream(topic, schema.name, channel.message_encoding, schema.encoding, schema.data)

@@ -50,17 +50,22 @@ class Payloads:
     def __init__(self, a: Stream, b: Stream, is_ignored: Callable[[str], bool]) -> None:
         self._decoders = decoder_of(a), decoder_of(b)
         self._is_one_kind = a.type_name == b.type_name and a[2:] == b[2:]
-        self._kind = protobuf_class(a) if self._is_one_kind else None
-        self._strip = None if self._kind is None else _stripping(self._kind, is_ignored)
+        self.kind = protobuf_class(a) if self._is_one_kind else None
+        """The class of the messages, where both sides have the same."""
+        self._strip = None if self.kind is None else _stripping(self.kind, is_ignored)
         self.are_decoded = _as_bytes not in self._decoders
         """Whether fields are told apart; else they are compared as bytes."""
         if not self.are_decoded:
             self._decoders = _as_bytes, _as_bytes
 
+    def are_equal(self, a: bytes, b: bytes) -> bool:
+        """Whether two payloads are the same bytes, and mean the same."""
+        return self._is_one_kind and a == b
+
     def equal(self, a: bytes, b: bytes) -> bool:
         """Whether two payloads are the same to the last bit, but for fields that are ignored."""
         if a == b or self._strip is None:
-            return self._is_one_kind and a == b
+            return self.are_equal(a, b)
         try:
             return self._strip(a) == self._strip(b)
         except UnreadableError:
@@ -72,8 +77,8 @@ class Payloads:
         Raises:
             UnreadableError: a payload is not what its schema says.
         """
-        if self._kind is not None:
-            yield from protobuf_differing(_parsed(self._kind, a), _parsed(self._kind, b), _plain)
+        if self.kind is not None:
+            yield from protobuf_differing(_parsed(self.kind, a), _parsed(self.kind, b), _plain)
         else:
             yield from plain_differing(self._decoders[0](a), self._decoders[1](b))
 

@@ -1,5 +1,6 @@
 """Judges a candidate policy on one log: one pass over the file, at level `policy`."""
 
+from collections import deque
 from collections.abc import Iterable, Iterator
 
 from reflexarc_logs.judging.answers import Answering, Answers, JudgedTick
@@ -8,7 +9,12 @@ from reflexarc_logs.judging.flip_limits import FlipLimits
 from reflexarc_logs.judging.flip_tally import FlipTally
 from reflexarc_logs.judging.incident_answers import IncidentAnswers, TickPlace
 from reflexarc_logs.judging.judgement import NO_ACTION, LogJudgement
-from reflexarc_logs.reading.incidents import Incident, IncidentFinder, incident_topics
+from reflexarc_logs.reading.incidents import (
+    MOST_TICKS_BACK,
+    Incident,
+    IncidentFinder,
+    incident_topics,
+)
 from reflexarc_logs.reading.reader import Log, decode
 from reflexarc_logs.replaying.message_fields import message_type
 from reflexarc_logs.replaying.robot_replay import rules_for
@@ -66,6 +72,8 @@ class _Judging:
         self._since, self._until = limits.window
         self._first_ns: int | None = None
         self._here = TickPlace(NO_ACTION, 0, 0)
+        self._places: deque[TickPlace] = deque(maxlen=MOST_TICKS_BACK + 1)
+        """Of the newest ticks: what happened may be met later."""
         self._ticks = self._other_policies = 0
 
     def run(self) -> None:
@@ -77,9 +85,10 @@ class _Judging:
                 finder.beside(record)
             else:
                 decision = decode(self._log, record, Tick).decision
-                before, self._here = self._here, self._take(decision)
-                self._meet(finder.tick(decision, record.log_ns), before)
-        self._meet(finder.end(), self._here)
+                self._here = self._take(decision)
+                self._places.append(self._here)
+                self._meet(finder.tick(decision, record.log_ns))
+        self._meet(finder.end())
         self._count(self._answering.end())
 
     def notes(self) -> Iterator[str]:
@@ -123,9 +132,10 @@ class _Judging:
             recorded, winners = self.tally.preferred(answers), answers.winners.tolist()
             self.incidents.answer(ticks, recorded, winners)
 
-    def _meet(self, found: Iterable[Incident], before: TickPlace) -> None:
+    def _meet(self, found: Iterable[Incident]) -> None:
         for incident in found:
-            place = self._here if incident.tick == self._here.number else before
+            there = (one for one in reversed(self._places) if one.number == incident.tick)
+            place = next(there, self._here)
             if self._is_inside(place.number, place.after_ns):
                 self.incidents.meet(incident, place)
 

@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from reflexarc_logs.container.first_look import is_folder
 from reflexarc_logs.container.manifest import MANIFEST, read_manifest
 from reflexarc_runtime.errors import LogError
 
@@ -35,7 +36,7 @@ def _in(place: Path) -> Iterator[Path]:
         logs = [part.path for part in read_manifest(place) if part.path.is_file()]
         if not logs:
             raise LogError(f"{place}: expected finished parts beside it, found none")
-    elif place.is_dir():
+    elif is_folder(place):
         found = (p for p in place.rglob("*") if p.suffix.lower() == SUFFIX and p.is_file())
         logs = sorted(found, key=_in_order)
         if not logs:

@@ -5,14 +5,17 @@ from pathlib import Path
 
 import pytest
 
+from reflexarc_logs.cutting.cut import cut
 from reflexarc_logs.cutting.incident_part import INCIDENT, choose, cut_incident
+from reflexarc_logs.cutting.span import TickSpan
 from reflexarc_logs.reading.incidents import Incident, find_incidents
 from reflexarc_logs.reading.reader import Log, read_log
 from reflexarc_runtime.errors import LogError
+from reflexarc_runtime.messages_pb2 import Body
 from support.policies import exported
 from support.processes import reflexarc
 from support.recordings import CONTRACT, drive, nominal
-from support.staged_incidents import contact, mark, staged, stopped_between
+from support.staged_incidents import body, contact, mark, staged, stopped_between
 
 TICKS = 400
 
@@ -127,3 +130,26 @@ def _time_of(log: Log, index: int) -> int:
 
 def _words(log: Log) -> str:
     return next(find_incidents(log)).words
+
+
+@pytest.mark.parametrize("narrow", [True, False])
+def test_a_part_knows_what_its_body_said_of_itself(path: Path, tmp_path: Path, narrow: bool):
+    """Once a second, and so rarely within the part: without it no world can be built again."""
+    other = body()[1]
+    other.seed = 8  # another world of the same body: the last one counts
+    heard = {60: body(), 90: (body()[0], other), 170: body()}
+    whole = read_log(staged(path, tmp_path / "drive.mcap", heard))
+    incident = choose(whole, None, "contact")
+    found = cut_incident(whole, incident, 0.5, tmp_path / "part.mcap", narrow=narrow)
+    said = list(read_log(found.part.path).messages("/robot0/body", Body))
+    assert [message for _, message in said] == [other]
+    (before,) = [r for r, m in whole.messages("/robot0/body", Body) if m == other]
+    assert (said[0][0].log_ns, said[0][0].sequence) == (before.log_ns, before.sequence)
+    assert found.report.exit_status == 0
+    assert found.is_shown
+
+
+def test_a_part_from_the_beginning_has_it_once(path: Path, tmp_path: Path):
+    whole = read_log(staged(path, tmp_path / "drive.mcap", {0: body()}))
+    part = cut(whole, TickSpan(0, 30), tmp_path / "part.mcap")
+    assert len(list(read_log(part.path).records("/robot0/body"))) == 1

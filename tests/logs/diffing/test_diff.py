@@ -2,6 +2,7 @@
 
 import json
 import random
+import struct
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
@@ -192,6 +193,19 @@ def test_files_that_are_none(tmp_path: Path, write: Write):
         diff(tmp_path / "none.mcap", good)
     bad.write_bytes(good.read_bytes()[:60])
     assert any("is cut" in note for note in diff(good, bad).notes)
+
+
+def test_a_message_shorter_than_its_own_fields_is_damage(tmp_path: Path, write: Write):
+    """A chunk whose last message ends in the middle of its times."""
+    short = tmp_path / "short.mcap"
+    channel = struct.pack("<HHI2sI4sI", 1, 0, 2, b"/s", 4, b"json", 0)
+    content = b"".join(struct.pack("<BQ", k, len(d)) + d for k, d in ((4, channel), (5, bytes(9))))
+    head = struct.pack("<QQQII", 0, 0, len(content), 0, 0) + struct.pack("<Q", len(content))
+    records = ((1, bytes(8)), (6, head + content), (15, bytes(4)))
+    body = b"".join(struct.pack("<BQ", kind, len(data)) + data for kind, data in records)
+    short.write_bytes(b"\x89MCAP0\r\n" + body)
+    with pytest.raises(LogError, match=r"short\.mcap: damaged: a record shorter than its own"):
+        diff(write("a", s=[(0, 0, {})]), short)
 
 
 def test_the_command_says_it_in_each_form(write: Write):

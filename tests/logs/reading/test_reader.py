@@ -87,9 +87,11 @@ def test_a_bad_file_is_refused_in_one_line(case, tmp_path):
 
 
 def test_what_is_no_file_is_refused_in_one_line(tmp_path):
-    for path in (tmp_path, tmp_path / "missing.mcap", tmp_path / ("n" * 300)):
+    for path in (tmp_path / "missing.mcap", tmp_path / ("n" * 300)):
         with pytest.raises(LogError, match=r"cannot be read: .+"):
             read_log(path)
+    with pytest.raises(LogError, match=r"expected one log .* got a folder; .*reflexarc join"):
+        read_log(tmp_path)
 
 
 def test_a_log_of_another_system_is_refused(tmp_path):

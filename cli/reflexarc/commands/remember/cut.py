@@ -23,10 +23,11 @@ class CutCommand:
     Examples:
       reflexarc cut runs/drive.mcap --from 120 --to 200 -o runs/corner.mcap
       reflexarc cut runs/drive.mcap --from 2.4s --to 8s -o runs/corner.mcap
+      reflexarc cut runs/patrol --from 250 --to 420 -o runs/over-two-parts.mcap
     """
 
     log: tyro.conf.Positional[Path]
-    """The log (MCAP)."""
+    """The log (MCAP); or the folder or manifest of a recording in parts, as one log."""
     out: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
     """The part's file; it must not exist."""
     since: Annotated[str, tyro.conf.arg(name="from")] = ""
@@ -40,17 +41,19 @@ class CutCommand:
 
     def run(self) -> int:
         """Cut, replay the part, and answer with the replay's exit status."""
+        from reflexarc.wiring.whole_recordings import as_one_log
         from reflexarc_logs.cutting.cut import cut
         from reflexarc_logs.cutting.span import span_of
         from reflexarc_logs.reading.reader import read_log
         from reflexarc_logs.replaying.replay import replay
 
-        log = read_log(self.log)
-        part = cut(log, span_of(log, self.since, self.until), self.out, self.backend)
-        verdict, status = "not replayed: no policy is attached", 0
-        if log.policy is not None:
-            report = replay(part.path, backend=self.backend)
-            verdict, status = report.verdict, report.exit_status
+        with as_one_log(self.log, self.out) as path:
+            log = read_log(path)
+            part = cut(log, span_of(log, self.since, self.until), self.out, self.backend)
+            verdict, status = "not replayed: no policy is attached", 0
+            if log.policy is not None:
+                report = replay(part.path, backend=self.backend)
+                verdict, status = report.verdict, report.exit_status
         if self.json:
             print_json({**asdict(part), "replay": verdict})
             return status

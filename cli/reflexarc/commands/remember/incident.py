@@ -31,7 +31,7 @@ class IncidentCommand:
     """
 
     log: tyro.conf.Positional[Path]
-    """The log (MCAP) of `reflexarc run --record`."""
+    """The log (MCAP) of `reflexarc run --record`, or the folder of its parts, as one log."""
     at: int | None = None
     """The incident at this tick."""
     first: Literal["contact", "guard", "stop", "overrun", "mark"] | None = None
@@ -47,14 +47,17 @@ class IncidentCommand:
 
     def run(self) -> int:
         """List the incidents, or cut one out and answer whether it is a test now."""
+        from reflexarc.wiring.whole_recordings import as_one_log
         from reflexarc_logs.cutting.incident_part import choose, cut_incident
         from reflexarc_logs.reading.reader import read_log
 
-        log, around_s = read_log(self.log), self._around_s()
-        if self.out is None:
-            return self._list(log)
-        incident = choose(log, self.at, self.first)
-        found = cut_incident(log, incident, around_s, self.out, narrow=not self.whole)
+        around_s = self._around_s()
+        with as_one_log(self.log, self.out) as path:
+            log = read_log(path)
+            if self.out is None:
+                return self._list(log)
+            incident = choose(log, self.at, self.first)
+            found = cut_incident(log, incident, around_s, self.out, narrow=not self.whole)
         self._tell(found)
         return 0 if found.is_shown and found.report.exit_status == 0 else 1
 

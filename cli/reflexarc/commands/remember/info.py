@@ -80,6 +80,9 @@ def _begins_with(path: Path, magic: bytes) -> bool:
         with path.open("rb") as file:
             return file.read(len(magic)) == magic
     except OSError as error:
+        from reflexarc_logs.container.first_look import check_is_no_folder
+
+        check_is_no_folder(path)
         raise UsageError(
             f"{path}: cannot be read: {error.strerror}; give a policy (.onnx) or a log (.mcap)"
         ) from None
