@@ -100,6 +100,10 @@ class Timing:
     publish_ns: int
     record_ns: int
     """What handing over the records of the previous tick took."""
+    command_ns: int = 0
+    """From waking until the command was handed to the bus."""
+    picture_age_ns: int | None = None
+    """Age of the input at that moment, with what it waited before it arrived; None without one."""
 
     @property
     def lateness_ns(self) -> int:

@@ -7,6 +7,9 @@ resets: no flood pushes it out.
 
 Its order is the order of arrival, in time as well: no message has an earlier arrival than the one
 before it, or than the last drain. So a log that another tool sorts by time replays.
+
+It may ring a bell: at the first message of one topic that arrives from a time on, and at the first
+one that stops a loop or lets it go on, whenever that arrives.
 """
 
 import sys
@@ -15,7 +18,8 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
-from reflexarc_runtime.messages.topics import CONTROLS, RESET, topic_of
+from reflexarc_runtime.loop.bell import Bell
+from reflexarc_runtime.messages.topics import CONTROLS, RESET, Topic, topic_of
 from reflexarc_runtime.messages.wire import Message
 
 DEFAULT_CAPACITY = 1024
@@ -41,21 +45,49 @@ class Inbox:
         self._arrival = threading.Condition()
         self._overflows = 0
         self._latest_ns = 0
+        self._bell: Bell | None = None
+        self._rings_for: Topic | None = None
+        self._rings_from_ns = sys.maxsize
+        self._rung_ns = sys.maxsize
 
     @property
     def overflows(self) -> int:
         """Messages lost because the inbox was full."""
         return self._overflows
 
+    @property
+    def rung_ns(self) -> int:
+        """Arrival of the message that rang the bell, since it was armed."""
+        return self._rung_ns
+
+    def ring_for(self, topic: Topic, bell: Bell) -> None:
+        """Ring a bell, once it is armed, for this topic and for what stops a loop."""
+        self._rings_for, self._bell = topic, bell
+
+    def arm(self, from_ns: int) -> None:
+        """Hush the bell, and ring it at the next arrival from this time on: also if it was before.
+
+        Messages of its topic that arrived sooner never ring it.
+        """
+        with self._arrival:
+            assert self._bell is not None, "no bell: ring_for was not called"
+            self._rung_ns, self._rings_from_ns = sys.maxsize, from_ns
+            self._bell.hush()
+            waiting = (message for _, message in self._controls)
+            for message in (*waiting, *self._inputs):
+                if self._rings_at(message, topic_of(message.key)):
+                    return
+
     def put(self, message: Message) -> None:
         """Add a message; from any thread."""
+        topic = topic_of(message.key)
         with self._arrival:
             if message.received_ns < self._latest_ns:
                 # Another thread was quicker, or a tick took the time while this one waited.
                 message = replace(message, received_ns=self._latest_ns)
             self._latest_ns = message.received_ns
             self._bytes += len(message.payload)
-            if topic_of(message.key) in CONTROLS:
+            if topic in CONTROLS:
                 self._controls.append((self._put_inputs, message))
             else:
                 self._inputs.append(message)
@@ -63,6 +95,8 @@ class Inbox:
             while self._is_over():
                 self._drop_one()
             self._arrival.notify()
+            if self._bell is not None and self._rung_ns == sys.maxsize:
+                self._rings_at(message, topic)
 
     def drain(self, now_ns: Callable[[], int]) -> tuple[tuple[Message, ...], int]:
         """Take all messages, oldest first, and the time."""
@@ -80,6 +114,15 @@ class Inbox:
             if not (self._inputs or self._controls):
                 self._arrival.wait(timeout_s)
             return self._oldest()
+
+    def _rings_at(self, message: Message, topic: Topic | None) -> bool:
+        """Ring the bell, if the message is one of those that it is rung for."""
+        is_awaited = topic is self._rings_for and message.received_ns >= self._rings_from_ns
+        if self._bell is None or not (is_awaited or topic in CONTROLS):
+            return False
+        self._rung_ns = message.received_ns
+        self._bell.ring()
+        return True
 
     def _is_over(self) -> bool:
         count = len(self._inputs) + len(self._controls)

@@ -11,7 +11,9 @@ from reflexarc_runtime.loop.clock import ManualClock
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.node import Node
 from reflexarc_runtime.loop.outlets import Outlet, Outlets
-from reflexarc_runtime.loop.pacer import LockstepPacer, Pacer, RatePacer
+from reflexarc_runtime.loop.pacing.lockstep_pacer import LockstepPacer
+from reflexarc_runtime.loop.pacing.pacer import Pacer
+from reflexarc_runtime.loop.pacing.rate_pacer import RatePacer
 from reflexarc_runtime.messages.wire import Message
 from reflexarc_runtime.sensing.senses import RetinaSense
 from support.policies import SMALL, ScriptedPolicy
@@ -162,7 +164,8 @@ def test_lateness_is_measured_against_the_deadline():
     clock = ManualClock(oversleep_ns=3 * MS)
     node, _ = node_of(RatePacer(50.0, clock, inbox))
     summary = node.run(max_ticks=5)
-    assert (summary.lateness_p50_ns, summary.lateness_max_ns) == (3 * MS, 3 * MS)
+    assert summary.lateness_max_ns == 3 * MS
+    assert abs(summary.lateness_p50_ns - 3 * MS) <= 3 * MS / 64
 
 
 class Breaking:
