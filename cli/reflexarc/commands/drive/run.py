@@ -189,7 +189,11 @@ class RunCommand:
         return run_sinks(self.record, self.recording, self.box, make)
 
     def _tell(self, summary: "Summary", recordings: "Mapping[str, Recording]") -> None:
+        from reflexarc.terminal.cadence_table import cadence_table
+
         if self.json:
             print_json(summary_as_dict(summary, recordings))
         else:
             console.print(facts(summary_in_words(summary, recordings)))
+            if summary.phases and not self.lockstep:
+                console.print(cadence_table(summary.phases))

@@ -3,9 +3,11 @@
 The generic cell rate algorithm (ITU-T I.371, virtual scheduling) with a period P and a tolerance of
 P/2, which also has a latest time. Let T be the nominal time of the next tick:
 
-- from T − P/2 on a tick begins as soon as an input arrives; then T becomes max(now, T) + P;
-- at T + P/2 it begins without one; then T becomes T + P. Where it was later than that by whole
-  periods, T moves on by as many, and they are counted as missed: never a burst.
+- from T − P/2 on a tick is due as soon as an input arrives; then T becomes max(arrival, T) + P;
+- at T + P/2 it is due without one; then T becomes T + P.
+
+A tick that begins later than it was due does not move T, as at absolute deadlines; but by whole
+periods that have passed meanwhile, which are left out: never a burst.
 
 So n ticks take n − 1 periods at least, but for the tolerance: from the beginning on no more ticks
 than the rate allows and one half, in any stretch no more than two beyond it. A jitter of the
@@ -108,7 +110,8 @@ class InputPacer:
         missed = max(0, (wake_ns - deadline_ns) // self._period_ns)
         if is_rung:
             due_ns = max(self._inbox.rung_ns, nominal_ns - self._half_ns)
-            nominal_ns = max(wake_ns, nominal_ns)
+            nominal_ns = max(due_ns, nominal_ns)
+            nominal_ns += max(0, (wake_ns - nominal_ns) // self._period_ns) * self._period_ns
         else:
             due_ns = deadline_ns
             nominal_ns += missed * self._period_ns
