@@ -1,4 +1,6 @@
 import logging
+import threading
+import time
 
 import pytest
 from hypothesis import given
@@ -129,3 +131,22 @@ def test_a_ring_for_what_was_drained_is_forgotten():
     drained(inbox)
     inbox.arm(0)
     assert not bell.heard(0.0)
+
+
+def test_whoever_takes_is_woken_by_the_first_message_and_gets_all_in_order():
+    inbox, taken = Inbox(), list[str]()
+
+    def take() -> None:
+        while len(taken) < 200:
+            found = inbox.take(60.0)
+            assert found is not None
+            taken.append(found.encoding)
+
+    taking = threading.Thread(target=take)
+    taking.start()
+    for number in range(200):
+        inbox.put(message(COMMAND, number))
+        if number % 20 == 0:
+            time.sleep(0.001)
+    taking.join(60.0)
+    assert taken == [str(n) for n in range(200)]
