@@ -90,14 +90,14 @@ class Sensor:
     def send(self, count: int, rate_hz: float) -> None:
         """Send so many retinas, at absolute times; what is late is sent late."""
         period_ns, begin_ns = round(1e9 / rate_hz), time.monotonic_ns()
-        for n in range(count):
-            wait_ns = begin_ns + n * period_ns - time.monotonic_ns()
-            if wait_ns > 0:
-                time.sleep(wait_ns * 1e-9)
+        for n in range(1, count + 1):
             number, now_ns = self._publisher.next_sequence, time.monotonic_ns()
             payload = encode_retina(self._picture, self._spec, now_ns)
             self.left_ns[number] = now_ns = time.monotonic_ns()
             self._publisher.put(payload, now_ns)
+            wait_ns = begin_ns + n * period_ns - time.monotonic_ns()
+            if wait_ns > 0:
+                time.sleep(wait_ns * 1e-9)
 
     def _hear(self, message: Message) -> None:
         if self._is_echoed:
