@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 class RunCommand:
     """Run a policy: sense, decide, act, at the contract's rate, until Ctrl-C.
 
-    With --pace input a tick begins as soon as an input arrives, and not more often than that.
+    With --pace input a tick begins as soon as an input arrives, never more often than that rate.
     Whatever comes in, the body gets a command at every tick: the policy's while its input is good
     and fresh, the contract's safe command otherwise. A policy that asks for more speed or patience
     than is usual, or whose safe command moves, is refused unless flags allow it; so is one that
