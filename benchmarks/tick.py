@@ -31,7 +31,7 @@ from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.loop_watchdog import Budget, LoopWatchdog
 from reflexarc_runtime.loop.node import Node
 from reflexarc_runtime.loop.outlets import Outlets
-from reflexarc_runtime.loop.pacer import Wakeup
+from reflexarc_runtime.loop.pacing.pacer import Wakeup
 from reflexarc_runtime.messages.wire import Message
 from reflexarc_runtime.policy.policy import load_policy
 from reflexarc_runtime.sensing.senses import sense_for

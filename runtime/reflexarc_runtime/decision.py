@@ -102,6 +102,11 @@ class Timing:
     """What handing over the records of the previous tick took."""
 
     @property
+    def command_ns(self) -> int:
+        """From waking until the command was handed to the bus."""
+        return self.receive_ns + self.decide_ns + self.publish_ns
+
+    @property
     def lateness_ns(self) -> int:
         """How long after its deadline the tick began."""
         return self.wake_ns - self.deadline_ns

@@ -19,7 +19,7 @@ from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.loop import realtime
 from reflexarc_runtime.loop.clock import MonotonicClock
 from reflexarc_runtime.loop.inbox import Inbox
-from reflexarc_runtime.loop.pacer import RatePacer
+from reflexarc_runtime.loop.pacing.rate_pacer import RatePacer
 from reflexarc_runtime.messages.codec import decode_command, encode_retina
 from reflexarc_runtime.messages.topics import BODY_NODE, COMMAND, RETINA
 from reflexarc_runtime.messages.wire import Message

@@ -19,7 +19,7 @@ from reflexarc_runtime.loop.clock import ManualClock
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.node import Node
 from reflexarc_runtime.loop.outlets import Outlets
-from reflexarc_runtime.loop.pacer import RatePacer
+from reflexarc_runtime.loop.pacing.rate_pacer import RatePacer
 from reflexarc_runtime.messages.codec import encode_retina
 from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp, protobuf_encoding
 from reflexarc_runtime.policy.policy import LoadedPolicy, load_policy

@@ -25,7 +25,8 @@ def describe_log(path: Path, summary: LogSummary) -> Group:
     state = "complete" if summary.complete else "cut off: see `reflexarc recover`"
     rows = {
         "log": f"{plain(str(path))} ({state})",
-        "run": f"{plain(run.run_id)}, {run.recorded_by} on {plain(run.host)}, {run.clock} clock",
+        "run": f"{plain(run.run_id)}, {run.recorded_by} on {plain(run.host)}, {run.clock} clock"
+        f"{_pace(run)}",
         "policy": plain(summary.policy_hash) or "none attached",
         "rules": _rules(run),
         **_place(summary.body),
@@ -66,6 +67,11 @@ def _wall_time(time_ns: int) -> str:
 def _rules(run: RunInfo) -> str:
     """By which rules the controller decided; what is imported was decided by none."""
     return "none" if run.recorded_by == "import" else f"version {run.rules} of the controller's"
+
+
+def _pace(run: RunInfo) -> str:
+    """When a tick began, where that says more than the clock."""
+    return ", a tick at an input" if run.pace == "input" else ""
 
 
 def _place(body: BodyInfo | None) -> dict[str, str]:

@@ -46,6 +46,7 @@ class Watching:
         robot: str,
         run_id: str,
         lockstep: bool,
+        longest_wait_periods: int = 1,
     ) -> "AbstractContextManager[Watch]":
         """Announce the runtime, and watch its loop inside this context."""
         from reflexarc_runtime.loop.clock import MonotonicClock
@@ -66,7 +67,7 @@ class Watching:
             policy_hash=policy.policy_hash,
         )
         return LoopWatchdog(
-            self.budget(policy.contract),
+            self.budget(policy.contract, longest_wait_periods),
             MonotonicClock().now_ns,
             inbox,
             stand_in,
@@ -74,13 +75,18 @@ class Watching:
             policy.end_decision,
         )
 
-    def budget(self, contract: "PolicyContract") -> "Budget":
-        """How late a loop of this contract may be."""
+    def budget(self, contract: "PolicyContract", longest_wait_periods: int = 1) -> "Budget":
+        """How late a loop of this contract may be.
+
+        Args:
+            contract: of the policy.
+            longest_wait_periods: how many periods may lie between two ticks of a punctual loop.
+        """
         from reflexarc_runtime.loop.loop_watchdog import Budget
 
         tick_s = contract.max_input_age_s / 2
         if self.watchdog_ms is not None:
             tick_s = self.watchdog_ms / 1e3
-        period_s = 1.0 / contract.rate_hz
+        period_s = longest_wait_periods / contract.rate_hz
         process_s = period_s + max(LEAST_PROCESS_S, 2 * contract.max_input_age_s, 4 * tick_s)
         return Budget(round(tick_s * 1e9), round(period_s * 1e9), process_s)

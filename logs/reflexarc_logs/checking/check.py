@@ -128,9 +128,10 @@ class _Check:
     def _look_at_streams(self, log: Log | None) -> None:
         streams = list(self._courses.streams.values())
         is_whole = log is not None and should_hold_all(log) and self._found.complete
+        pace = "" if log is None else log.run.pace
         for topic, ticks in self._courses.ticks.items():
             whose = f"{topic}: " if len(self._courses.ticks) > 1 else ""
-            for one in ticks.findings(is_whole=is_whole):
+            for one in ticks.findings(is_whole=is_whole, pace=pace):
                 self._findings.append(LogFinding(one.kind, one.severity, whose + one.words))
         if not streams:
             self._findings.append(error("completeness", "it holds no message"))

@@ -24,6 +24,7 @@ RUN = "reflexarc.run"
 
 CLOCKS = ("monotonic", "lockstep")
 SENDERS_CLOCK, WALL_CLOCK = "sender", "wall"
+PACES = ("", "rate", "input", "lockstep")
 PUBLISH_CLOCKS = (SENDERS_CLOCK, WALL_CLOCK)
 UNKNOWN_BACKEND = "unknown"
 """A listener on the bus cannot tell what computed a tick; its log is compared to the contract's
@@ -54,6 +55,9 @@ class RunInfo:
     rate_hz: float = 0.0
     clock: str = "monotonic"
     """monotonic or lockstep."""
+    pace: str = ""
+    """When a tick began: `rate`, `input` or `lockstep`; empty in logs of before, and where no loop
+    recorded."""
     recorded_by: str = "run"
     """`run`: the loop handed over its own inputs, in the order in which it used them. `record`:
     a listener on the bus wrote what it heard, in its own order; ticks and inputs do not pair.
@@ -149,6 +153,7 @@ def _check(info: RunInfo) -> None:
         "input": (info.input, tuple(SENSORS)),
         "backend": (info.backend, (*(b.value for b in Backend), UNKNOWN_BACKEND)),
         "clock": (info.clock, CLOCKS),
+        "pace": (info.pace, PACES),
         "recorded_by": (info.recorded_by, RECORDERS),
         "publish_clock": (info.publish_clock, PUBLISH_CLOCKS),
     }

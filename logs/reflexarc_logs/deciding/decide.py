@@ -27,7 +27,7 @@ from reflexarc_runtime.keyframe import Keyframe
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.node import Node
 from reflexarc_runtime.loop.outlets import NoOutlet, Outlets
-from reflexarc_runtime.loop.pacer import RatePacer
+from reflexarc_runtime.loop.pacing.rate_pacer import RatePacer
 from reflexarc_runtime.messages.topics import SENSORS
 from reflexarc_runtime.messages.wire import Message
 from reflexarc_runtime.policy.policy import LoadedPolicy

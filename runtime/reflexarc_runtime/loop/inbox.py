@@ -7,6 +7,9 @@ resets: no flood pushes it out.
 
 Its order is the order of arrival, in time as well: no message has an earlier arrival than the one
 before it, or than the last drain. So a log that another tool sorts by time replays.
+
+It may ring a bell: at the first message of one topic that arrives from a time on, and at the first
+one that stops a loop or lets it go on, whenever that arrives.
 """
 
 import sys
@@ -15,13 +18,15 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
-from reflexarc_runtime.messages.topics import CONTROLS, RESET, topic_of
+from reflexarc_runtime.loop.bell import Bell
+from reflexarc_runtime.messages.topics import CONTROLS, RESET, Topic
 from reflexarc_runtime.messages.wire import Message
 
 DEFAULT_CAPACITY = 1024
 DEFAULT_CAPACITY_BYTES = 32 << 20
 """Of payloads; the largest that is believed has 1 MiB."""
 
+_CONTROL_NAMES = frozenset(topic.name for topic in CONTROLS)
 _NO_MORE = (sys.maxsize, Message("", b"", "", b"", 0))
 
 
@@ -38,35 +43,71 @@ class Inbox:
         self._capacity = capacity
         self._capacity_bytes = capacity_bytes
         self._bytes = 0
-        self._arrival = threading.Condition()
+        self._turn = threading.Lock()
+        self._arrival = Bell()
+        """For `take`; silent unless somebody waits there: a ring costs more than all else here."""
+        self._is_awaited = False
         self._overflows = 0
         self._latest_ns = 0
+        self._bell: Bell | None = None
+        self._rings_for = ""
+        self._rings_from_ns = sys.maxsize
+        self._rung_ns = sys.maxsize
 
     @property
     def overflows(self) -> int:
         """Messages lost because the inbox was full."""
         return self._overflows
 
+    @property
+    def rung_ns(self) -> int:
+        """Arrival of the message that rang the bell, since it was armed."""
+        return self._rung_ns
+
+    def ring_for(self, topic: Topic, bell: Bell) -> None:
+        """Ring a bell, once it is armed, for this topic and for what stops a loop."""
+        self._rings_for, self._bell = topic.name, bell
+
+    def arm(self, from_ns: int) -> None:
+        """Hush the bell, and ring it at the next arrival from this time on: also if it was before.
+
+        Messages of its topic that arrived sooner never ring it.
+        """
+        with self._turn:
+            assert self._bell is not None, "no bell: ring_for was not called"
+            self._rung_ns, self._rings_from_ns = sys.maxsize, from_ns
+            self._bell.hush()
+            waiting = (message for _, message in self._controls)
+            for message in (*waiting, *self._inputs):
+                if self._rings_at(message, _name_of(message)):
+                    self._bell.ring()
+                    return
+
     def put(self, message: Message) -> None:
         """Add a message; from any thread."""
-        with self._arrival:
+        name = _name_of(message)
+        with self._turn:
             if message.received_ns < self._latest_ns:
                 # Another thread was quicker, or a tick took the time while this one waited.
                 message = replace(message, received_ns=self._latest_ns)
             self._latest_ns = message.received_ns
             self._bytes += len(message.payload)
-            if topic_of(message.key) in CONTROLS:
+            if name in _CONTROL_NAMES:
                 self._controls.append((self._put_inputs, message))
             else:
                 self._inputs.append(message)
                 self._put_inputs += 1
             while self._is_over():
                 self._drop_one()
-            self._arrival.notify()
+            rings = self._rung_ns == sys.maxsize and self._rings_at(message, name)
+        if rings and self._bell is not None:  # whoever wakes finds the inbox free
+            self._bell.ring()
+        if self._is_awaited:
+            self._arrival.ring()
 
     def drain(self, now_ns: Callable[[], int]) -> tuple[tuple[Message, ...], int]:
         """Take all messages, oldest first, and the time."""
-        with self._arrival:
+        with self._turn:
             messages = tuple(self._inputs) if not self._controls else tuple(self._in_order())
             self._inputs.clear()
             self._controls.clear()
@@ -76,10 +117,24 @@ class Inbox:
 
     def take(self, timeout_s: float) -> Message | None:
         """Take the oldest message, waiting for one if need be; None after the timeout."""
-        with self._arrival:
-            if not (self._inputs or self._controls):
-                self._arrival.wait(timeout_s)
+        with self._turn:
+            oldest = self._oldest()
+            if oldest is not None:
+                return oldest
+            self._arrival.hush()
+            self._is_awaited = True
+        self._arrival.heard(timeout_s)
+        with self._turn:
+            self._is_awaited = False
             return self._oldest()
+
+    def _rings_at(self, message: Message, name: str) -> bool:
+        """Whether a message is one of those that the bell is rung for; it is noted if so."""
+        is_awaited = name == self._rings_for and message.received_ns >= self._rings_from_ns
+        if self._bell is None or not (is_awaited or name in _CONTROL_NAMES):
+            return False
+        self._rung_ns = message.received_ns
+        return True
 
     def _is_over(self) -> bool:
         count = len(self._inputs) + len(self._controls)
@@ -114,7 +169,12 @@ class Inbox:
         if self._inputs:
             self._bytes -= len(self._inputs.popleft().payload)
             return
-        resets = (n for n, (_, m) in enumerate(self._controls) if topic_of(m.key) is RESET)
+        resets = (n for n, (_, m) in enumerate(self._controls) if _name_of(m) == RESET.name)
         place = next(resets, 0)
         self._bytes -= len(self._controls[place][1].payload)
         del self._controls[place]
+
+
+def _name_of(message: Message) -> str:
+    """Name of the topic that a message is of, if it is one of ours."""
+    return message.key.rpartition("/")[2]

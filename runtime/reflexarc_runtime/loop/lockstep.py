@@ -2,7 +2,7 @@
 
 In lockstep the runtime makes one tick for each input, and numbers its commands from 0, as the body
 numbers its sensor messages; so the command of message n is command n. The runtime's side is
-`pacer.LockstepPacer`.
+`pacing.lockstep_pacer`.
 """
 
 from collections.abc import Callable

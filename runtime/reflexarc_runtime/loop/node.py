@@ -12,10 +12,10 @@ from reflexarc_runtime.controller_state import Inputs, State
 from reflexarc_runtime.decision import Decision, Timing, Verdict, safe_command
 from reflexarc_runtime.errors import DecisionEndedError
 from reflexarc_runtime.keyframe import Keyframe
-from reflexarc_runtime.loop.monitor import Monitor, Summary
+from reflexarc_runtime.loop.cadence.monitor import Monitor, Summary
 from reflexarc_runtime.loop.notices.flood_notice import FloodNotice
 from reflexarc_runtime.loop.outlets import Outlets
-from reflexarc_runtime.loop.pacer import Pacer, Wakeup
+from reflexarc_runtime.loop.pacing.pacer import Pacer, Wakeup
 from reflexarc_runtime.loop.sink import NoSink, Sink
 from reflexarc_runtime.loop.throttle import Throttle
 from reflexarc_runtime.loop.warm_up import warm_up
@@ -70,6 +70,7 @@ class Node:
         self._monitor = Monitor()
         self._state = State()
         self._record_ns = 0
+        self._is_ending = False
         self._every_second = Throttle(at_once=False)
         self._keyframes = Throttle()
         self._last_ns: int | None = None
@@ -98,6 +99,7 @@ class Node:
 
         Where even that tick fails, send the safe command.
         """
+        self._is_ending = True
         try:
             self._tick(self._stopped(self._pacer.farewell()))
         except BaseException:
@@ -119,16 +121,17 @@ class Node:
         if self._postponed:
             wakeup = replace(wakeup, messages=(*self._postponed, *wakeup.messages))
         try:
+            self._monitor.missed(wakeup.missed)
             self._make_tick(wakeup)
             self._postponed = ()
         except DecisionEndedError:
+            self._monitor.missed(1)
             self._postponed = wakeup.messages
         self._watch.rest(self._pacer.now_ns())
 
     def _make_tick(self, wakeup: Wakeup) -> None:
         before = self._state
         inputs = Inputs(wakeup.messages, wakeup.slot)
-        began_ns = self._pacer.now_ns()
         following, decision = self._controller.step(before, inputs, wakeup.now_ns)
         decided_ns = self._pacer.now_ns()
         command = self._publish(decision)
@@ -137,7 +140,7 @@ class Node:
             deadline_ns=wakeup.deadline_ns,
             wake_ns=wakeup.wake_ns,
             receive_ns=wakeup.receive_ns,
-            decide_ns=decided_ns - began_ns,
+            decide_ns=decided_ns - wakeup.now_ns,
             publish_ns=published_ns - decided_ns,
             record_ns=self._record_ns,
         )
@@ -145,7 +148,7 @@ class Node:
         self._record(wakeup.messages, decision, timing, command)
         self._state = following  # only now: a tick that failed on the way is not in the log either
         self._record_ns = self._pacer.now_ns() - published_ns
-        self._monitor.saw(decision, timing)
+        self._count(decision, timing)
         self._saw(decision)
         self._report(wakeup.now_ns, decision.policy_hash)
 
@@ -188,6 +191,12 @@ class Node:
             self._sink.put(self._own(COMMAND, command, stamp))
         self._outlets.tick.put(tick, decision.now_ns)
 
+    def _count(self, decision: Decision, timing: Timing) -> None:
+        if self._is_ending:
+            self._monitor.ended(decision)
+        else:
+            self._monitor.saw(decision, timing)
+
     def _own(self, topic: Topic, payload: bytes, stamp: Stamp) -> Message:
         key, encoding = self._headers[topic]
         return Message(key, payload, encoding, pack_stamp(stamp), stamp.time_ns)
@@ -214,5 +223,6 @@ class Node:
             guard=f"{self._guard}: {lack}" if lack else self._guard,
             watchdog=self._watch.state,
             sensor=self._sensor(now_ns),
+            phases=tuple(period.phases.items()),
         )
         self._outlets.status.put(encode_status(status), now_ns)

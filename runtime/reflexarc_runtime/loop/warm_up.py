@@ -11,7 +11,7 @@ import numpy as np
 from reflexarc_runtime.controller import Controller
 from reflexarc_runtime.controller_state import Inputs, State
 from reflexarc_runtime.decision import Timing
-from reflexarc_runtime.loop.monitor import Monitor
+from reflexarc_runtime.loop.cadence.monitor import Monitor
 from reflexarc_runtime.messages.codec import Status, encode_command, encode_status, encode_tick
 from reflexarc_runtime.messages.controls import encode_overrun, encode_stop
 from reflexarc_runtime.messages.topics import OVERRUN, RESET, STOP
@@ -39,8 +39,9 @@ def warm_up(controller: Controller) -> None:
         encode_tick(decision, _NO_TIME)
         encode_command(decision.command)
         monitor.saw(decision, _NO_TIME)
-    verdicts = tuple(monitor.period().verdicts.items())
-    encode_status(Status("", verdicts=verdicts))
+    period = monitor.period()
+    verdicts, phases = tuple(period.verdicts.items()), tuple(period.phases.items())
+    encode_status(Status("", verdicts=verdicts, phases=phases))
 
 
 def _decide_on_darkness(controller: Controller) -> None:

@@ -14,10 +14,14 @@ from reflexarc_runtime.arrays import Retina
 from reflexarc_runtime.contract.eye import RetinaSpec
 from reflexarc_runtime.contract.eye_in_words import eye_in_words
 from reflexarc_runtime.decision import Command, Decision, Input, Timing, Verdict
+from reflexarc_runtime.messages.spread import Spread, spread_to_protobuf
 from reflexarc_runtime.messages.topics import TOPICS
 
 SCHEMAS: dict[str, type[ProtobufMessage]] = {topic.schema: topic.message for topic in TOPICS}
 """Every message of the topic table, by its full name."""
+
+_NESTED = ("verdicts", "phases")
+"""Fields of a status that are no plain values."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +43,7 @@ class Status:
     guard: str = ""
     watchdog: str = ""
     sensor: str = ""
+    phases: tuple[tuple[str, Spread], ...] = ()
 
 
 def timestamp(time_ns: int) -> Timestamp:
@@ -97,8 +102,10 @@ def decode_command(payload: bytes) -> Command | None:
 
 def encode_status(status: Status) -> bytes:
     """A status as `reflexarc.Status`."""
-    fields = {name: getattr(status, name) for name in Status.__slots__ if name != "verdicts"}
-    return pb.Status(**fields, verdicts=dict(status.verdicts)).SerializeToString()
+    fields = {name: getattr(status, name) for name in Status.__slots__ if name not in _NESTED}
+    phases = [spread_to_protobuf(name, spread) for name, spread in status.phases]
+    message = pb.Status(**fields, verdicts=dict(status.verdicts), phases=phases)
+    return message.SerializeToString()
 
 
 def encode_warning(words: str, node: str, time_ns: int) -> bytes:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Protocol
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.lockstep import await_command, wait_for_runtime
 from reflexarc_runtime.loop.notices.flood_notice import FloodNotice
-from reflexarc_runtime.loop.pacer import RatePacer
+from reflexarc_runtime.loop.pacing.rate_pacer import RatePacer
 from reflexarc_runtime.loop.throttle import Throttle
 from reflexarc_runtime.messages.body_info import encode_body
 from reflexarc_runtime.messages.codec import (

@@ -17,7 +17,7 @@ from reflexarc_runtime.loop.clock import ManualClock
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.node import Node
 from reflexarc_runtime.loop.outlets import Outlets
-from reflexarc_runtime.loop.pacer import RatePacer
+from reflexarc_runtime.loop.pacing.rate_pacer import RatePacer
 from reflexarc_runtime.messages.wire import Message, Stamp
 from reflexarc_runtime.messages_pb2 import Tick
 from reflexarc_runtime.policy.policy import load_policy

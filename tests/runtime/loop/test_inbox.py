@@ -1,9 +1,12 @@
 import logging
+import threading
+import time
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from reflexarc_runtime.loop.bell import Bell
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.notices.flood_notice import FloodNotice
 from reflexarc_runtime.messages.topics import COMMAND, OVERRUN, RESET, RETINA, STOP, Topic
@@ -76,3 +79,74 @@ def test_a_full_inbox_keeps_what_a_slow_list_would(kinds: list[str], capacity: i
     if one and kept:
         assert inbox.take(0.0) == kept.pop(0)[1]
     assert list(inbox.drain(lambda: 0)[0]) == [message for _, message in kept]
+
+
+def belled() -> tuple[Inbox, Bell]:
+    inbox, bell = Inbox(), Bell()
+    inbox.ring_for(RETINA, bell)
+    return inbox, bell
+
+
+def test_its_bell_is_rung_by_the_first_input_from_a_time_on():
+    inbox, bell = belled()
+    inbox.arm(10)
+    inbox.put(message(RETINA, 9))
+    inbox.put(message(COMMAND, 11))
+    assert not bell.heard(0.0)
+    inbox.put(message(RETINA, 12))
+    inbox.put(message(RETINA, 13))
+    assert bell.heard(0.0)
+    assert not bell.heard(0.0)
+    assert inbox.rung_ns == 12
+
+
+def test_a_bell_that_is_armed_late_is_rung_for_what_is_there():
+    inbox, bell = belled()
+    for number in (5, 15, 25):
+        inbox.put(message(RETINA, number))
+    inbox.arm(10)
+    assert bell.heard(0.0)
+    assert inbox.rung_ns == 15
+    drained(inbox)
+    inbox.arm(20)
+    assert not bell.heard(0.0)
+
+
+@pytest.mark.parametrize("topic", [STOP, RESET, OVERRUN])
+def test_what_stops_a_loop_rings_whenever_it_came(topic: Topic):
+    inbox, bell = belled()
+    inbox.put(message(topic, 1))
+    inbox.arm(10)
+    assert bell.heard(0.0)
+    drained(inbox)
+    inbox.arm(2 * 10**9)
+    inbox.put(message(topic, 2))
+    assert bell.heard(0.0)
+
+
+def test_a_ring_for_what_was_drained_is_forgotten():
+    inbox, bell = belled()
+    inbox.arm(0)
+    inbox.put(message(RETINA, 1))
+    drained(inbox)
+    inbox.arm(0)
+    assert not bell.heard(0.0)
+
+
+def test_whoever_takes_is_woken_by_the_first_message_and_gets_all_in_order():
+    inbox, taken = Inbox(), list[str]()
+
+    def take() -> None:
+        while len(taken) < 200:
+            found = inbox.take(60.0)
+            assert found is not None
+            taken.append(found.encoding)
+
+    taking = threading.Thread(target=take)
+    taking.start()
+    for number in range(200):
+        inbox.put(message(COMMAND, number))
+        if number % 20 == 0:
+            time.sleep(0.001)
+    taking.join(60.0)
+    assert taken == [str(n) for n in range(200)]

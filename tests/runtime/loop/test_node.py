@@ -11,8 +11,11 @@ from reflexarc_runtime.loop.clock import ManualClock
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.node import Node
 from reflexarc_runtime.loop.outlets import Outlet, Outlets
-from reflexarc_runtime.loop.pacer import LockstepPacer, Pacer, RatePacer
-from reflexarc_runtime.messages.wire import Message
+from reflexarc_runtime.loop.pacing.lockstep_pacer import LockstepPacer
+from reflexarc_runtime.loop.pacing.pacer import Pacer
+from reflexarc_runtime.loop.pacing.rate_pacer import RatePacer
+from reflexarc_runtime.messages.topics import RESET, STOP
+from reflexarc_runtime.messages.wire import Message, protobuf_encoding
 from reflexarc_runtime.sensing.senses import RetinaSense
 from support.policies import SMALL, ScriptedPolicy
 from support.sensing import MS, retina_message
@@ -162,7 +165,8 @@ def test_lateness_is_measured_against_the_deadline():
     clock = ManualClock(oversleep_ns=3 * MS)
     node, _ = node_of(RatePacer(50.0, clock, inbox))
     summary = node.run(max_ticks=5)
-    assert (summary.lateness_p50_ns, summary.lateness_max_ns) == (3 * MS, 3 * MS)
+    assert summary.lateness_max_ns == 3 * MS
+    assert abs(summary.lateness_p50_ns - 3 * MS) <= 3 * MS / 64
 
 
 class Breaking:
@@ -225,3 +229,16 @@ def test_a_tick_whose_decision_was_ended_is_none_and_its_messages_wait():
         message.key.endswith(("retina", "stop")) for message in kept.messages
     )
     assert [tick.inputs for tick in ticks if tick.inputs == 2] == [2]
+
+
+def test_a_robot_that_is_stopped_by_somebody_skips_no_slot():
+    inbox = Inbox()
+    clock = FeedingClock(inbox)
+    for topic, at_ns in ((STOP, 90 * MS), (RESET, 410 * MS)):
+        encoding = protobuf_encoding(topic.schema)
+        message = Message(topic.key("robot0"), b"", encoding, b"", at_ns)
+        clock.at_ns(at_ns, lambda message=message: inbox.put(message))  # type: ignore[misc]
+    summary = node_of(RatePacer(50.0, clock, inbox))[0].run(max_ticks=40)
+    assert summary.verdicts["STOPPED"] == 16 + 1
+    assert summary.skipped_slots == 0
+    assert summary.phases["lateness"].count == 40

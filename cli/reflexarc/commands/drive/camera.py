@@ -111,7 +111,7 @@ class CameraCommand:
         from reflexarc.wiring.waiting import Waiting, Wish
         from reflexarc_runtime.loop.clock import MonotonicClock
         from reflexarc_runtime.loop.inbox import Inbox
-        from reflexarc_runtime.loop.pacer import RatePacer
+        from reflexarc_runtime.loop.pacing.rate_pacer import RatePacer
         from reflexarc_runtime.messages.topics import RETINA
         from reflexarc_sim_bridge.body.camera.bridge import CameraBridge
         from reflexarc_sim_bridge.body.camera.eye import CameraEye

@@ -14,6 +14,7 @@ from reflexarc.wiring.guard_flags import GuardFlags
 from reflexarc.wiring.keeping_logs.black_box_flags import BlackBoxFlags
 from reflexarc.wiring.keeping_logs.recording_flags import RecordingFlags
 from reflexarc.wiring.keeping_logs.run_summary import summary_as_dict, summary_in_words
+from reflexarc.wiring.running.pacing_flags import PacingFlags
 from reflexarc.wiring.scan_flags import ScanFlags
 from reflexarc.wiring.sense_flags import SenseFlags
 from reflexarc.wiring.watching import Watching
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
     from reflexarc_logs.recording.black_box import BoxSpan
     from reflexarc_logs.recording.keeping import Keeping
     from reflexarc_logs.recording.recorder import Recorder
-    from reflexarc_runtime.loop.monitor import Summary
+    from reflexarc_runtime.loop.cadence.monitor import Summary
     from reflexarc_runtime.policy.policy import LoadedPolicy
 
 
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
 class RunCommand:
     """Run a policy: sense, decide, act, at the contract's rate, until Ctrl-C.
 
+    With --pace input a tick begins as soon as an input arrives, never more often than that rate.
     Whatever comes in, the body gets a command at every tick: the policy's while its input is good
     and fresh, the contract's safe command otherwise. A policy that asks for more speed or patience
     than is usual, or whose safe command moves, is refused unless flags allow it; so is one that
@@ -54,6 +56,7 @@ class RunCommand:
       reflexarc run runs/reflex-0/policy.onnx --record runs/monday --rotate-s 600 --keep-mb 2000
       reflexarc run runs/reflex-0/policy.onnx --black-box 30 -o runs/incidents
       reflexarc run runs/reflex-0/policy.onnx --input scan --robot rover1
+      reflexarc run runs/reflex-0/policy.onnx --pace input
       reflexarc run racer.onnx --max-speed-mps 30
       reflexarc run --config /etc/reflexarc/robot0.toml
       reflexarc run rover.onnx --input scan --mount 0.1 0 180 --no-return zero
@@ -81,6 +84,7 @@ class RunCommand:
     allow_fast: bool = False
     """Drive faster than the eye of the policy, its delays and its body's brakes allow."""
     guarding: GuardFlags = field(default_factory=GuardFlags)
+    pacing: tyro.conf.OmitArgPrefixes[PacingFlags] = field(default_factory=PacingFlags)
     watching: Watching = field(default_factory=Watching)
     joining: Joining = field(default_factory=Joining)
     config: Path | None = None
@@ -143,6 +147,7 @@ class RunCommand:
 
     def _check_flags(self) -> None:
         self.watching.check()
+        self.pacing.check(lockstep=self.lockstep)
         if self.recording.keeping("reflexarc run").in_parts and self.record is None:
             raise UsageError(
                 "--rotate-mb, --rotate-s, --keep-mb: expected --record PATH beside them"
@@ -171,6 +176,7 @@ class RunCommand:
             fifo=self.fifo,
             guard=self.guarding.state,
             watching=self.watching,
+            pacing=self.pacing,
         )
 
     def _sinks(self, policy: "LoadedPolicy", run_id: str) -> "AbstractContextManager[RunSinks]":
@@ -186,6 +192,7 @@ class RunCommand:
                 robot=self.joining.robot,
                 sensor=self.input,
                 lockstep=self.lockstep,
+                pace=self.pacing.name(lockstep=self.lockstep),
                 guard=self.guarding.settings_for(policy.contract),
                 senses=self.sensing.settings,
                 keeping=keeping,
@@ -195,7 +202,11 @@ class RunCommand:
         return run_sinks(self.record, self.recording, self.box, make)
 
     def _tell(self, summary: "Summary", recordings: "Mapping[str, Recording]") -> None:
+        from reflexarc.terminal.cadence_table import cadence_table
+
         if self.json:
             print_json(summary_as_dict(summary, recordings))
         else:
             console.print(facts(summary_in_words(summary, recordings)))
+            if summary.phases and not self.lockstep:
+                console.print(cadence_table(summary.phases))

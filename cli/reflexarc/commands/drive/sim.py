@@ -218,7 +218,7 @@ class SimCommand:
     ) -> "Journey":
         from reflexarc_runtime.loop.clock import MonotonicClock
         from reflexarc_runtime.loop.inbox import Inbox
-        from reflexarc_runtime.loop.pacer import RatePacer
+        from reflexarc_runtime.loop.pacing.rate_pacer import RatePacer
         from reflexarc_sim_bridge.body.bridge import Bridge, faulty_retinas, gate_settings
 
         rate_hz = self.rate or body.contract.rate_hz

@@ -8,7 +8,7 @@ from reflexarc.terminal.output import microseconds
 
 if TYPE_CHECKING:
     from reflexarc.wiring.keeping_logs.outcome import Recording
-    from reflexarc_runtime.loop.monitor import Summary
+    from reflexarc_runtime.loop.cadence.monitor import Summary
 
 
 def summary_as_dict(summary: "Summary", recordings: "Mapping[str, Recording]") -> dict[str, object]:

@@ -8,19 +8,19 @@ from reflexarc.terminal.signals import StopFlag
 from reflexarc.wiring.awaiting import awaiting_input, wait_for_body
 from reflexarc.wiring.keeping_logs.run_sinks import RunSinks
 from reflexarc.wiring.rivals import Rivals
+from reflexarc.wiring.running.pacing_flags import PacingFlags
 from reflexarc.wiring.waiting import Arrival
 from reflexarc.wiring.watching import Watching
 from reflexarc_runtime.bus import Bus, Publisher
 from reflexarc_runtime.controller import Controller
 from reflexarc_runtime.decision import Decision
 from reflexarc_runtime.loop import realtime
-from reflexarc_runtime.loop.clock import MonotonicClock
+from reflexarc_runtime.loop.cadence.monitor import Summary
 from reflexarc_runtime.loop.inbox import Inbox
-from reflexarc_runtime.loop.monitor import Summary
 from reflexarc_runtime.loop.node import Node
 from reflexarc_runtime.loop.notices.input_notices import Notices
 from reflexarc_runtime.loop.outlets import NoOutlet, Outlets
-from reflexarc_runtime.loop.pacer import LockstepPacer, Pacer, RatePacer
+from reflexarc_runtime.loop.pacing.pacer import Pacer
 from reflexarc_runtime.loop.watch import Watch
 from reflexarc_runtime.messages.topics import (
     COMMAND,
@@ -51,6 +51,7 @@ class LoopFlags:
     guard: str
     """What the status says of the guard."""
     watching: Watching
+    pacing: PacingFlags
 
 
 @dataclass(frozen=True)
@@ -122,6 +123,7 @@ class SenseActLoop:
             robot=self.bus.robot,
             run_id=self.run_id,
             lockstep=self.flags.lockstep,
+            longest_wait_periods=self.flags.pacing.longest_wait_periods,
         )
 
     def _node(self, inbox: Inbox, outlets: Outlets, watch: Watch, notices: Notices) -> Node:
@@ -147,9 +149,9 @@ class SenseActLoop:
         )
 
     def _pacer(self, inbox: Inbox) -> Pacer:
-        if self.flags.lockstep:
-            return LockstepPacer(inbox)
-        return RatePacer(self.controller.contract.rate_hz, MonotonicClock(), inbox)
+        flags, controller = self.flags, self.controller
+        topic = controller.sense.topic
+        return flags.pacing.pacer(controller.contract, inbox, topic, lockstep=flags.lockstep)
 
     def _say(self, words: str) -> None:
         aside.print(f"reflexarc run: {plain(words)}", soft_wrap=True)

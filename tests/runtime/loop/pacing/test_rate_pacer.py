@@ -1,6 +1,8 @@
 from reflexarc_runtime.loop.clock import ManualClock
 from reflexarc_runtime.loop.inbox import Inbox
-from reflexarc_runtime.loop.pacer import LockstepPacer, RatePacer, Wakeup
+from reflexarc_runtime.loop.pacing.lockstep_pacer import LockstepPacer
+from reflexarc_runtime.loop.pacing.pacer import Wakeup
+from reflexarc_runtime.loop.pacing.rate_pacer import RatePacer
 from support.sensing import MS, retina_message
 
 NEVER = bool  # bool() is False

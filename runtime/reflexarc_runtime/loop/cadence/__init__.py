@@ -1,0 +1,1 @@
+"""How punctual a loop is, phase by phase: histograms, percentiles, counts."""

@@ -1,0 +1,1 @@
+"""Pacers: when a tick begins, and with which messages."""

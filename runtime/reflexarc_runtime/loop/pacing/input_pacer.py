@@ -1,0 +1,124 @@
+"""Ticks when an input arrives, within a rate, and at a deadline where none does.
+
+The generic cell rate algorithm (ITU-T I.371, virtual scheduling) with a period P and a tolerance of
+P/2, which also has a latest time. Let T be the nominal time of the next tick:
+
+- from T − P/2 on a tick is due as soon as an input arrives; then T becomes max(arrival, T) + P;
+- at T + P/2 it is due without one; then T becomes T + P.
+
+A tick that begins later than it was due does not move T, as at absolute deadlines; but by whole
+periods that have passed meanwhile, which are left out: never a burst.
+
+So n ticks take n − 1 periods at least, but for the tolerance: from the beginning on no more ticks
+than the rate allows and one half, in any stretch no more than two beyond it. A jitter of the
+arrivals of up to P/2 costs no latency.
+
+**An input that arrives before T − P/2** begins no tick by itself where its successor may: the tick
+begins at the next input, which is newer. Otherwise a sensor that is quicker than the rate by a
+thousandth would have its pictures wait, each a little longer than the one before, up to a whole
+period: two clocks are never equal. Where its body would not live through the period that is then
+left out, such an input begins a tick at T − P/2.
+
+What stops a loop, or lets it go on, begins a tick as an input does; one that came too early, at
+T − P/2.
+
+**Slots.** The slot of a tick is the whole number of periods from the beginning to its nominal time.
+Nominal times lie a period apart at least, so slots strictly increase; and they count time, as a
+hold needs it, also where a sensor is slower than the rate.
+"""
+
+from collections.abc import Callable
+
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.loop.bell import Bell
+from reflexarc_runtime.loop.clock import Clock
+from reflexarc_runtime.loop.inbox import Inbox
+from reflexarc_runtime.loop.pacing.pacer import PATIENCE_NS, Wakeup
+from reflexarc_runtime.messages.topics import Topic
+
+_PERIODS_AN_INPUT_MUST_LAST = 3
+"""Two periods may lie between two ticks, and messages are on their way for less than one."""
+
+LONGEST_WAIT_PERIODS = 2
+"""From the beginning of one tick to that of the next: half a period early, half a period late."""
+
+
+def may_leave_one_out(contract: PolicyContract) -> bool:
+    """Whether a body obeys a command for so long that a period without one does not stop it."""
+    return contract.max_input_age_s * contract.rate_hz >= _PERIODS_AN_INPUT_MUST_LAST
+
+
+class InputPacer:
+    """At the arrival of an input, never more often than at a rate.
+
+    Args:
+        rate_hz: of the contract.
+        clock: what deadlines are on.
+        inbox: where inputs arrive; nobody else may arm its bell.
+        topic: what an input is.
+        leaves_out: whether an input that came too early leaves the tick to its successor.
+    """
+
+    def __init__(
+        self, rate_hz: float, clock: Clock, inbox: Inbox, topic: Topic, *, leaves_out: bool = True
+    ) -> None:
+        self._clock = clock
+        self._inbox = inbox
+        self._bell = Bell()
+        inbox.ring_for(topic, self._bell)
+        self._leaves_out = leaves_out
+        self._period_ns = round(1e9 / rate_hz)
+        self._half_ns = self._period_ns // 2
+        self._start_ns: int | None = None
+        self._nominal_ns = 0
+        """Of the next tick."""
+        self._slot = 0
+
+    def wait(self, should_stop: Callable[[], bool]) -> Wakeup | None:
+        """See `Pacer.wait`."""
+        if self._start_ns is None:
+            self._start_ns = self._clock.now_ns()
+            self._nominal_ns = self._start_ns + self._period_ns
+        earliest_ns = self._nominal_ns - self._half_ns
+        self._inbox.arm(earliest_ns if self._leaves_out else 0)
+        is_rung = self._is_rung(self._nominal_ns + self._half_ns, should_stop)
+        if is_rung:
+            self._clock.sleep_until_ns(earliest_ns)
+        return None if should_stop() else self._begin(is_rung)
+
+    def farewell(self) -> Wakeup:
+        """See `Pacer.farewell`."""
+        return self._wake(self._clock.now_ns(), self._clock.now_ns(), 0)
+
+    def now_ns(self) -> int:
+        """See `Pacer.now_ns`."""
+        return self._clock.now_ns()
+
+    def _is_rung(self, deadline_ns: int, should_stop: Callable[[], bool]) -> bool:
+        """Wait for the bell up to the deadline, or until asked to stop."""
+        until_ns = 0
+        while until_ns < deadline_ns and not should_stop():
+            until_ns = min(deadline_ns, self._clock.now_ns() + PATIENCE_NS)
+            if self._clock.wait_until_ns(until_ns, self._bell):
+                return True
+        return False
+
+    def _begin(self, is_rung: bool) -> Wakeup:
+        """Begin a tick: move the nominal time on."""
+        wake_ns = self._clock.now_ns()
+        nominal_ns, deadline_ns = self._nominal_ns, self._nominal_ns + self._half_ns
+        missed = max(0, (wake_ns - deadline_ns) // self._period_ns)
+        if is_rung:
+            due_ns = max(self._inbox.rung_ns, nominal_ns - self._half_ns)
+            nominal_ns = max(due_ns, nominal_ns)
+            nominal_ns += max(0, (wake_ns - nominal_ns) // self._period_ns) * self._period_ns
+        else:
+            due_ns = deadline_ns
+            nominal_ns += missed * self._period_ns
+        self._slot = (nominal_ns - (self._start_ns or 0)) // self._period_ns
+        self._nominal_ns = nominal_ns + self._period_ns
+        return self._wake(due_ns, wake_ns, missed)
+
+    def _wake(self, due_ns: int, wake_ns: int, missed: int) -> Wakeup:
+        messages, now_ns = self._inbox.drain(self._clock.now_ns)
+        return Wakeup(self._slot, due_ns, wake_ns, now_ns, messages, now_ns - wake_ns, missed)
