@@ -2,25 +2,28 @@
 
     python tests/campaigns/kills.py [--kills 10] [--seed 0] [--most-s 6] [--json]
 
-A simulated body drives on while one runtime after another is killed: at a seeded moment after its
-start, before its first tick as well. Parts are short, so that many moments lie at the seam of two.
-Each row: everything that is left is recovered and replayed. Exit status 1: a tick that was made
-more than a second before the kill is on no disk, one is missing between two that are, a log does
-not replay, or a manifest does not name what is there.
+A simulated body drives on while one runtime after another is killed at a seeded moment: some of
+them before the first tick, some around a seam of two parts, some while a black box is long open,
+some while the recorder finishes its log. Each row: everything that is left is recovered and
+replayed; what was hit is what was found on the disk. Exit status 1: a tick that was made more than
+a second before the kill is on no disk, one is missing between two that are, a log does not replay,
+or a manifest does not name what is there.
 """
 
 import argparse
 import json
 import random
+import signal
 import subprocess
 import sys
 import tempfile
 import time
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import TypeAlias
+from typing import Literal, TypeAlias
 
 sys.path.insert(0, str(Path(__file__).parents[1]))  # the tests' support package
 
@@ -42,11 +45,17 @@ from support.processes import said_line, started
 
 MOST_LOST_S = 1.0
 PATIENCE_S = 60.0
-BEFORE_FIRST_TICK = 0.1
-"""This share of the kills falls into the start."""
-START_S = 2.5
-BOX_FLAGS = ("--black-box", 2, "--black-box-after", 1)
+START_S = 4.0
+SEAM_S = 0.06
+"""A part that was begun, or is to end, within so long of the kill."""
+SHORT_BOX_S, LONG_BOX_S = 1, 60
+FINISHING_S = 0.12
+"""Within so long of being told to end a runtime is killed all the same."""
 PARTIAL = ".partial"
+
+Moment: TypeAlias = Literal["start", "drive", "seam", "box", "end"]
+SHARES: dict[Moment, int] = {"start": 10, "drive": 25, "seam": 30, "box": 20, "end": 15}
+"""When runtimes are killed, in hundredths of them."""
 
 Ticks: TypeAlias = list[tuple[int, int]]
 """Index of each, and when it was heard."""
@@ -70,9 +79,12 @@ class Kill:
     """One kill."""
 
     number: int
+    moment: Moment
+    """What it aims at."""
     rotate_s: float
     after_s: float
-    of_first_tick: bool
+    hit: list[str] = field(default_factory=list)
+    """What was open on the disk: a part, a seam, a box, the end."""
     ticks: int = 0
     parts: int = 0
     boxes: int = 0
@@ -88,29 +100,72 @@ class Kill:
 def drawn(number: int, seed: int, most_s: float) -> Kill:
     """When to kill."""
     rng = random.Random(f"{seed}/{number}")
-    rotate_s, at_start = rng.choice((1.0, 1.0, 2.0)), rng.random() < BEFORE_FIRST_TICK
-    after_s = rng.uniform(0.0, START_S if at_start else most_s)
-    return Kill(number, rotate_s, after_s, not at_start)
+    (moment,) = rng.choices(list(SHARES), list(SHARES.values()))
+    after_s = rng.uniform(0.0, START_S if moment == "start" else most_s)
+    if moment == "seam":
+        after_s = rng.uniform(-SEAM_S / 2, SEAM_S)
+    return Kill(number, moment, rng.choice((1.0, 1.0, 2.0)), after_s)
 
 
 def strike(kill: Kill, policy: Path, port: int, heard: Heard, folder: Path) -> None:
     """Start a runtime, kill it, and judge what is left."""
     words = ["run", policy, "--port", port, "--record", folder / "whole"]
-    words += ["--rotate-s", kill.rotate_s, *BOX_FLAGS, "-o", folder / "box"]
+    words += ["--rotate-s", kill.rotate_s, "--black-box", 2, "-o", folder / "box"]
+    words += ["--black-box-after", LONG_BOX_S if kill.moment == "box" else SHORT_BOX_S]
     heard.ticks.clear()
     with started(*words) as process:
-        if kill.of_first_tick:
-            _wait_for_a_tick(heard, process)
-        time.sleep(kill.after_s)
+        _wait(kill, heard, process, folder / "whole")
         struck_ns = time.monotonic_ns()
+        was_alive = process.poll() is None
         process.kill()
         process.wait()
     made = [(index, at_ns) for index, at_ns in heard.ticks if at_ns <= struck_ns]
     kill.ticks = len(made)
+    kill.hit = list(_hit(kill, folder, was_alive=was_alive))
     whole, box = (_left_in(folder / name, kill) for name in ("whole", "box"))
     kill.parts, kill.boxes = len(whole), len(box)
     _judge_whole(kill, whole, made, struck_ns)
     _judge_box(kill, box, made, struck_ns)
+
+
+def _wait(kill: Kill, heard: Heard, process: "subprocess.Popen[str]", parts: Path) -> None:
+    """Until the moment of the kill."""
+    if kill.moment != "start":
+        _wait_for_a_tick(heard, process)
+    if kill.moment == "seam":
+        _wait_for_a_part(parts, process)
+        time.sleep(kill.rotate_s)
+    if kill.moment == "end":
+        time.sleep(kill.after_s)
+        process.send_signal(signal.SIGINT)
+        time.sleep(random.Random(kill.after_s).uniform(0.0, FINISHING_S))
+    else:
+        time.sleep(max(0.0, kill.after_s))
+
+
+def _wait_for_a_part(folder: Path, process: "subprocess.Popen[str]") -> None:
+    """Until a second part was begun, just now."""
+    end_s = time.monotonic() + PATIENCE_S
+    while len([path for path in folder.glob("*.mcap*") if MANIFEST not in path.name]) < 2:
+        if process.poll() is not None or time.monotonic() > end_s:
+            raise SystemExit(f"no second part came: {process.communicate(timeout=5)[1]}")
+        time.sleep(0.001)
+
+
+def _hit(kill: Kill, folder: Path, *, was_alive: bool) -> Iterator[str]:
+    """What was open when it was killed, by what lies on the disk."""
+    struck_s = time.time()
+    open_parts = list((folder / "whole").glob(f"*{PARTIAL}"))
+    ended_s = [path.stat().st_mtime for path in (folder / "whole").glob("*.mcap")]
+    if open_parts:
+        yield "part"
+    is_seam = len(open_parts) != 1 or struck_s - max(ended_s, default=0.0) < 2 * SEAM_S
+    if was_alive and kill.moment != "end" and kill.ticks and is_seam:
+        yield "seam"
+    if list((folder / "box").glob(f"*{PARTIAL}")):
+        yield "box"
+    if kill.moment == "end" and was_alive:
+        yield "end"
 
 
 def _wait_for_a_tick(heard: Heard, process: "subprocess.Popen[str]") -> None:
@@ -224,17 +279,20 @@ def main() -> int:
 
 
 def _line(kill: Kill) -> str:
-    since = "tick" if kill.of_first_tick else "start"
     return (
-        f"{kill.number:4}  {kill.after_s:4.1f} s after its first {since:5}  {kill.ticks:4} ticks  "
-        f"{kill.parts} parts, {kill.boxes} boxes  lost {kill.lost_s:.2f} s, of a box "
-        f"{kill.lost_of_box_s:.2f} s  {'; '.join(kill.failures) or 'ok'}"
+        f"{kill.number:4}  {kill.moment:5} {kill.after_s:5.2f} s  "
+        f"hit {'+'.join(kill.hit) or '-':13} {kill.ticks:4} ticks  "
+        f"{kill.parts} parts, {kill.boxes} boxes  lost {kill.lost_s:.2f} s, "
+        f"of a box {kill.lost_of_box_s:.2f} s  {'; '.join(kill.failures) or 'ok'}"
     )
 
 
 def _sum(kills: list[Kill]) -> str:
+    hits = Counter(one for kill in kills for one in kill.hit)
     return (
-        f"{len(kills)} kills, {sum(kill.ticks for kill in kills)} ticks, "
+        f"{len(kills)} kills, of which hit: "
+        f"{', '.join(f'{what} {n}' for what, n in hits.most_common())}; "
+        f"{sum(kill.ticks for kill in kills)} ticks, "
         f"{sum(kill.parts for kill in kills)} parts and {sum(kill.boxes for kill in kills)} boxes "
         f"replayed, {sum(kill.unborn for kill in kills)} without a head; "
         f"at most {max(kill.lost_s for kill in kills):.2f} s lost, of a box "

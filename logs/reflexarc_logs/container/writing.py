@@ -17,6 +17,7 @@ from mcap.records import Schema
 from mcap.writer import CompressionType, Writer
 from mcap_protobuf.schema import build_file_descriptor_set
 
+from reflexarc_logs.container.remedy import recovery
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages.wire import NO_SENDER
 
@@ -220,7 +221,7 @@ def open_unfinished(path: Path, partial: Path) -> BinaryIO:
     try:
         return open_for_writing(partial)
     except FileExistsError:
-        advice = "`reflexarc recover` it or remove it"
+        advice = f"{recovery(partial)} saves what is in it; or remove it"
         if partial.suffix != PARTIAL:
             advice = "what made it was killed; remove it"
         raise LogError(f"{partial}: an unfinished log is there; {advice}") from None
