@@ -42,11 +42,12 @@ SEEN_AGAIN = 20_000
 """After so many retinas of a long log the first one comes again."""
 REPLAYED = """
 import sys
+import time
 from pathlib import Path
 from reflexarc.main import main
 status = main(sys.argv[1:])
 held = next(line for line in Path("/proc/self/status").read_text().splitlines() if "VmHWM" in line)
-print(f"status {status} held {held.split()[1]}")
+print(f"status {status} held {held.split()[1]} took {time.process_time()}")
 """
 
 
@@ -152,18 +153,17 @@ def _long_logs(folder: Path, hours: float) -> Iterator[tuple[str, Path]]:
 
 
 def _held(path: Path, flags: Iterable[object]) -> tuple[float, float]:
-    """The most memory, and how long it took.
+    """The most memory, and the processor time.
 
     The kernel's account of a process of its own: `ru_maxrss` would be that of the one that started
     it, if that held more.
     """
-    began_s = time.perf_counter()
     words = [sys.executable, "-c", REPLAYED, "replay", path, *flags]
     done = subprocess.run([str(word) for word in words], capture_output=True, text=True, check=True)
-    last = done.stdout.splitlines()[-1].split()
-    if last[1] == "2":
+    said = dict(zip(*[iter(done.stdout.splitlines()[-1].split())] * 2, strict=True))
+    if said["status"] == "2":
         raise SystemExit(f"not replayed: {done.stderr}")
-    return int(last[3]) * 1024 / 1e6, time.perf_counter() - began_s
+    return int(said["held"]) * 1024 / 1e6, float(said["took"])
 
 
 if __name__ == "__main__":

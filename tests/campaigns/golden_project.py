@@ -32,8 +32,8 @@ from support.fault_runs import free_ports  # noqa: E402
 from support.processes import reflexarc, started  # noqa: E402
 from support.rewriting import edit_decisions, flip_bit, rewrite  # noqa: E402
 
-INI = '[tool.pytest.ini_options]\nreflexarc_logs = ["tests/golden"]\n'
-GOLDEN = Path("tests/golden")
+INI = '[tool.pytest.ini_options]\nreflexarc_logs = ["golden"]\n'
+GOLDEN = Path("golden")
 DRIVES = {"corridor.mcap": ("tier-30", 3), "a crowd.mcap": ("crossing", 7)}
 """What they are called, one of them as no shell likes it; in which world, with which seed."""
 TICKS = 500

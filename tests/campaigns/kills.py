@@ -7,7 +7,9 @@ them before the first tick, some around a seam of two parts, some while a black 
 some while the recorder finishes its log. Each row: everything that is left is recovered and
 replayed; what was hit is what was found on the disk. Exit status 1: a tick that was made more than
 a second before the kill is on no disk, one is missing between two that are, a log does not replay,
-or a manifest does not name what is there.
+or a manifest does not name what is there. A loss is the machine's if a thread of the runtime was
+ready and got no processor for what it is longer than a second. A runtime that its own watchdog ends
+on such a machine was killed then.
 """
 
 import argparse
@@ -19,7 +21,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -42,12 +44,13 @@ from reflexarc_runtime.messages.wire import Message
 from support.fault_runs import free_ports
 from support.policies import exported
 from support.processes import said_line, started
+from support.starved import Starved
 
 MOST_LOST_S = 1.0
 PATIENCE_S = 60.0
 START_S = 4.0
 SEAM_S = 0.06
-"""A part that was begun, or is to end, within so long of the kill."""
+"""Within so long of a part's beginning: the one before it is being made durable."""
 SHORT_BOX_S, LONG_BOX_S = 1, 60
 FINISHING_S = 0.12
 """Within so long of being told to end a runtime is killed all the same."""
@@ -74,6 +77,10 @@ class Heard:
         self.ticks.append((index, message.received_ns))
 
 
+class NotBegunError(Exception):
+    """A runtime made no tick: nothing to kill."""
+
+
 @dataclass
 class Kill:
     """One kill."""
@@ -84,7 +91,7 @@ class Kill:
     rotate_s: float
     after_s: float
     hit: list[str] = field(default_factory=list)
-    """What was open on the disk: a part, a seam, a box, the end."""
+    """What was open on the disk: a part, a seam, a box, the end; or that a watchdog was quicker."""
     ticks: int = 0
     parts: int = 0
     boxes: int = 0
@@ -94,6 +101,8 @@ class Kill:
     """Logs that had not come to their end."""
     lost_s: float = 0.0
     lost_of_box_s: float = 0.0
+    starved_s: float = 0.0
+    """How long a thread of it got no processor, of the last two seconds."""
     failures: list[str] = field(default_factory=list)
 
 
@@ -103,7 +112,7 @@ def drawn(number: int, seed: int, most_s: float) -> Kill:
     (moment,) = rng.choices(list(SHARES), list(SHARES.values()))
     after_s = rng.uniform(0.0, START_S if moment == "start" else most_s)
     if moment == "seam":
-        after_s = rng.uniform(-SEAM_S / 2, SEAM_S)
+        after_s = rng.uniform(0.0, SEAM_S)
     return Kill(number, moment, rng.choice((1.0, 1.0, 2.0)), after_s)
 
 
@@ -114,11 +123,12 @@ def strike(kill: Kill, policy: Path, port: int, heard: Heard, folder: Path) -> N
     words += ["--black-box-after", LONG_BOX_S if kill.moment == "box" else SHORT_BOX_S]
     heard.ticks.clear()
     with started(*words) as process:
-        _wait(kill, heard, process, folder / "whole")
-        struck_ns = time.monotonic_ns()
-        was_alive = process.poll() is None
+        starved = Starved(process.pid)
+        _wait(kill, heard, process, folder / "whole", starved)
+        was_alive, struck_ns = process.poll() is None, time.monotonic_ns()
         process.kill()
         process.wait()
+    kill.starved_s = starved.worst_s
     made = [(index, at_ns) for index, at_ns in heard.ticks if at_ns <= struck_ns]
     kill.ticks = len(made)
     kill.hit = list(_hit(kill, folder, was_alive=was_alive))
@@ -128,28 +138,36 @@ def strike(kill: Kill, policy: Path, port: int, heard: Heard, folder: Path) -> N
     _judge_box(kill, box, made, struck_ns)
 
 
-def _wait(kill: Kill, heard: Heard, process: "subprocess.Popen[str]", parts: Path) -> None:
-    """Until the moment of the kill."""
-    if kill.moment != "start":
-        _wait_for_a_tick(heard, process)
+def _wait(
+    kill: Kill, heard: Heard, process: "subprocess.Popen[str]", parts: Path, starved: Starved
+) -> None:
+    """Until the moment of the kill, or of an end before it."""
+
+    def until(holds: Callable[[], bool], patience_s: float) -> bool:
+        end_s = time.monotonic() + patience_s
+        while process.poll() is None and time.monotonic() < end_s:
+            if holds():
+                return True
+            starved.look()
+            time.sleep(0.002)
+        return False
+
+    def never() -> bool:
+        return False
+
+    if kill.moment != "start" and not until(lambda: bool(heard.ticks), PATIENCE_S):
+        process.kill()
+        raise NotBegunError(process.communicate(timeout=5)[1])
     if kill.moment == "seam":
-        _wait_for_a_part(parts, process)
-        time.sleep(kill.rotate_s)
+        until(lambda: len(_logs_in(parts)) > 1, PATIENCE_S)
+    until(never, kill.after_s)
     if kill.moment == "end":
-        time.sleep(kill.after_s)
         process.send_signal(signal.SIGINT)
-        time.sleep(random.Random(kill.after_s).uniform(0.0, FINISHING_S))
-    else:
-        time.sleep(max(0.0, kill.after_s))
+        until(never, random.Random(kill.after_s).uniform(0.0, FINISHING_S))
 
 
-def _wait_for_a_part(folder: Path, process: "subprocess.Popen[str]") -> None:
-    """Until a second part was begun, just now."""
-    end_s = time.monotonic() + PATIENCE_S
-    while len([path for path in folder.glob("*.mcap*") if MANIFEST not in path.name]) < 2:
-        if process.poll() is not None or time.monotonic() > end_s:
-            raise SystemExit(f"no second part came: {process.communicate(timeout=5)[1]}")
-        time.sleep(0.001)
+def _logs_in(folder: Path) -> list[Path]:
+    return [path for path in folder.glob("*.mcap*") if MANIFEST not in path.name]
 
 
 def _hit(kill: Kill, folder: Path, *, was_alive: bool) -> Iterator[str]:
@@ -166,14 +184,8 @@ def _hit(kill: Kill, folder: Path, *, was_alive: bool) -> Iterator[str]:
         yield "box"
     if kill.moment == "end" and was_alive:
         yield "end"
-
-
-def _wait_for_a_tick(heard: Heard, process: "subprocess.Popen[str]") -> None:
-    end_s = time.monotonic() + PATIENCE_S
-    while not heard.ticks:
-        if process.poll() is not None or time.monotonic() > end_s:
-            raise SystemExit(f"no tick came: {process.communicate(timeout=5)[1]}")
-        time.sleep(0.005)
+    if kill.moment != "end" and not was_alive:
+        yield "ended"
 
 
 def _left_in(folder: Path, kill: Kill) -> Logs:
@@ -219,12 +231,22 @@ def _lost_s(made: Ticks, kept: set[int], struck_ns: int) -> float:
     return (struck_ns - min(missing_ns)) * 1e-9 if missing_ns else 0.0
 
 
+def _is_too_long(kill: Kill, lost_s: float) -> bool:
+    """Longer than promised, by more than the machine withheld."""
+    return lost_s - kill.starved_s > MOST_LOST_S
+
+
+def _is_the_machine_s(kill: Kill) -> bool:
+    lost_s = max(kill.lost_s, kill.lost_of_box_s)
+    return lost_s > MOST_LOST_S and not _is_too_long(kill, lost_s)
+
+
 def _judge_whole(kill: Kill, logs: Logs, made: Ticks, struck_ns: int) -> None:
     indices = [index for ticks in logs.values() for index in ticks]
     kill.lost_s = _lost_s(made, set(indices), struck_ns)
     gaps = indices != list(range(len(indices)))
     kill.failures += ["ticks are missing between two parts, or twice"] * gaps
-    kill.failures += [f"{kill.lost_s:.2f} s lost"] * (kill.lost_s > MOST_LOST_S)
+    kill.failures += [f"{kill.lost_s:.2f} s lost"] * _is_too_long(kill, kill.lost_s)
 
 
 def _judge_box(kill: Kill, logs: Logs, made: Ticks, struck_ns: int) -> None:
@@ -237,7 +259,7 @@ def _judge_box(kill: Kill, logs: Logs, made: Ticks, struck_ns: int) -> None:
         if name in kill.cut:
             since = [(index, at_ns) for index, at_ns in made if index >= ticks[0]]
             kill.lost_of_box_s = _lost_s(since, set(ticks), struck_ns)
-            late = kill.lost_of_box_s > MOST_LOST_S
+            late = _is_too_long(kill, kill.lost_of_box_s)
             kill.failures += [f"{kill.lost_of_box_s:.2f} s of a box lost"] * late
 
 
@@ -269,8 +291,12 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as place, _world(Path(place)) as (policy, port, heard):
         for number in range(flags.kills):
             kill = drawn(number, flags.seed, flags.most_s)
-            with tempfile.TemporaryDirectory() as folder:
-                strike(kill, policy, port, heard, Path(folder))
+            try:
+                with tempfile.TemporaryDirectory() as folder:
+                    strike(kill, policy, port, heard, Path(folder))
+            except NotBegunError as error:
+                print(f"{number:4}  not begun: {error}", flush=True)
+                continue
             kills.append(kill)
             print(json.dumps(asdict(kill)) if flags.json else _line(kill), flush=True)
     if not flags.json:
@@ -283,7 +309,8 @@ def _line(kill: Kill) -> str:
         f"{kill.number:4}  {kill.moment:5} {kill.after_s:5.2f} s  "
         f"hit {'+'.join(kill.hit) or '-':13} {kill.ticks:4} ticks  "
         f"{kill.parts} parts, {kill.boxes} boxes  lost {kill.lost_s:.2f} s, "
-        f"of a box {kill.lost_of_box_s:.2f} s  {'; '.join(kill.failures) or 'ok'}"
+        f"of a box {kill.lost_of_box_s:.2f} s, starved {kill.starved_s:.2f} s  "
+        f"{'; '.join(kill.failures) or 'ok'}"
     )
 
 
@@ -297,6 +324,7 @@ def _sum(kills: list[Kill]) -> str:
         f"replayed, {sum(kill.unborn for kill in kills)} without a head; "
         f"at most {max(kill.lost_s for kill in kills):.2f} s lost, of a box "
         f"{max(kill.lost_of_box_s for kill in kills):.2f} s; "
+        f"over {MOST_LOST_S:g} s and the machine's: {sum(map(_is_the_machine_s, kills))}; "
         f"{sum(bool(kill.failures) for kill in kills)} failed"
     )
 
