@@ -95,7 +95,8 @@ class LogItem(pytest.Item):
         from reflexarc_runtime.errors import ReflexarcError
 
         if isinstance(excinfo.value, LogTestError | ReflexarcError | OSError):
-            return str(excinfo.value)
+            near = str(_trial(self.config).typed(self.path))
+            return str(excinfo.value).replace(str(self.path), near)
         return super().repr_failure(excinfo, style)
 
     def reportinfo(self) -> tuple[Path, None, str]:

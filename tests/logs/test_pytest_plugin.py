@@ -6,7 +6,9 @@ import pytest
 from reflexarc_logs.replaying.report import ReplayReport
 from reflexarc_runtime.messages_pb2 import Decision
 from support.plugin_runs import project, run_pytest
-from support.rewriting import edit_decisions, rewrite
+from support.policies import exported
+from support.recordings import CONTRACT
+from support.rewriting import edit_decisions, flip_bit, rewrite
 
 
 @pytest.fixture(scope="module")
@@ -18,6 +20,11 @@ def outcome(log_path: Path, tmp_path_factory: pytest.TempPathFactory) -> str:
         shutil.copy(log_path, here / name)
     rewrite(log_path, here / "golden/changed.mcap", edit_decisions(sideways))
     (here / "golden/empty.mcap").write_bytes(b"")
+    middle = flip_bit(log_path.read_bytes(), log_path.stat().st_size // 2)
+    (here / "golden/fell over.mcap").write_bytes(middle)
+    (here / "golden/cut off.mcap").write_bytes(log_path.read_bytes()[:-9000])
+    other = {"policy.onnx": exported(CONTRACT, 8)}
+    rewrite(log_path, here / "golden/swapped one.mcap", attachments=other)
     (here / "test_it.py").write_text(
         "def test_it(replay):\n"
         f"    report = replay({str(log_path)!r}, level='node')\n"
@@ -47,6 +54,22 @@ def test_a_log_that_replays_differently_fails_with_the_report(outcome):
 def test_a_log_that_cannot_be_read_fails_with_one_line(outcome):
     assert "golden/empty.mcap::replay FAILED" in outcome
     assert "empty.mcap: expected a log, got an empty file" in outcome
+
+
+@pytest.mark.parametrize(
+    ("what", "command"),
+    [
+        ("fell over.mcap: damaged: the CRC", "recover 'golden/fell over.mcap' -o FIXED.mcap"),
+        ("cut off.mcap: expected a finished", "recover 'golden/cut off.mcap' -o FIXED.mcap"),
+        (
+            "swapped one.mcap: the attached policy is not the one that the log names",
+            "replay 'golden/swapped one.mcap' --policy POLICY.onnx",
+        ),
+    ],
+)
+def test_what_is_broken_comes_with_the_command_that_helps_as_it_is_typed(outcome, what, command):
+    line = next(line for line in outcome.splitlines() if line.startswith(f"golden/{what}"))
+    assert f"`reflexarc {command}`" in line
 
 
 def test_a_log_that_fails_shows_no_traceback(outcome):

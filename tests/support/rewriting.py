@@ -51,8 +51,9 @@ def rewrite(
                     data = schema(record)
                     schemas[record.id] = writer.register_schema(record.name, record.encoding, data)
                 case Channel():
+                    schema_id, sender = schemas[record.schema_id], record.metadata
                     new = writer.register_channel(
-                        record.topic, record.message_encoding, schemas[record.schema_id]
+                        record.topic, record.message_encoding, schema_id, sender
                     )
                     channels[record.id] = new, record.topic
                 case Message():

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple, Self
 from rosbags.rosbag2 import Reader, ReaderError
 
 from reflexarc_logs.container.frames import MAGIC
+from reflexarc_logs.container.remedy import recovery
 from reflexarc_runtime.errors import LogError
-from reflexarc_runtime.words.suggestion import pasteable
 
 _FILES = (".mcap", ".db3")
 
@@ -99,8 +99,7 @@ class BagFile:
         words = " ".join(str(reason or error).split())[:160] or type(error).__name__
         advice = "" if isinstance(error, ReaderError | OSError) else "; is it damaged?"
         if _begins_as_mcap(self.path):
-            command = pasteable("reflexarc", "recover", self.path, "-o", "FIXED.mcap")
-            advice = f"; `{command}` saves what is intact"
+            advice = f"; {recovery(self.path)} saves what is intact"
         return LogError(f"{self.path}: expected a bag of ROS 2, cannot read it: {words}{advice}")
 
 

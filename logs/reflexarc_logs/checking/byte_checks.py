@@ -10,12 +10,12 @@ from reflexarc_logs.container.attachments import attached_at, is_intact
 from reflexarc_logs.container.first_look import Survey
 from reflexarc_logs.container.frames import DamagedError, FrameReader, TruncatedError
 from reflexarc_logs.container.index import read_index
-from reflexarc_runtime.words.suggestion import pasteable
+from reflexarc_logs.container.remedy import recovery
 
 
 def frame_findings(found: Survey) -> Iterator[LogFinding]:
     """What the first look found amiss: an end that is missing, a CRC that does not fit."""
-    remedy = f"; `{pasteable('reflexarc', 'recover', found.path)} -o FIXED.mcap` saves the rest"
+    remedy = f"; {recovery(found.path)} saves the rest"
     if found.is_cut:
         yield error("completeness", f"it was never finished: {found.damage}{remedy}")
     elif found.damage:

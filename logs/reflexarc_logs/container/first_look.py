@@ -32,6 +32,7 @@ from reflexarc_logs.container.frames import (
     blocks,
     check_footer,
 )
+from reflexarc_logs.container.remedy import recovery
 from reflexarc_logs.container.run_info import RUN, RunInfo
 from reflexarc_logs.container.writing import END, PROFILE
 from reflexarc_runtime.errors import LogError
@@ -89,7 +90,7 @@ class Survey:
             if self.is_cut:
                 raise LogError(
                     f"{self.path}: truncated before it says of which run it is ({self.damage}); "
-                    "`reflexarc recover` saves what is there"
+                    f"{recovery(self.path)} saves what is there"
                 )
             raise LogError(f"{self.path}: expected {RUN} metadata, found none; not replayable")
         return RunInfo.from_metadata(self.metadata[RUN])
@@ -126,7 +127,7 @@ def refuse(found: Survey) -> None:
     if found.refusal:
         raise LogError(f"{path}: {found.refusal}")
     if found.damage and not found.is_cut:
-        raise LogError(f"{path}: damaged: {found.damage}; `reflexarc recover` saves the rest")
+        raise LogError(f"{path}: damaged: {found.damage}; {recovery(path)} saves the rest")
 
 
 def look(path: Path) -> Survey:
@@ -312,10 +313,10 @@ def _foreign(found: Survey) -> str:
     if found.damage and not found.profile and not found.metadata:
         return (
             f"{found.path}: truncated before it says whose it is ({found.damage}); "
-            "`reflexarc recover` saves what is there"
+            f"{recovery(found.path)} saves what is there"
         )
     whose = f"profile {found.profile[:20]!r}" if found.profile else f"no {RUN} metadata"
     return (
         f"{found.path}: expected a log of reflexarc, got a log of another system ({whose}); "
-        "`reflexarc info` lists its topics"
+        f"`{pasteable('reflexarc', 'info', found.path)}` lists its topics"
     )

@@ -10,6 +10,7 @@ import os
 from pathlib import Path
 from typing import BinaryIO
 
+from reflexarc_logs.container.remedy import recovery
 from reflexarc_runtime.errors import LogError
 
 PARTIAL = ".partial"
@@ -96,7 +97,7 @@ def _created(path: Path, partial: Path) -> BinaryIO:
     try:
         return open_for_writing(partial)
     except FileExistsError:
-        advice = "`reflexarc recover` it or remove it"
+        advice = f"{recovery(partial)} saves what is in it; or remove it"
         if partial.suffix != PARTIAL:
             advice = "what made it was killed; remove it"
         raise LogError(f"{partial}: an unfinished log is there; {advice}") from None

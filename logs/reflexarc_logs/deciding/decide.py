@@ -16,10 +16,11 @@ from reflexarc_logs.container.rejected import Intake
 from reflexarc_logs.container.run_info import WALL_CLOCK, RunInfo, installed_versions
 from reflexarc_logs.deciding.log_clock import LogClock
 from reflexarc_logs.deciding.sensor_messages import SensorMessages, sensors_of
-from reflexarc_logs.reading.reader import Log
+from reflexarc_logs.reading.reader import Log, read_log
 from reflexarc_logs.recording.part import Head, Part
 from reflexarc_logs.recording.place import Place
 from reflexarc_runtime.controller import Controller
+from reflexarc_runtime.decision import Verdict
 from reflexarc_runtime.errors import LogError, UsageError
 from reflexarc_runtime.guard import Guard, asks_the_input
 from reflexarc_runtime.guard_settings import GuardSettings
@@ -49,6 +50,8 @@ class Decided:
     verdicts: Mapping[str, int]
     left_out: Mapping[str, int]
     """Messages of the log that no loop takes in or records, by topic."""
+    why_nothing: str = ""
+    """Why the policy was asked at no tick at all; empty: it was."""
 
 
 def decide(
@@ -88,8 +91,9 @@ def decide(
             verdicts = _run(controller, messages, sink, head.run)
     except OSError as error:
         raise LogError(f"{out}: cannot be written: {error.strerror}; nothing is kept") from None
-    counts = dict(verdicts)
-    return Decided(Path(out), sensor, sum(counts.values()), counts, dict(messages.left_out))
+    counts, why_nothing = dict(verdicts), _why_nothing(Path(out))
+    left_out = dict(messages.left_out)
+    return Decided(Path(out), sensor, verdicts.total(), counts, left_out, why_nothing)
 
 
 class LogSink:
@@ -143,6 +147,17 @@ def _run(
     if not clock.is_over:
         raise LogError(f"expected at most {MAX_TICKS} ticks; the log's clock jumps")
     return Counter(summary.verdicts)
+
+
+def _why_nothing(path: Path) -> str:
+    """What the first refusal says, if no tick got as far as to the policy."""
+    first = ""
+    for tick in read_log(path).ticks():
+        if tick.decision.q_values:
+            return ""
+        if not first and int(tick.decision.verdict) == Verdict.INVALID_INPUT:
+            first = tick.decision.reason
+    return first or "no input came that the loop could use"
 
 
 def _sensor(log: Log, asked: str) -> str:

@@ -16,6 +16,7 @@ from reflexarc_logs.container.frames import (
     TruncatedError,
 )
 from reflexarc_logs.container.record_stream import ChunkBytes, stream_records
+from reflexarc_logs.container.remedy import recovery
 from reflexarc_logs.container.run_info import RUN, RunInfo
 from reflexarc_logs.reading.channels import Channels
 from reflexarc_logs.reading.message_tables import MessageTable, tables_of
@@ -90,7 +91,8 @@ class MessageFile:
         except NotMcapError:
             raise LogError(f"{self.path}: expected an MCAP file, got another kind") from None
         except DamagedError as error:
-            raise LogError(f"{self.path}: damaged: {error}; `reflexarc recover` it") from None
+            advice = f"{recovery(self.path)} saves the rest"
+            raise LogError(f"{self.path}: damaged: {error}; {advice}") from None
         except NotReadHereError as error:
             raise LogError(f"{self.path}: {error}") from None
         except OSError as error:

@@ -15,6 +15,7 @@ from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.contract.motion import Action
 from reflexarc_runtime.errors import LogError, ReflexarcError
 from reflexarc_runtime.policy.policy import load_contract
+from reflexarc_runtime.words.suggestion import pasteable
 
 
 def check_comparable(log: Log, candidate: PolicyContract) -> list[str]:
@@ -60,8 +61,19 @@ def _check_eyes(log: Log, recorded: PolicyContract, candidate: PolicyContract) -
         said = ", ".join(f"{name} {theirs[name]} → {ours[name]}" for name in other)
         raise LogError(
             f"{log.path}: the candidate has another eye than the retinas were made with ({said}); "
-            "let it look for itself: `reflexarc decide`"
+            f"{_eyes_remedy(log)}"
         )
+
+
+def _eyes_remedy(log: Log) -> str:
+    """Only scans can be looked at again: a retina is what one eye made of the world."""
+    if log.run.input == "scan":
+        command = pasteable("reflexarc", "decide", log.path, "--policy", "CANDIDATE.onnx")
+        return f"let it look for itself, at the scans: `{command} -o DECIDED.mcap`"
+    return (
+        "no other eye can look at recorded retinas: record a drive of its own with "
+        "`reflexarc run`, or measure it with `reflexarc evaluate`"
+    )
 
 
 def _check_actions(log: Log, recorded: PolicyContract, candidate: PolicyContract) -> None:

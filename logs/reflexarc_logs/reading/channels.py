@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 from mcap.records import Channel, McapRecord, Schema
 
+from reflexarc_logs.container.remedy import recovery
 from reflexarc_logs.container.writing import SENDER
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages.wire import NO_SENDER, SENDER_BYTES
@@ -52,7 +53,8 @@ class Channels:
         """
         stream = self.streams.get(channel)
         if stream is None:
-            raise LogError(f"{self._path}: a message on an unknown channel; `reflexarc recover` it")
+            advice = f"{recovery(self._path)} saves the rest"
+            raise LogError(f"{self._path}: a message on an unknown channel; {advice}")
         return stream
 
 

@@ -24,6 +24,7 @@ from reflexarc_logs.container.fields import MESSAGE, decoded
 from reflexarc_logs.container.first_look import Survey, survey
 from reflexarc_logs.container.frames import DamagedError, NotReadHereError
 from reflexarc_logs.container.record_stream import ChunkBytes, whole_parts, whole_records
+from reflexarc_logs.container.remedy import recovery
 from reflexarc_logs.container.run_info import RunInfo
 from reflexarc_logs.container.writing import CONFIG_ATTACHMENT, POLICY_ATTACHMENT, SENDER
 from reflexarc_logs.reading.channels import Channels
@@ -32,7 +33,6 @@ from reflexarc_logs.reading.record import Record
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages.topics import TICK
 from reflexarc_runtime.messages_pb2 import Tick
-from reflexarc_runtime.words.suggestion import pasteable
 
 __all__ = ["Log", "Record", "decode", "open_log", "read_log"]
 
@@ -149,7 +149,8 @@ class Log:
             yield from read
         except DamagedError as error:
             if self.complete:
-                raise LogError(f"{self.path}: damaged: {error}; `reflexarc recover` it") from None
+                advice = f"{recovery(self.path)} saves the rest"
+                raise LogError(f"{self.path}: damaged: {error}; {advice}") from None
         except NotReadHereError as error:
             raise LogError(f"{self.path}: {error}") from None
         except OSError as error:
@@ -170,7 +171,7 @@ def read_log(path: Path | str, *, allow_truncated: bool = False) -> Log:
     if not found.complete and not allow_truncated:
         raise LogError(
             f"{path}: expected a finished log, got a truncated one ({found.damage}); "
-            f"`{pasteable('reflexarc', 'recover', path)} -o FIXED.mcap` saves what is there"
+            f"{recovery(path)} saves what is there"
         )
     return open_log(found)
 

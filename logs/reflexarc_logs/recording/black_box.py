@@ -94,6 +94,7 @@ class BlackBox:
         elif tries and self._begin():
             for earlier in self._ring:
                 self._keeper.write(earlier)
+            self._keeper.keep()  # what was in memory is of seconds ago: no kill may take it now
 
     def _begin(self) -> bool:
         about = {TRIGGER: self._why}

@@ -7,6 +7,7 @@ from reflexarc_runtime.errors import LogError, ReflexarcError
 from reflexarc_runtime.loop.trials.tried_policy import load_tried_policy
 from reflexarc_runtime.policy.model_file import policy_hash
 from reflexarc_runtime.policy.policy import Backend, LoadedPolicy
+from reflexarc_runtime.words.suggestion import pasteable
 
 
 def attached_policy(log: Log, backend: Backend | str | None = None) -> LoadedPolicy:
@@ -45,7 +46,9 @@ def asked_policy(
 
 def _check_identity(log: Log) -> None:
     if policy_hash(log.policy or b"") != log.run.policy_hash:
+        command = pasteable("reflexarc", "replay", log.path, "--policy", "POLICY.onnx")
         raise LogError(
             f"{log.path}: the attached policy is not the one that the log names "
-            f"({log.run.policy_hash[:12]}…); could not compare"
+            f"({log.run.policy_hash[:12]}…); could not compare: get the log as it was recorded, or "
+            f"say which policy is meant: `{command}`"
         )

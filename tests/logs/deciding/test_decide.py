@@ -1,5 +1,6 @@
 """A policy on the sensors of a log decides as the loop would have."""
 
+import dataclasses
 import json
 from pathlib import Path
 
@@ -41,6 +42,15 @@ def test_the_same_policy_decides_the_same(log: Log, tmp_path: Path):
     again, before = (_by_input(one) for one in (read_log(decided.path), log))
     assert len(before) > TICKS - 5
     assert before.items() <= again.items()  # the former run ended with an input it did not use
+
+
+def test_a_policy_that_was_never_asked_is_said_with_the_reason(log: Log, tmp_path: Path):
+    eye = dataclasses.replace(CONTRACT.retina, fov_rad=2.0)
+    blind = exported(dataclasses.replace(CONTRACT, retina=eye), 4)
+    decided = decide(log, load_policy(blind), tmp_path / "blind.mcap")
+    assert "OK" not in decided.verdicts
+    assert "fov" in decided.why_nothing
+    assert not decide(log, load_policy(exported(CONTRACT, 9)), tmp_path / "b.mcap").why_nothing
 
 
 def _by_input(log: Log) -> dict[int, tuple[object, ...]]:

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from reflexarc_logs.container.run_info import RUN
 from reflexarc_logs.cutting.span import span_of
 from reflexarc_logs.judging import flip_tally
 from reflexarc_logs.judging.answers import Answers, JudgedTick
@@ -154,6 +155,15 @@ def other_eye() -> bytes:
 def test_a_candidate_that_means_something_else_is_not_judged(driven, other, words):
     with pytest.raises(LogError, match=words):
         judged(driven, load_policy(other()))
+
+
+def test_only_scans_can_be_looked_at_by_another_eye(driven, tmp_path):
+    """Retinas name their eye: a loop with another one refuses each of them."""
+    with pytest.raises(LogError, match="no other eye can look at recorded retinas"):
+        judged(driven, load_policy(other_eye()))
+    scans = rewrite(driven, tmp_path / "of a scan.mcap", metadata={RUN: {"input": "scan"}})
+    with pytest.raises(LogError, match=r"`reflexarc decide '.*of a scan.mcap' --policy "):
+        judged(scans, load_policy(other_eye()))
 
 
 def test_actions_of_other_speeds_and_another_rate_are_said(driven):

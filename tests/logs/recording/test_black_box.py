@@ -1,5 +1,6 @@
 """A black box: what makes it write, what it writes, and that each of its logs replays by itself."""
 
+import shutil
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -12,8 +13,10 @@ from reflexarc_logs.container.manifest import read_manifest
 from reflexarc_logs.container.rejected import LogEntry
 from reflexarc_logs.reading.log_paths import log_paths
 from reflexarc_logs.reading.reader import read_log
+from reflexarc_logs.reading.recover import recover
 from reflexarc_logs.recording import black_box as black_box_module
-from reflexarc_logs.recording.black_box import BoxSpan
+from reflexarc_logs.recording import scribe as scribe_module
+from reflexarc_logs.recording.black_box import BlackBox, BoxSpan
 from reflexarc_logs.recording.keeping import Keeping
 from reflexarc_logs.recording.part import PART
 from reflexarc_logs.recording.recorder import Recorder
@@ -102,6 +105,26 @@ def test_one_that_goes_on_and_on_is_continued_in_the_next_part(policy, tmp_path,
     indices = [d.index for path in parts for d in ticks_of(path)]
     assert indices == list(range(indices[0], indices[-1] + 1))
     assert all(replay(path).exit_status == 0 for path in parts)
+
+
+def test_what_was_in_memory_is_safe_from_a_kill_as_soon_as_a_box_begins(
+    policy, tmp_path, monkeypatch
+):
+    """No flush is due by itself; what a kill would leave is what can be copied."""
+    monkeypatch.setattr(scribe_module, "FLUSH_PERIOD_S", 1e6)
+    left, finish = tmp_path / "left.partial", BlackBox.finish
+
+    def killed(box: BlackBox) -> None:
+        shutil.copy(tmp_path / "a.mcap.partial", left)
+        finish(box)
+
+    monkeypatch.setattr(BlackBox, "finish", killed)
+    drive(tmp_path / "a.mcap", policy, silent(nominal(260), 250, 255), 260, box=SPAN)
+    recover(left, tmp_path / "saved.mcap")
+    kept, whole = ticks_of(tmp_path / "saved.mcap"), ticks_of(tmp_path / "a.mcap")
+    began = next(d.index for d in whole if d.verdict == Verdict.STALE_INPUT)
+    assert kept[0].index == whole[0].index
+    assert kept[-1].index >= began
 
 
 def test_a_box_that_could_not_be_written_is_written_again_with_all_that_it_holds(

@@ -21,7 +21,7 @@ class DecideCommand:
     The log may be ours, or imported; what it decided itself is left out. The result is a log as
     `run --record` writes it: it replays, it can be cut, drawn and compared. It is open loop: the
     robot saw what it saw, whatever is decided now. It is replayed at once; exit status 1 if that
-    differs.
+    differs, or if nothing in the log was good enough for the policy to be asked once.
 
     Examples:
       reflexarc import carmen intel.log.gz -o runs/intel.mcap
@@ -45,7 +45,7 @@ class DecideCommand:
     """Print one JSON object."""
 
     def run(self) -> int:
-        """Decide, replay what was decided, and answer with the replay's exit status."""
+        """Decide, and replay what was decided; the status is the replay's, or 1 if nothing was."""
         from reflexarc_logs.deciding.decide import decide
         from reflexarc_logs.reading.reader import read_log
         from reflexarc_logs.replaying.replay import replay
@@ -62,7 +62,7 @@ class DecideCommand:
         )
         report = replay(decided.path)
         self._tell(decided, report.verdict)
-        return report.exit_status
+        return report.exit_status or int(bool(decided.why_nothing))
 
     def _tell(self, decided: "Decided", verdict: str) -> None:
         if self.json:
@@ -75,6 +75,8 @@ class DecideCommand:
             "verdicts": ", ".join(f"{name} {n}" for name, n in decided.verdicts.items()),
             "replay": verdict,
         }
+        if decided.why_nothing:
+            rows["not asked"] = f"the policy, at any tick: {decided.why_nothing}"
         if left_out:
             rows["left out"] = left_out
         console.print(facts(rows))
