@@ -12,6 +12,7 @@ from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.node import Node
 from reflexarc_runtime.loop.outlets import Outlet, Outlets
 from reflexarc_runtime.loop.pacer import LockstepPacer, Pacer, RatePacer
+from reflexarc_runtime.loop.tick_record import TickRecord
 from reflexarc_runtime.messages.wire import Message
 from reflexarc_runtime.sensing.senses import RetinaSense
 from support.policies import SMALL, ScriptedPolicy
@@ -37,6 +38,9 @@ class Kept:
 
     def put(self, message: Message) -> None:
         self.messages.append(message)
+
+    def put_tick(self, record: TickRecord) -> None:
+        self.messages += record.messages()
 
     def put_keyframe(self, keyframe: Keyframe) -> None:
         at_ns = keyframe.received_ns

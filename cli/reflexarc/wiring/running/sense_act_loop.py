@@ -20,6 +20,7 @@ from reflexarc_runtime.loop.node import Node
 from reflexarc_runtime.loop.notices.input_notices import Notices
 from reflexarc_runtime.loop.outlets import NoOutlet, Outlets
 from reflexarc_runtime.loop.pacer import LockstepPacer, Pacer, RatePacer
+from reflexarc_runtime.loop.rehearsal import Rehearsal, RehearsingClock
 from reflexarc_runtime.loop.watch import Watch
 from reflexarc_runtime.messages.topics import (
     COMMAND,
@@ -120,9 +121,10 @@ class SenseActLoop:
 
     def _node(self, inbox: Inbox, outlets: Outlets, watch: Watch, notices: Notices) -> Node:
         """The loop, with all that it is connected to."""
+        rehearsal = Rehearsal(self.controller)
         return Node(
             self.controller,
-            self._pacer(inbox),
+            self._pacer(inbox, rehearsal),
             outlets,
             sink=self.sinks,
             robot=self.bus.robot,
@@ -133,12 +135,14 @@ class SenseActLoop:
             guard=self.flags.guard,
             saw=notices.saw,
             sensor=notices.sensor,
+            made_of=rehearsal.note,
         )
 
-    def _pacer(self, inbox: Inbox) -> Pacer:
+    def _pacer(self, inbox: Inbox, rehearsal: Rehearsal) -> Pacer:
         if self.flags.lockstep:
             return LockstepPacer(inbox)
-        return RatePacer(self.controller.contract.rate_hz, MonotonicClock(), inbox)
+        clock = RehearsingClock(MonotonicClock(), rehearsal)
+        return RatePacer(self.controller.contract.rate_hz, clock, inbox)
 
     def _say(self, words: str) -> None:
         aside.print(f"reflexarc run: {plain(words)}", soft_wrap=True)
