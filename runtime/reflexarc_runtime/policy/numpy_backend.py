@@ -10,7 +10,6 @@ for the recurrent ones, which make a few. For one decision at a time, as a loop 
 compiled further, into calls over arrays that are kept: see `kept_graph`.
 """
 
-import threading
 from typing import Any
 
 import numpy as np
@@ -60,9 +59,8 @@ class NumpyGraph:
         self._measured: set[int] = set()
         """Numbers of decisions whose cost has been found small enough."""
         self._has_fixed_shapes = not _shapes_hang_on_inputs(self._steps)
-        self._for_one: KeptGraph | None = None
-        """The graph for one decision; None before the first."""
-        self._turn = threading.Lock()
+        self._for_one: list[KeptGraph] = []
+        """The graph for one decision: none before the first, as many as threads that decide."""
 
     def run(
         self, retinas: RetinaBatch, memories: Memories | None = None
@@ -72,17 +70,18 @@ class NumpyGraph:
         Raises:
             PolicyError: a decision would take more memory or work than `numpy_limits` allows.
         """
-        if self._for_one is not None and self._for_one.fits(retinas, memories):
-            kept = self._run_kept(self._for_one, retinas, memories)
-            if kept is not None:
-                return kept
+        if len(retinas) == 1:
+            decided = self._decide_one(retinas, memories)
+            if decided is not None:
+                return decided
         if not self._rows_at_once:
             self._rows_at_once = self._find_rows_at_once(retinas, memories)
         count, most = len(retinas), self._rows_at_once
         if count <= most:
             answer = self._compute(retinas, memories)
-            if count == 1 and self._has_fixed_shapes and self._for_one is None:
-                self._for_one = KeptGraph(self._steps, self._constants, retinas, memories)
+            if count == 1 and self._has_fixed_shapes and not self._for_one:
+                kept = KeptGraph(self._steps, self._constants, retinas, memories)
+                self._for_one.append(kept)
             return answer
         starts = range(0, count, most)
         parts = [
@@ -97,17 +96,21 @@ class NumpyGraph:
     def end_run(self) -> None:
         """See `Graph.end_run`: none of its operators loops, so there is nothing to end."""
 
-    def _run_kept(
-        self, graph: KeptGraph, retinas: RetinaBatch, memories: Memories | None
+    def _decide_one(
+        self, retinas: RetinaBatch, memories: Memories | None
     ) -> tuple[QValues, Actions, Memories | None] | None:
-        """None where another thread is at it: its arrays are for one at a time."""
-        if not self._turn.acquire(blocking=False):
+        """Over kept arrays; None where they are in use by another thread, or of another shape."""
+        try:
+            graph = self._for_one.pop()  # so whoever has it has it alone
+        except IndexError:
             return None
         try:
+            if not graph.fits(retinas, memories):
+                return None
             with np.errstate(all="ignore"):
                 return graph.run(retinas, memories)
         finally:
-            self._turn.release()
+            self._for_one.append(graph)
 
     def _find_rows_at_once(self, retinas: RetinaBatch, memories: Memories | None) -> int:
         """Compute one decision and count what it takes."""
