@@ -15,14 +15,7 @@ from typing import Annotated, Any
 
 import tyro
 
-from reflexarc.command_groups import (
-    COMMANDS,
-    DESCRIPTION,
-    description_of,
-    name_of,
-    overview,
-    summary_of,
-)
+from reflexarc.one_command import description_of, found_by_name, name_of
 from reflexarc.terminal.compilation import show_compilation
 from reflexarc.terminal.complaint import in_one_line
 from reflexarc.terminal.output import console
@@ -80,6 +73,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _answer(words: list[str]) -> int:
     if words[0] in ("-h", "--help"):
+        from reflexarc.command_groups import overview
+
         console.print(overview())
         return 0
     with show_compilation():
@@ -118,13 +113,7 @@ def _parse(words: list[str]) -> Any:
     complaint = io.StringIO()
     try:
         with contextlib.redirect_stderr(complaint):
-            return tyro.cli(
-                _any_command(words[0]),
-                prog="reflexarc",
-                description=DESCRIPTION,
-                args=words,
-                config=_STYLE,
-            )
+            return _parsed(words)
     except SystemExit as end:
         if end.code:
             said = in_one_line(complaint.getvalue(), words[0])
@@ -132,8 +121,24 @@ def _parse(words: list[str]) -> Any:
         raise
 
 
+def _parsed(words: list[str]) -> Any:
+    """The command that is asked for; only where none has that name, all are looked at."""
+    command = found_by_name(words[0])
+    if command is None:
+        from reflexarc.command_groups import DESCRIPTION
+
+        everything = _any_command(words[0])
+        return tyro.cli(
+            everything, prog="reflexarc", description=DESCRIPTION, args=words, config=_STYLE
+        )
+    prog, description = f"reflexarc {words[0]}", description_of(command)
+    return tyro.cli(command, prog=prog, description=description, args=words[1:], config=_STYLE)
+
+
 def _any_command(asked: str) -> Any:
     """The union of all commands, with the full description of the one that is asked for."""
+    from reflexarc.command_groups import COMMANDS, summary_of
+
     union: Any = None
     for command in COMMANDS:
         name = name_of(command)

@@ -51,7 +51,7 @@ TRIED_AGAIN_AFTER = 100
 
 
 @dataclass
-class Turn:
+class Occasion:
     """One time before each deadline at which it is rehearsed.
 
     Args:
@@ -105,11 +105,11 @@ class RehearsingClock:
     def __init__(self, clock: Clock, rehearse: Callable[[], None]) -> None:
         self._clock, self._rehearse = clock, rehearse
         self.now_ns = clock.now_ns  # asked at every phase of a tick
-        self._turns = Turn(300_000, 0.03), Turn(80_000, 0.3)
+        self._occasions = Occasion(300_000, 0.03), Occasion(80_000, 0.3)
 
     def sleep_until_ns(self, deadline_ns: int) -> None:
         """See `Clock.sleep_until_ns`."""
         sleep_ns = deadline_ns - self._clock.now_ns()
-        for turn in self._turns:
-            turn.before(deadline_ns, sleep_ns, self._clock, self._rehearse)
+        for occasion in self._occasions:
+            occasion.before(deadline_ns, sleep_ns, self._clock, self._rehearse)
         self._clock.sleep_until_ns(deadline_ns)

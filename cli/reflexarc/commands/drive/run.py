@@ -87,14 +87,14 @@ class RunCommand:
 
     def run(self) -> int:
         """Tick until the end, then say how it went."""
+        self._check_flags()
+        policy = self._tried_policy()
         from reflexarc.wiring.running.sense_act_loop import SenseActLoop
         from reflexarc_runtime.controller import Controller
         from reflexarc_runtime.guard import asks_the_input
         from reflexarc_runtime.messages.topics import RUNTIME_NODE
         from reflexarc_runtime.sensing.senses import sense_for
 
-        self._check_flags()
-        policy = self._tried_policy()
         for note in policy.notes:
             aside.print(f"reflexarc run: {note}", soft_wrap=True)
         guard = self.guarding.guard_for(policy.contract)
@@ -118,6 +118,9 @@ class RunCommand:
         from reflexarc_runtime.loop.trials.trial import Trial, check_fits
 
         with Trial(self.policy, self.backend) as trial:
+            # Meanwhile everything that the loop will need is loaded.
+            import reflexarc.wiring.keeping_logs.recorders
+            import reflexarc.wiring.running.sense_act_loop  # noqa: F401
             from reflexarc_runtime.policy.policy import load_policy
 
             finding = trial.finding()
