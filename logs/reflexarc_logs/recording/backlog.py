@@ -58,7 +58,7 @@ class Backlog:
 
     def put_tick(self, record: TickRecord) -> None:
         """Add all of a tick, or count all of it as dropped; from the loop's thread alone."""
-        if self._count(self._ticks, record.records, record.size):
+        if self._count(self._ticks, *record.extent()):
             self._queue.put(record)
 
     def end(self) -> None:
@@ -82,9 +82,10 @@ class Backlog:
 
     def _count(self, put: "Sum", records: int, size: int) -> bool:
         """Count what is about to be put; whether there is room for it, or it is dropped."""
-        taken, bytes_put = self._taken, self._ticks.bytes + self._others.bytes
-        is_over = self.waiting + records > self._max_records
-        if is_over or bytes_put + size - taken.bytes > self._max_bytes:
+        ticks, others, taken = self._ticks, self._others, self._taken
+        waiting = ticks.records + others.records - taken.records
+        waiting_bytes = ticks.bytes + others.bytes - taken.bytes
+        if waiting + records > self._max_records or waiting_bytes + size > self._max_bytes:
             self.dropped += records
             return False
         put.records += records

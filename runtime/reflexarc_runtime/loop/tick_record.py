@@ -33,18 +33,15 @@ class TickRecord(NamedTuple):  # made at every tick; a frozen dataclass takes fo
     now_ns: int
     loop: LoopIdentity
 
-    @property
-    def records(self) -> int:
-        """How many messages it is."""
-        return len(self.received) + 1 + (self.command is not None)
-
-    @property
-    def size(self) -> int:
-        """Bytes of their payloads."""
-        size = len(self.tick) + len(self.command or b"")
-        for message in self.received:
+    def extent(self) -> tuple[int, int]:
+        """How many messages it is, and the bytes of their payloads."""
+        received, tick, command = self[:3]
+        records, size = len(received) + 1, len(tick)
+        if command is not None:
+            records, size = records + 1, size + len(command)
+        for message in received:
             size += len(message.payload)
-        return size
+        return records, size
 
     def messages(self) -> Iterator[Message]:
         """What was received, then the tick that used it: replay relies on this order."""

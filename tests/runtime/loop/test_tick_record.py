@@ -14,10 +14,10 @@ def test_it_holds_what_came_then_the_tick_then_the_command():
         Message("rover1/tick", b"tick", own + "Tick", stamp, 90),
         Message("rover1/command", b"command", own + "Command", stamp, 90),
     ]
-    assert (record.records, record.size) == (4, 3 + 5 + 4 + 7)
+    assert record.extent() == (4, 3 + 5 + 4 + 7)
 
 
 def test_a_command_that_was_not_sent_is_not_in_it():
     record = TickRecord((), b"tick", None, 7, 90, LOOP)
     assert [message.key for message in record.messages()] == ["rover1/tick"]
-    assert (record.records, record.size) == (1, 4)
+    assert record.extent() == (1, 4)
