@@ -2,6 +2,9 @@
 
 Most of what a tick costs to encode is making its message with the four inside it. Here they are
 made once, and every field is set anew at every tick. The bytes are those of `encode_tick`.
+
+Protobuf frees nothing of what a message was given as long as the message lives, not even what was
+replaced: so they are made anew before long.
 """
 
 from reflexarc_runtime import messages_pb2 as pb
@@ -9,17 +12,25 @@ from reflexarc_runtime.decision import Command, Decision, Input, Timing
 
 _TIMING = tuple(field.name for field in pb.Timing.DESCRIPTOR.fields)
 
+MOST_BYTES = 1 << 16
+"""Encoded before the messages are made anew: some hundred ticks."""
+
 
 class TickEncoder:
     """Encodes ticks; for one thread."""
 
     def __init__(self) -> None:
-        self._tick = pb.Tick()
+        self._begin()
+
+    def _begin(self) -> None:
+        self._tick, self._bytes = pb.Tick(), 0
         self._decision, self._timing = self._tick.decision, self._tick.timing
         self._command, self._input = self._decision.command, self._decision.input
 
     def encode(self, decision: Decision, timing: Timing) -> bytes:
         """A tick as `reflexarc.Tick`."""
+        if self._bytes >= MOST_BYTES:
+            self._begin()
         self._set_decision(decision)
         self._set_input(decision.input)
         self._set_command(decision.command)
@@ -27,7 +38,9 @@ class TickEncoder:
         message.SetInParent()
         for name in _TIMING:
             setattr(message, name, getattr(timing, name))
-        return self._tick.SerializeToString()
+        encoded = self._tick.SerializeToString()
+        self._bytes += len(encoded)
+        return encoded
 
     def _set_decision(self, decision: Decision) -> None:
         message = self._decision

@@ -1,12 +1,16 @@
 """The loop's encoder against `encode_tick`, which builds each message anew: the same bytes."""
 
+import resource
 from contextlib import suppress
-from dataclasses import fields
+from dataclasses import fields, replace
+from pathlib import Path
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from reflexarc_runtime.decision import Command, Decision, Input, Timing, Verdict
+from reflexarc_runtime.messages import tick_encoder
 from reflexarc_runtime.messages.codec import encode_tick
 from reflexarc_runtime.messages.tick_encoder import TickEncoder
 
@@ -51,11 +55,29 @@ NOTHING = Decision(0, 0, 0, 0, None, b"", (), 0, 0, Verdict.OK, "", Command(0, 0
 ZEROS = Timing(0, 0, 0, 0, 0, 0)
 
 
-@given(st.lists(st.tuples(DECISIONS, TIMINGS), min_size=1, max_size=5))
-def test_ticks_one_after_the_other_have_the_bytes_of_each_by_itself(ticks):
+@given(
+    st.lists(st.tuples(DECISIONS, TIMINGS), min_size=1, max_size=5),
+    st.sampled_from([1, 300, 2**16]),
+)
+def test_ticks_one_after_the_other_have_the_bytes_of_each_by_itself(ticks, most_bytes):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(tick_encoder, "MOST_BYTES", most_bytes)
+        encoder = TickEncoder()
+        for decision, timing in [*ticks, (NOTHING, ZEROS), *ticks]:
+            assert encoder.encode(decision, timing) == encode_tick(decision, timing)
+
+
+def resident_bytes() -> int:
+    return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
+
+
+def test_what_was_encoded_is_not_kept():
     encoder = TickEncoder()
-    for decision, timing in [*ticks, (NOTHING, ZEROS), *ticks]:
-        assert encoder.encode(decision, timing) == encode_tick(decision, timing)
+    large = replace(NOTHING, retina=bytes(20_000))
+    before = resident_bytes()
+    for _ in range(5000):  # 100 MB
+        encoder.encode(large, ZEROS)
+    assert resident_bytes() - before < 20_000_000
 
 
 def test_a_text_that_cannot_be_encoded_leaves_nothing_behind():
