@@ -119,8 +119,7 @@ class RunCommand:
 
         with Trial(self.policy, self.backend) as trial:
             # Meanwhile everything that the loop will need is loaded.
-            import reflexarc.wiring.keeping_logs.recorders
-            import reflexarc.wiring.running.sense_act_loop  # noqa: F401
+            import reflexarc_runtime.bus  # noqa: F401
             from reflexarc_runtime.policy.policy import load_policy
 
             finding = trial.finding()

@@ -2,6 +2,7 @@
 
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from reflexarc.terminal.output import aside, plain
 from reflexarc.terminal.signals import StopFlag
@@ -10,7 +11,6 @@ from reflexarc.wiring.keeping_logs.run_sinks import RunSinks
 from reflexarc.wiring.rivals import Rivals
 from reflexarc.wiring.waiting import Arrival
 from reflexarc.wiring.watching import Watching
-from reflexarc_runtime.bus import Bus, Publisher
 from reflexarc_runtime.controller import Controller
 from reflexarc_runtime.loop import realtime
 from reflexarc_runtime.loop.clock import MonotonicClock
@@ -35,6 +35,9 @@ from reflexarc_runtime.messages.topics import (
 from reflexarc_runtime.messages.wire import Message, at_source_time
 from reflexarc_runtime.policy.policy import LoadedPolicy
 
+if TYPE_CHECKING:
+    from reflexarc_runtime.bus import Bus, Publisher
+
 
 @dataclass(frozen=True)
 class LoopFlags:
@@ -56,7 +59,7 @@ class LoopFlags:
 class SenseActLoop:
     """One loop on one bus, until it is stopped."""
 
-    bus: Bus
+    bus: "Bus"
     controller: Controller
     policy: LoadedPolicy
     sinks: RunSinks
@@ -84,7 +87,7 @@ class SenseActLoop:
             self._say(f"{flags.policy_name} on {flags.backend}; {said}; watchdog {watch.state}")
             return self._node(inbox, outlets, watch, notices).run(stop, max_ticks)
 
-    def _outlets(self, command: Publisher) -> Outlets:
+    def _outlets(self, command: "Publisher") -> Outlets:
         bus = self.bus
         release = NoOutlet() if self.flags.lockstep else bus.publisher(RELEASE)
         return Outlets(command, bus.publisher(TICK), bus.publisher(STATUS), release)
