@@ -93,6 +93,9 @@ class Nothing:
     def put(self, message: object) -> None:
         """See `Sink.put`."""
 
+    def put_tick(self, record: object) -> None:
+        """See `Sink.put_tick`."""
+
     def put_keyframe(self, keyframe: object) -> None:
         """See `Sink.put_keyframe`."""
 

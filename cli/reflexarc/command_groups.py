@@ -1,7 +1,6 @@
 """All commands in groups, and the help that shows them so."""
 
-from inspect import cleandoc
-from typing import Any, Protocol
+from typing import Any
 
 from rich.console import Group
 from rich.padding import Padding
@@ -40,14 +39,9 @@ from reflexarc.commands.remember.replay import ReplayCommand
 from reflexarc.commands.remember.view import ViewCommand
 from reflexarc.commands.service.service import ServiceCommand
 from reflexarc.commands.worlds.worlds import WorldsCommand
+from reflexarc.one_command import CliCommand, description_of, name_of
 
-
-class CliCommand(Protocol):
-    """A command: a dataclass whose fields are its flags."""
-
-    def run(self) -> int:
-        """Run the command; return the exit status."""
-        ...
+__all__ = ["COMMANDS", "DESCRIPTION", "GROUPS", "name_of", "overview", "summary_of"]
 
 
 GROUPS: dict[str, tuple[type[CliCommand], ...]] = {
@@ -96,19 +90,9 @@ COMMANDS = tuple(command for commands in GROUPS.values() for command in commands
 DESCRIPTION = "A learned reflex for robots: train, export, run, record, replay."
 
 
-def name_of(command: type[CliCommand]) -> str:
-    """The word that starts a command."""
-    return command.__name__.removesuffix("Command").lower()
-
-
 def summary_of(command: type[CliCommand]) -> str:
     """The first paragraph of a command's description, on one line."""
     return description_of(command).partition("\n\n")[0].replace("\n", " ")
-
-
-def description_of(command: type[CliCommand]) -> str:
-    """The description of a command, with its examples."""
-    return cleandoc(command.__doc__ or "")
 
 
 def overview() -> Group:

@@ -16,15 +16,8 @@ from typing import Annotated, Any
 
 import tyro
 
-from reflexarc.command_groups import (
-    COMMANDS,
-    DESCRIPTION,
-    description_of,
-    name_of,
-    overview,
-    summary_of,
-)
 from reflexarc.config_file.reading import config_in, settings_of
+from reflexarc.one_command import description_of, found_by_name, name_of
 from reflexarc.terminal.compilation import show_compilation
 from reflexarc.terminal.complaint import in_one_line
 from reflexarc.terminal.output import console
@@ -83,6 +76,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _answer(words: list[str]) -> int:
     if words[0] in ("-h", "--help"):
+        from reflexarc.command_groups import overview
+
         console.print(overview())
         return 0
     with show_compilation():
@@ -119,16 +114,9 @@ def _quieten_threads() -> None:
 def _parse(words: list[str]) -> Any:
     """Parse the command line; tyro's framed complaints become one line."""
     complaint = io.StringIO()
-    any_command = _any_command(words[0], config_in(words))
     try:
         with contextlib.redirect_stderr(complaint):
-            return tyro.cli(
-                any_command,
-                prog="reflexarc",
-                description=DESCRIPTION,
-                args=words,
-                config=_STYLE,
-            )
+            return _parsed(words, config_in(words))
     except SystemExit as end:
         if end.code:
             said = in_one_line(complaint.getvalue(), words[0])
@@ -136,20 +124,42 @@ def _parse(words: list[str]) -> Any:
         raise
 
 
-def _any_command(asked: str, config: Path | None = None) -> Any:
-    """The union of all commands, with the full description of the one that is asked for.
+def _parsed(words: list[str], config: Path | None) -> Any:
+    """The command that is asked for; only where none has that name, all are looked at.
 
     Its defaults are those of a file, where there is one and the command takes one.
     """
+    command = found_by_name(words[0])
+    if command is None:
+        from reflexarc.command_groups import DESCRIPTION
+
+        everything = _any_command(words[0])
+        return tyro.cli(
+            everything, prog="reflexarc", description=DESCRIPTION, args=words, config=_STYLE
+        )
+    takes_file = config is not None and hasattr(command, "show_config")
+    default = settings_of(command, config) if config and takes_file else _NO_DEFAULT
+    return tyro.cli(
+        command,
+        prog=f"reflexarc {words[0]}",
+        description=description_of(command),
+        args=words[1:],
+        default=default,
+        config=_STYLE,
+    )
+
+
+def _any_command(asked: str) -> Any:
+    """The union of all commands, with the full description of the one that is asked for."""
+    from reflexarc.command_groups import COMMANDS, summary_of
+
     union: Any = None
     for command in COMMANDS:
         name = name_of(command)
         description = description_of(command) if name == asked else summary_of(command)
-        takes_file = name == asked and hasattr(command, "show_config")
-        default = settings_of(command, config) if config and takes_file else _NO_DEFAULT
         choice: Any = Annotated[
             command,
-            tyro.conf.subcommand(name, description=description, default=default),
+            tyro.conf.subcommand(name, description=description),
         ]
         union = choice if union is None else union | choice
     return union

@@ -99,7 +99,7 @@ class Timing:
     decide_ns: int
     publish_ns: int
     record_ns: int
-    """What handing over the records of the previous tick took."""
+    """What handing over the record of the previous tick took, its message being made and sent."""
 
     @property
     def command_ns(self) -> int:

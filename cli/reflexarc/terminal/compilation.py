@@ -7,9 +7,12 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from functools import partial
 from threading import Event, Thread
+from typing import TYPE_CHECKING
 
 from reflexarc.terminal.output import aside
-from reflexarc_sim_bridge.native.compile_progress import Compilation, Watcher, watched_by
+
+if TYPE_CHECKING:
+    from reflexarc_sim_bridge.native.compile_progress import Compilation, Watcher
 
 _PERIOD_S = 0.5
 _CLEAR_LINE = "\r\x1b[2K"
@@ -21,11 +24,13 @@ def show_compilation() -> Iterator[None]:
     if not aside.is_terminal:
         yield
         return
+    from reflexarc_sim_bridge.native.compile_progress import watched_by
+
     with watched_by(saying(_write_line)):
         yield
 
 
-def saying(show: Callable[[str], object]) -> Watcher:
+def saying(show: Callable[[str], object]) -> "Watcher":
     """A watcher that shows, twice a second, what is compiled and how long it still takes.
 
     Args:
@@ -34,12 +39,12 @@ def saying(show: Callable[[str], object]) -> Watcher:
     return partial(_shown, show)
 
 
-def words_for(begun: Compilation) -> str:
+def words_for(begun: "Compilation") -> str:
     """What is compiled, and how long it still takes, in words."""
     return f"compiling {begun.current} (once for this version): {begun.left_s:.0f} s left"
 
 
-def _shown(show: Callable[[str], object], begun: Compilation) -> AbstractContextManager[None]:
+def _shown(show: Callable[[str], object], begun: "Compilation") -> AbstractContextManager[None]:
     return _repeated(lambda: show(words_for(begun)), lambda: show(""))
 
 

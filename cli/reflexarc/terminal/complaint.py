@@ -69,12 +69,14 @@ def _further(section: _Section) -> str:
 
 def _similar(sections: list[_Section], command: str) -> str:
     """The flags of this command that are like those that were given."""
+    lines = [line for each in sections if _SIMILAR.match(each[0]) for line in each]
+    is_of_one = not any(line.startswith("in reflexarc ") for line in lines)
     flags: dict[str, None] = {}
     heard: list[str] = []
-    for line in (line for each in sections if _SIMILAR.match(each[0]) for line in each):
+    for line in lines:
         if line.startswith("-"):
             heard = _FLAG.findall(line)
-        elif line == f"in reflexarc {command} --help":
+        if is_of_one or line == f"in reflexarc {command} --help":
             flags |= dict.fromkeys(heard)
     return f"similar: {', '.join(flags)}" if flags else ""
 

@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from math import isfinite
 from pathlib import PurePath
-from typing import Any
-
-from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
-from rich.table import Table
+from typing import TYPE_CHECKING, Any
 
 from reflexarc.terminal.plain_console import PlainConsole
 from reflexarc_runtime.words.shown import plain
+
+if TYPE_CHECKING:
+    from rich.table import Table
 
 __all__ = [
     "aside",
@@ -49,8 +49,10 @@ def _finite(value: Any) -> Any:
     return value
 
 
-def facts(rows: Mapping[str, object], title: str | None = None, name_width: int = 0) -> Table:
+def facts(rows: Mapping[str, object], title: str | None = None, name_width: int = 0) -> "Table":
     """A table of names and values; several with one width of the names stand in line."""
+    from rich.table import Table  # with its bars and boxes, which a loop has no time for
+
     table = Table(title=title, title_justify="left", show_header=False, box=None, pad_edge=False)
     table.add_column(style="bold", no_wrap=True, min_width=name_width or None)
     table.add_column(overflow="fold")
@@ -72,6 +74,14 @@ def kibibytes(count: int) -> str:
 @contextmanager
 def progress_bar(title: str, total: int) -> Iterator[Callable[[int, int], None]]:
     """A progress bar on standard error; what it yields is called with (done, total)."""
+    from rich.progress import (
+        BarColumn,
+        Progress,
+        TaskProgressColumn,
+        TextColumn,
+        TimeRemainingColumn,
+    )
+
     columns = TextColumn("{task.description}", markup=False), BarColumn(), TaskProgressColumn()
     with Progress(*columns, TimeRemainingColumn(), console=aside, transient=True) as progress:
         task = progress.add_task(title, total=total)

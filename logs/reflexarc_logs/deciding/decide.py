@@ -29,6 +29,7 @@ from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.node import Node
 from reflexarc_runtime.loop.outlets import NoOutlet, Outlets
 from reflexarc_runtime.loop.pacing.rate_pacer import RatePacer
+from reflexarc_runtime.loop.tick_record import TickRecord
 from reflexarc_runtime.messages.topics import SENSORS
 from reflexarc_runtime.messages.wire import Message
 from reflexarc_runtime.policy.policy import LoadedPolicy
@@ -117,6 +118,11 @@ class LogSink:
     def put(self, message: Message) -> None:
         """See `Sink.put`."""
         self._part.write(self._intake.sort(message))
+
+    def put_tick(self, record: TickRecord) -> None:
+        """See `Sink.put_tick`."""
+        for message in record.messages():
+            self.put(message)
 
     def put_keyframe(self, keyframe: Keyframe) -> None:
         """See `Sink.put_keyframe`."""

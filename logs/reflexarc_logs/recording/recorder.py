@@ -31,6 +31,7 @@ from reflexarc_logs.recording.scribe import Scribe
 from reflexarc_logs.recording.series import Series
 from reflexarc_logs.recording.whole_run import Destination, WholeRun
 from reflexarc_runtime.keyframe import Keyframe
+from reflexarc_runtime.loop.tick_record import TickRecord
 from reflexarc_runtime.messages.wire import Message
 from reflexarc_runtime.policy.model_file import policy_hash
 from reflexarc_runtime.rules import CURRENT_RULES
@@ -136,6 +137,11 @@ class Recorder:
         """See `Sink.put`; from any thread."""
         if not self._closed:
             self._backlog.put(message)
+
+    def put_tick(self, record: TickRecord) -> None:
+        """See `Sink.put_tick`; what the log holds of it is made in the recorder's own thread."""
+        if not self._closed:
+            self._backlog.put_tick(record)
 
     def put_keyframe(self, keyframe: Keyframe) -> None:
         """See `Sink.put_keyframe`; encoded in the recorder's own thread."""

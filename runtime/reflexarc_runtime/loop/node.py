@@ -18,11 +18,13 @@ from reflexarc_runtime.loop.outlets import Outlets
 from reflexarc_runtime.loop.pacing.pacer import Pacer, Wakeup
 from reflexarc_runtime.loop.sink import NoSink, Sink
 from reflexarc_runtime.loop.throttle import Throttle
+from reflexarc_runtime.loop.tick_record import LoopIdentity, TickRecord
 from reflexarc_runtime.loop.warm_up import warm_up
 from reflexarc_runtime.loop.watch import NoWatch, Watch
-from reflexarc_runtime.messages.codec import Status, encode_command, encode_status, encode_tick
+from reflexarc_runtime.messages.codec import Status, encode_command, encode_status
 from reflexarc_runtime.messages.controls import encode_own_release, encode_stop
-from reflexarc_runtime.messages.topics import COMMAND, DEFAULT_ROBOT, STOP, TICK, Topic
+from reflexarc_runtime.messages.tick_encoder import TickEncoder
+from reflexarc_runtime.messages.topics import DEFAULT_ROBOT, STOP
 from reflexarc_runtime.messages.wire import (
     NO_SENDER,
     Message,
@@ -33,7 +35,6 @@ from reflexarc_runtime.messages.wire import (
 
 END_OF_RUN = "the runtime was asked to end"
 """Reason of the stop that the loop gives itself."""
-_OWN_TOPICS = (TICK, COMMAND, STOP)
 
 
 class Node:
@@ -54,20 +55,22 @@ class Node:
         watch: Watch | None = None,
         saw: Callable[[Decision], None] = lambda decision: None,
         sensor: Callable[[int], str] = lambda now_ns: "",
+        made_of: Callable[[State, Inputs, int], None] = lambda before, inputs, now_ns: None,
     ) -> None:
         self._controller = controller
         self._pacer = pacer
         self._outlets = outlets
         self._sink: Sink = sink or NoSink()
-        self._headers = {t: (t.key(robot), protobuf_encoding(t.schema)) for t in _OWN_TOPICS}
+        self._identity = LoopIdentity(robot, sender)
         self._run_id = run_id
         self._sender = sender
         self._overflows = overflows
         self._guard = guard or ("off" if controller.guard is None else "on")
         self._watch: Watch = watch or NoWatch()
-        self._saw, self._sensor = saw, sensor
+        self._saw, self._sensor, self._made_of = saw, sensor, made_of
         self._flood = FloodNotice(f"the runtime of {robot}")
         self._monitor = Monitor()
+        self._encoder = TickEncoder()
         self._state = State()
         self._record_ns = 0
         self._is_ending = False
@@ -113,7 +116,9 @@ class Node:
     def _stopped(self, wakeup: Wakeup) -> Wakeup:
         """The wake-up with a stop behind its messages: what ends the run is in the log as well."""
         stamp = Stamp(0, wakeup.now_ns, self._sender)
-        stop = self._own(STOP, encode_stop(END_OF_RUN), stamp)
+        key, encoding = STOP.key(self._identity.robot), protobuf_encoding(STOP.schema)
+        payload, attachment = encode_stop(END_OF_RUN), pack_stamp(stamp)
+        stop = Message(key, payload, encoding, attachment, stamp.time_ns)
         return replace(wakeup, messages=(*wakeup.messages, stop))
 
     def _tick(self, wakeup: Wakeup) -> None:
@@ -144,12 +149,19 @@ class Node:
             publish_ns=published_ns - decided_ns,
             record_ns=self._record_ns,
         )
+        tick = self._encoder.encode(decision, timing)
+        self._outlets.tick.put(tick, decision.now_ns)
+        told_ns = self._pacer.now_ns()
         self._remember(before, wakeup)
-        self._record(wakeup.messages, decision, timing, command)
+        index, now_ns = decision.index, decision.now_ns
+        self._sink.put_tick(
+            TickRecord(wakeup.messages, tick, command, index, now_ns, self._identity)
+        )
         self._state = following  # only now: a tick that failed on the way is not in the log either
-        self._record_ns = self._pacer.now_ns() - published_ns
+        self._record_ns = self._pacer.now_ns() - told_ns
         self._count(decision, timing)
         self._saw(decision)
+        self._made_of(before, inputs, wakeup.now_ns)
         self._report(wakeup.now_ns, decision.policy_hash)
 
     def _publish(self, decision: Decision) -> bytes | None:
@@ -174,32 +186,11 @@ class Node:
             )
         self._last_ns = wakeup.now_ns
 
-    def _record(
-        self,
-        messages: tuple[Message, ...],
-        decision: Decision,
-        timing: Timing,
-        command: bytes | None,
-    ) -> None:
-        """Record the messages first, then the tick that used them: replay relies on this order."""
-        tick = encode_tick(decision, timing)
-        for message in messages:
-            self._sink.put(message)
-        stamp = Stamp(decision.index, decision.now_ns, self._sender)
-        self._sink.put(self._own(TICK, tick, stamp))
-        if command is not None:
-            self._sink.put(self._own(COMMAND, command, stamp))
-        self._outlets.tick.put(tick, decision.now_ns)
-
     def _count(self, decision: Decision, timing: Timing) -> None:
         if self._is_ending:
             self._monitor.ended(decision)
         else:
             self._monitor.saw(decision, timing)
-
-    def _own(self, topic: Topic, payload: bytes, stamp: Stamp) -> Message:
-        key, encoding = self._headers[topic]
-        return Message(key, payload, encoding, pack_stamp(stamp), stamp.time_ns)
 
     def _report(self, now_ns: int, policy_hash: str) -> None:
         if not self._every_second.is_due(now_ns):

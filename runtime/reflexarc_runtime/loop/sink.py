@@ -3,6 +3,7 @@
 from typing import Protocol
 
 from reflexarc_runtime.keyframe import Keyframe
+from reflexarc_runtime.loop.tick_record import TickRecord
 from reflexarc_runtime.messages.wire import Message
 
 
@@ -10,7 +11,11 @@ class Sink(Protocol):
     """Takes records. It never blocks and never raises."""
 
     def put(self, message: Message) -> None:
-        """Take one message, as it came or as it was sent."""
+        """Take one message that the loop does not decide on, as it came."""
+        ...
+
+    def put_tick(self, record: TickRecord) -> None:
+        """Take all that a tick received, decided and sent."""
         ...
 
     def put_keyframe(self, keyframe: Keyframe) -> None:
@@ -30,6 +35,9 @@ class NoSink:
 
     def put(self, message: Message) -> None:
         """See `Sink.put`."""
+
+    def put_tick(self, record: TickRecord) -> None:
+        """See `Sink.put_tick`."""
 
     def put_keyframe(self, keyframe: Keyframe) -> None:
         """See `Sink.put_keyframe`."""

@@ -170,13 +170,13 @@ def _timing_to_protobuf(timing: Timing) -> pb.Timing:
     return pb.Timing(
         lateness_ns=timing.lateness_ns,
         receive_ns=timing.receive_ns,
-        decide_ns=_to_us(timing.decide_ns),
-        publish_ns=_to_us(timing.publish_ns),
-        record_ns=_to_us(timing.record_ns),
+        decide_ns=to_us(timing.decide_ns),
+        publish_ns=to_us(timing.publish_ns),
+        record_ns=to_us(timing.record_ns),
     )
 
 
-def _to_us(time_ns: int) -> int:
+def to_us(time_ns: int) -> int:
     """A time that a phase took, to the microsecond: below it are digits that no one can use."""
     return (time_ns + 500) // 1000 * 1000
 

@@ -6,16 +6,18 @@ two roundings. So it is the reference: what it computed on one machine replays o
 is rounded with the Q-values, once a tick: what a log holds of it is what the next tick began with.
 
 A graph is compiled once into a list of steps; running it makes one NumPy call for each node, but
-for the recurrent ones, which make a few.
+for the recurrent ones, which make a few. For one decision at a time, as a loop makes them, it is
+compiled further, into calls over arrays that are kept: see `kept_graph`.
 """
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import onnx
 
 from reflexarc_runtime.arrays import Actions, Memories, QValues, RetinaBatch
 from reflexarc_runtime.errors import PolicyError
+from reflexarc_runtime.policy.kept_graph import OF_SHAPE_ALONE, GraphStep, KeptGraph
 from reflexarc_runtime.policy.numpy_limits import (
     ELEMENTS_AT_ONCE,
     ELEMENTS_OF_ONE,
@@ -27,8 +29,6 @@ from reflexarc_runtime.policy.operators.graph_node import (
     LATEST_OPSET,
     OLDEST_OPSET,
     ONNX_DOMAINS,
-    OnnxNode,
-    Operator,
     Tensor,
     array_of,
 )
@@ -38,15 +38,6 @@ from reflexarc_runtime.policy.operators.operator_table import (
 )
 
 __all__ = ["GraphStep", "NumpyGraph", "supported_operators"]
-
-
-class GraphStep(NamedTuple):
-    """One node of the graph: an operator, where its inputs lie and where its outputs go."""
-
-    operator: Operator
-    inputs: tuple[str, ...]
-    outputs: tuple[str, ...]
-    node: OnnxNode
 
 
 class NumpyGraph:
@@ -68,6 +59,8 @@ class NumpyGraph:
         self._measured: set[int] = set()
         """Numbers of decisions whose cost has been found small enough."""
         self._has_fixed_shapes = not _shapes_hang_on_inputs(self._steps)
+        self._for_one: list[KeptGraph] = []
+        """The graph for one decision: none before the first, as many as threads that decide."""
 
     def run(
         self, retinas: RetinaBatch, memories: Memories | None = None
@@ -77,11 +70,19 @@ class NumpyGraph:
         Raises:
             PolicyError: a decision would take more memory or work than `numpy_limits` allows.
         """
+        if len(retinas) == 1:
+            decided = self._decide_one(retinas, memories)
+            if decided is not None:
+                return decided
         if not self._rows_at_once:
             self._rows_at_once = self._find_rows_at_once(retinas, memories)
         count, most = len(retinas), self._rows_at_once
         if count <= most:
-            return self._compute(retinas, memories)
+            answer = self._compute(retinas, memories)
+            if count == 1 and self._has_fixed_shapes and not self._for_one:
+                kept = KeptGraph(self._steps, self._constants, retinas, memories)
+                self._for_one.append(kept)
+            return answer
         starts = range(0, count, most)
         parts = [
             self._compute(
@@ -94,6 +95,22 @@ class NumpyGraph:
 
     def end_run(self) -> None:
         """See `Graph.end_run`: none of its operators loops, so there is nothing to end."""
+
+    def _decide_one(
+        self, retinas: RetinaBatch, memories: Memories | None
+    ) -> tuple[QValues, Actions, Memories | None] | None:
+        """Over kept arrays; None where they are in use by another thread, or of another shape."""
+        try:
+            graph = self._for_one.pop()  # so whoever has it has it alone
+        except IndexError:
+            return None
+        try:
+            if not graph.fits(retinas, memories):
+                return None
+            with np.errstate(all="ignore"):
+                return graph.run(retinas, memories)
+        finally:
+            self._for_one.append(graph)
 
     def _find_rows_at_once(self, retinas: RetinaBatch, memories: Memories | None) -> int:
         """Compute one decision and count what it takes."""
@@ -148,7 +165,7 @@ def _shapes_hang_on_inputs(steps: list[GraphStep]) -> bool:
         said = step.inputs[SHAPE_INPUTS.get(step.node.kind, slice(0, 0))]
         if not hanging.isdisjoint(said):
             return True
-        if step.node.kind not in ("Shape", "Size") and not hanging.isdisjoint(step.inputs):
+        if step.node.kind not in OF_SHAPE_ALONE and not hanging.isdisjoint(step.inputs):
             hanging.update(step.outputs)
     return False
 

@@ -14,6 +14,7 @@ from reflexarc_runtime.loop.outlets import Outlet, Outlets
 from reflexarc_runtime.loop.pacing.lockstep_pacer import LockstepPacer
 from reflexarc_runtime.loop.pacing.pacer import Pacer
 from reflexarc_runtime.loop.pacing.rate_pacer import RatePacer
+from reflexarc_runtime.loop.tick_record import TickRecord
 from reflexarc_runtime.messages.topics import RESET, STOP
 from reflexarc_runtime.messages.wire import Message, protobuf_encoding
 from reflexarc_runtime.sensing.senses import RetinaSense
@@ -40,6 +41,9 @@ class Kept:
 
     def put(self, message: Message) -> None:
         self.messages.append(message)
+
+    def put_tick(self, record: TickRecord) -> None:
+        self.messages += record.messages()
 
     def put_keyframe(self, keyframe: Keyframe) -> None:
         at_ns = keyframe.received_ns

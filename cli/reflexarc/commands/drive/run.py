@@ -96,11 +96,6 @@ class RunCommand:
 
     def run(self) -> int:
         """Tick until the end, then say how it went."""
-        from reflexarc.wiring.running.sense_act_loop import SenseActLoop
-        from reflexarc_runtime.controller import Controller
-        from reflexarc_runtime.guard import asks_the_input
-        from reflexarc_runtime.messages.topics import RUNTIME_NODE
-        from reflexarc_runtime.sensing.senses import sense_for
         from reflexarc_runtime.service.manager import manager_of
 
         if self.show_config:
@@ -111,6 +106,12 @@ class RunCommand:
         self._check_flags()
         manager = manager_of()  # before other processes start: they are no service
         policy = self._tried_policy()
+        from reflexarc.wiring.running.sense_act_loop import SenseActLoop
+        from reflexarc_runtime.controller import Controller
+        from reflexarc_runtime.guard import asks_the_input
+        from reflexarc_runtime.messages.topics import RUNTIME_NODE
+        from reflexarc_runtime.sensing.senses import sense_for
+
         for note in policy.notes:
             aside.print(f"reflexarc run: {note}", soft_wrap=True)
         guard = self.guarding.guard_for(policy.contract)
@@ -135,6 +136,8 @@ class RunCommand:
         from reflexarc_runtime.loop.trials.trial import Trial, check_fits
 
         with Trial(self.policy, self.backend) as trial:
+            # Meanwhile everything that the loop will need is loaded.
+            import reflexarc_runtime.bus  # noqa: F401
             from reflexarc_runtime.policy.policy import load_policy
 
             finding = trial.finding()

@@ -13,6 +13,7 @@ from reflexarc_logs.recording.keeping import Keeping
 from reflexarc_logs.recording.recorder import Recorder
 from reflexarc_runtime.keyframe import Keyframe
 from reflexarc_runtime.loop.sink import NoSink, Sink
+from reflexarc_runtime.loop.tick_record import TickRecord
 from reflexarc_runtime.messages.wire import Message
 
 MakeRecorder = Callable[[Path, Keeping, BoxSpan | None], Recorder]
@@ -49,6 +50,11 @@ class RunSinks:
         """See `Sink.put`."""
         self.whole.put(message)
         self.box.put(message)
+
+    def put_tick(self, record: TickRecord) -> None:
+        """See `Sink.put_tick`."""
+        self.whole.put_tick(record)
+        self.box.put_tick(record)
 
     def put_keyframe(self, keyframe: Keyframe) -> None:
         """See `Sink.put_keyframe`."""

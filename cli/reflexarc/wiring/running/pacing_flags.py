@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Literal
 from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:  # a command line shall not load a contract to show its flags
+    from collections.abc import Callable
+
     from reflexarc_runtime.contract.contract import PolicyContract
     from reflexarc_runtime.loop.inbox import Inbox
     from reflexarc_runtime.loop.pacing.pacer import Pacer
@@ -53,18 +55,33 @@ class PacingFlags:
         return LONGEST_WAIT_PERIODS if self.pace == "input" else 1
 
     def pacer(
-        self, contract: "PolicyContract", inbox: "Inbox", topic: "Topic", *, lockstep: bool
+        self,
+        contract: "PolicyContract",
+        inbox: "Inbox",
+        topic: "Topic",
+        rehearse: "Callable[[], None]",
+        *,
+        lockstep: bool,
     ) -> "Pacer":
-        """The pacer of a loop that decides on the messages of a topic."""
+        """The pacer of a loop that decides on the messages of a topic.
+
+        Args:
+            contract: of the policy.
+            inbox: of the loop.
+            topic: whose messages begin ticks, where inputs do.
+            rehearse: done shortly before a deadline.
+            lockstep: whether every input is a tick.
+        """
         from reflexarc_runtime.loop.clock import MonotonicClock
         from reflexarc_runtime.loop.pacing.input_pacer import InputPacer, may_leave_one_out
         from reflexarc_runtime.loop.pacing.lockstep_pacer import LockstepPacer
         from reflexarc_runtime.loop.pacing.rate_pacer import RatePacer
+        from reflexarc_runtime.loop.rehearsal import RehearsingClock
 
         if lockstep:
             return LockstepPacer(inbox)
         clock, rate_hz = MonotonicClock(1000 * self.spin_us), contract.rate_hz
         if self.pace == "rate":
-            return RatePacer(rate_hz, clock, inbox)
+            return RatePacer(rate_hz, RehearsingClock(clock, rehearse), inbox)
         leaves_out = may_leave_one_out(contract)
         return InputPacer(rate_hz, clock, inbox, topic, leaves_out=leaves_out)

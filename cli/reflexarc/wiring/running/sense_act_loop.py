@@ -2,6 +2,7 @@
 
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from reflexarc.terminal.output import aside, plain
 from reflexarc.terminal.signals import StopFlag
@@ -11,7 +12,6 @@ from reflexarc.wiring.rivals import Rivals
 from reflexarc.wiring.running.pacing_flags import PacingFlags
 from reflexarc.wiring.waiting import Arrival
 from reflexarc.wiring.watching import Watching
-from reflexarc_runtime.bus import Bus, Publisher
 from reflexarc_runtime.controller import Controller
 from reflexarc_runtime.decision import Decision
 from reflexarc_runtime.loop import realtime
@@ -21,6 +21,7 @@ from reflexarc_runtime.loop.node import Node
 from reflexarc_runtime.loop.notices.input_notices import Notices
 from reflexarc_runtime.loop.outlets import NoOutlet, Outlets
 from reflexarc_runtime.loop.pacing.pacer import Pacer
+from reflexarc_runtime.loop.rehearsal import Rehearsal
 from reflexarc_runtime.loop.watch import Watch
 from reflexarc_runtime.messages.topics import (
     COMMAND,
@@ -35,6 +36,9 @@ from reflexarc_runtime.messages.topics import (
 from reflexarc_runtime.messages.wire import Message, at_source_time
 from reflexarc_runtime.policy.policy import LoadedPolicy
 from reflexarc_runtime.service.manager import Manager, NoManager
+
+if TYPE_CHECKING:
+    from reflexarc_runtime.bus import Bus, Publisher
 
 
 @dataclass(frozen=True)
@@ -58,7 +62,7 @@ class LoopFlags:
 class SenseActLoop:
     """One loop on one bus, until it is stopped."""
 
-    bus: Bus
+    bus: "Bus"
     controller: Controller
     policy: LoadedPolicy
     sinks: RunSinks
@@ -90,7 +94,7 @@ class SenseActLoop:
         self.manager.ending()
         return summary
 
-    def _outlets(self, command: Publisher) -> Outlets:
+    def _outlets(self, command: "Publisher") -> Outlets:
         bus = self.bus
         release = NoOutlet() if self.flags.lockstep else bus.publisher(RELEASE)
         return Outlets(command, bus.publisher(TICK), bus.publisher(STATUS), release)
@@ -133,9 +137,10 @@ class SenseActLoop:
             notices.saw(decision)
             self.manager.ticked(decision.now_ns, lambda: decision.verdict.name)
 
+        rehearsal = Rehearsal(self.controller)
         return Node(
             self.controller,
-            self._pacer(inbox),
+            self._pacer(inbox, rehearsal),
             outlets,
             sink=self.sinks,
             robot=self.bus.robot,
@@ -146,12 +151,15 @@ class SenseActLoop:
             guard=self.flags.guard,
             saw=saw,
             sensor=notices.sensor,
+            made_of=rehearsal.note,
         )
 
-    def _pacer(self, inbox: Inbox) -> Pacer:
+    def _pacer(self, inbox: Inbox, rehearsal: Rehearsal) -> Pacer:
         flags, controller = self.flags, self.controller
-        topic = controller.sense.topic
-        return flags.pacing.pacer(controller.contract, inbox, topic, lockstep=flags.lockstep)
+        topic, is_lockstep = controller.sense.topic, flags.lockstep
+        return flags.pacing.pacer(
+            controller.contract, inbox, topic, rehearsal, lockstep=is_lockstep
+        )
 
     def _say(self, words: str) -> None:
         aside.print(f"reflexarc run: {plain(words)}", soft_wrap=True)
