@@ -10,7 +10,7 @@ from reflexarc.securing.folder_doors import folder_rows
 from reflexarc.securing.knocking import Knocker
 from reflexarc.securing.secured_robot import SecuredRobot
 from reflexarc.securing.security_folder import SecurityFolder
-from reflexarc.securing.speaking import SETTLES_S, Door
+from reflexarc.securing.speaking import SETTLES_S, DoorUnderTrial
 from reflexarc.securing.variants import connecting, listening, session, settings_of
 from reflexarc_runtime.errors import BusError, UsageError
 from reflexarc_runtime.messages.access import said_by
@@ -56,7 +56,7 @@ def _own_door(
             yield from _strangers(guest, authority)
         if authority is not None:
             yield from guest.false_doors(authority, door, _free_port())
-        yield from Door(secured, door, settings, _free_port()).rows(authority)
+        yield from DoorUnderTrial(secured, door, settings, _free_port()).rows(authority)
     except BusError as error:
         yield DoorRow("a door of one's own", DoorState.BROKEN, str(error))
 

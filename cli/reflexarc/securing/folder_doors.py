@@ -27,8 +27,9 @@ def folder_rows(folder: SecurityFolder, now: datetime | None = None) -> Iterator
     yield row("key files", loose, f"{len(folder.secrets)} of them, read by their owner alone")
     for role in here:
         yield _certificate_row(folder, role, common_name(role, secured.robot), now)
-    yield _settings_row(folder, here)
-    if secured.door in here:
+    settings = _settings_row(folder, here)
+    yield settings
+    if secured.door in here and settings.state is not DoorState.BROKEN:
         yield _rights_row(folder, secured.door)
 
 

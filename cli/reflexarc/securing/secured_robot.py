@@ -24,7 +24,7 @@ RETRY = {"period_init_ms": 50, "period_max_ms": 500, "period_increase_factor": 2
 CONNECT_MS = 1000
 """How long a client looks for the door before it says that it is shut."""
 
-Door = Literal["body", "router"]
+DoorKeeper = Literal["body", "router"]
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class SecuredRobot:
     hosts: tuple[str, ...]
     """Addresses and names by which other machines reach the door; none: this machine alone."""
     port: int
-    door: Door
+    door: DoorKeeper
     """Who keeps it."""
     days: float
     """How long certificates hold."""

@@ -47,7 +47,7 @@ class _Heard:
 
 
 @dataclass(frozen=True)
-class Door:
+class DoorUnderTrial:
     """A door of one's own, with the rights of the folder's, at a free port."""
 
     secured: SecuredRobot

@@ -44,7 +44,7 @@ _BY_ALERT = {
 
 
 @dataclass(frozen=True)
-class Refusal:
+class DoorRefusal:
     """Why a door stays shut."""
 
     words: str
@@ -52,16 +52,16 @@ class Refusal:
     """Whether there is no door, so far."""
 
 
-def why_refused(host: str, port: int, shown: Credentials) -> Refusal | None:
+def why_refused(host: str, port: int, shown: Credentials) -> DoorRefusal | None:
     """Knock at a door; None if it would open."""
     try:
         with _context(shown) as context:
             return _knock(host, port, context)
     except ssl.SSLError as error:
-        return Refusal(f"certificate or key cannot be used: {first_line(error)}", False)
+        return DoorRefusal(f"certificate or key cannot be used: {first_line(error)}", False)
 
 
-def _knock(host: str, port: int, context: ssl.SSLContext) -> Refusal | None:
+def _knock(host: str, port: int, context: ssl.SSLContext) -> DoorRefusal | None:
     try:
         with (
             socket.create_connection((host, port), ANSWER_S) as plain,
@@ -70,17 +70,17 @@ def _knock(host: str, port: int, context: ssl.SSLContext) -> Refusal | None:
             return _answer(door)
     except ssl.SSLCertVerificationError as error:
         other = f"its certificate is signed by another authority: {_SAME}"
-        return Refusal(_BY_CODE.get(error.verify_code, other), False)
+        return DoorRefusal(_BY_CODE.get(error.verify_code, other), False)
     except ssl.SSLError as error:
-        return Refusal(_alert(error), False)
+        return DoorRefusal(_alert(error), False)
     except OSError as error:
-        return Refusal(f"nobody listens there ({error.strerror or first_line(error)})", True)
+        return DoorRefusal(f"nobody listens there ({error.strerror or first_line(error)})", True)
 
 
-def _answer(door: ssl.SSLSocket) -> Refusal | None:
+def _answer(door: ssl.SSLSocket) -> DoorRefusal | None:
     """An alert, an end, or silence, which is consent."""
     try:
-        return None if door.recv(1) else Refusal("it ends the connection", False)
+        return None if door.recv(1) else DoorRefusal("it ends the connection", False)
     except TimeoutError:
         return None
 
