@@ -21,8 +21,11 @@ LOOPBACKS = ("127.0.0.1", "localhost")
 """Always names of the door: on its own machine it is reached without a network."""
 ALL_INTERFACES = "0.0.0.0"
 RETRY = {"period_init_ms": 50, "period_max_ms": 500, "period_increase_factor": 2}
-CONNECT_MS = 1000
-"""How long a client looks for the door before it says that it is shut."""
+ONCE = 0
+"""Milliseconds for which a client of several doors tries again before it says that all are shut.
+Zenoh would spend them on the first one alone; once it was in, it tries all of them for ever."""
+OPEN_MS = 2000
+"""How long one door may take to answer."""
 
 DoorKeeper = Literal["body", "router"]
 
@@ -80,6 +83,7 @@ class SecuredRobot:
         shared = {
             "scouting": {"multicast": {"enabled": False}, "gossip": {"enabled": False}},
             "transport": {
+                "unicast": {"open_timeout": OPEN_MS},
                 "link": {
                     "protocols": ["tls"],
                     "rx": {"max_message_size": MAX_MESSAGE_BYTES},
@@ -95,7 +99,7 @@ class SecuredRobot:
                 **shared,
                 "access_control": access_control(self.robot, self.guests),
             }
-        connect = {"endpoints": self.doors, "timeout_ms": CONNECT_MS, "retry": RETRY}
+        connect = {"endpoints": self.doors, "timeout_ms": ONCE, "retry": RETRY}
         return {"mode": "client", "connect": connect, **shared}
 
     def text(self, role: str, known: bytes, own: Identity) -> str:

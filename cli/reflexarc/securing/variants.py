@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from reflexarc.securing.authority import Identity
-from reflexarc.securing.secured_robot import CONNECT_MS, base64_of
+from reflexarc.securing.secured_robot import ONCE, base64_of
 from reflexarc.securing.security_folder import SecurityFolder
 from reflexarc_runtime.bus import Bus
 from reflexarc_runtime.bus_config import BusConfig
@@ -35,7 +35,7 @@ def connecting(settings: Settings, locator: str) -> Settings:
     """The same guest, at another door."""
     changed = copy.deepcopy(settings)
     changed["connect"] = {**changed.get("connect", {}), "endpoints": [locator]}
-    changed["connect"]["timeout_ms"] = CONNECT_MS
+    changed["connect"]["timeout_ms"] = ONCE
     return changed
 
 
@@ -58,7 +58,7 @@ def plainly(locator: str) -> Settings:
     address = locator.partition("/")[2]
     return {
         "mode": "client",
-        "connect": {"endpoints": [f"tcp/{address}"], "timeout_ms": CONNECT_MS},
+        "connect": {"endpoints": [f"tcp/{address}"], "timeout_ms": ONCE},
         "scouting": {"multicast": {"enabled": False}},
     }
 

@@ -68,6 +68,7 @@ class Joining:
         *,
         listens: bool = False,
         lockstep: bool = False,
+        quietly: bool = False,
     ) -> "Bus":
         """The same, as soon as there is a router to join, for a client of one.
 
@@ -77,6 +78,7 @@ class Joining:
             who: the name of the waiting command, for its notice.
             listens: whether it is the one body.
             lockstep: whether the same run shall give the same messages.
+            quietly: whether nothing is said of the waiting.
 
         Raises:
             NoRouterError: there was none before it was asked to stop.
@@ -91,7 +93,7 @@ class Joining:
             except NoRouterError as error:
                 if stop():
                     raise
-                if not said:
+                if not (said or quietly):
                     aside.print(f"{who}: {error}: waiting for it …", soft_wrap=True)
                 said = True
             time.sleep(ASK_AGAIN_S)

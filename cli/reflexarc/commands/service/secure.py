@@ -1,7 +1,7 @@
 """`reflexarc secure`: certificates and rights for a robot's bus, its doors, signed policies."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -111,7 +111,12 @@ class SecureCommand:
             if not self.json:
                 console.print(plain(_line(row)), soft_wrap=True)
         if self.json:
-            print_json({"doors": rows, "shut": not any(row.is_bad for row in rows)})
+            print_json(
+                {
+                    "doors": [asdict(row) for row in rows],
+                    "shut": not any(row.is_bad for row in rows),
+                }
+            )
         return _OPEN if any(row.is_bad for row in rows) else 0
 
     def _renew(self) -> int:
