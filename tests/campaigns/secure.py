@@ -63,6 +63,8 @@ class Owner:
     typed: list[str] = field(default_factory=list)
     found: dict[str, Any] = field(default_factory=dict)
     failures: list[str] = field(default_factory=list)
+    said: list[str] = field(default_factory=list)
+    """What the commands that go on said, for whoever looks for a failure's cause."""
 
     def runs(self, machine: str, *words: object) -> subprocess.CompletedProcess[str]:
         """A command to its end."""
@@ -86,10 +88,11 @@ class Owner:
             if process.poll() is None:
                 process.send_signal(signal.SIGINT)
             try:
-                process.communicate(timeout=PATIENCE_S)
+                said, _ = process.communicate(timeout=PATIENCE_S)
             except subprocess.TimeoutExpired:
                 process.kill()
-                process.communicate()
+                said, _ = process.communicate()
+            self.said.append(f"{words[1]}, status {process.returncode}: {said.strip()}")
 
     def expect(self, what: str, holds: bool, seen: object) -> None:
         """Write down one thing that was to be seen."""
@@ -164,7 +167,7 @@ def drive(owner: Owner, seconds: float) -> None:
         owner.expect("stop: status", stopped.returncode == 0, stopped.stdout.strip())
         time.sleep(1.0)
     replayed = owner.runs(BRAIN, "reflexarc", "replay", "drive.mcap", "seen.mcap")
-    owner.expect("replay: status", replayed.returncode == 0, replayed.stderr or 0)
+    owner.expect("replay: status", replayed.returncode == 0, replayed.stdout.strip())
 
 
 def attack(owner: Owner, keys: Path) -> None:
@@ -221,7 +224,8 @@ def main() -> int:
     else:
         print(*owner.typed, "", sep="\n")
         print(*(f"{what:<32}{seen}" for what, seen in owner.found.items()), sep="\n")
-        print(*(f"WRONG: {words}" for words in owner.failures), sep="\n")
+        if owner.failures:
+            print(*(f"WRONG: {words}" for words in owner.failures), *owner.said, sep="\n")
     return int(bool(owner.failures))
 
 

@@ -115,5 +115,4 @@ def test_a_robot_is_driven_stopped_logged_and_replayed_behind_its_door(
         assert finished(body, signal.SIGINT)["distance_m"] > 0.5
     assert replay(log).exit_status == 0
     assert replay(listened).exit_status == 0
-    stops = [m for m in read_log(log).messages() if m.topic.endswith("/stop")]
-    assert stops
+    assert list(read_log(log).records("/robot0/stop"))

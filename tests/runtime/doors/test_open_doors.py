@@ -37,7 +37,8 @@ def setting_of(**settings: Any) -> Any:
     ],
 )
 def test_a_plain_listener_that_others_reach_is_an_open_door(endpoints: str):
-    setting = setting_of(listen__endpoints=["tcp/127.0.0.1:1", endpoints])
+    where = ["tcp/127.0.0.1:1", endpoints]
+    setting = setting_of(listen__endpoints=where, transport__link__tls=MTLS)
     [words] = open_doors(setting)
     assert endpoints in words
 
