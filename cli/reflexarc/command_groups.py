@@ -37,6 +37,7 @@ from reflexarc.commands.remember.recover import RecoverCommand
 from reflexarc.commands.remember.render import RenderCommand
 from reflexarc.commands.remember.replay import ReplayCommand
 from reflexarc.commands.remember.view import ViewCommand
+from reflexarc.commands.service.secure import SecureCommand
 from reflexarc.commands.service.service import ServiceCommand
 from reflexarc.commands.worlds.worlds import WorldsCommand
 from reflexarc.one_command import CliCommand, description_of, name_of
@@ -64,7 +65,7 @@ GROUPS: dict[str, tuple[type[CliCommand], ...]] = {
         ResetCommand,
         ReleaseCommand,
     ),
-    "In service": (ServiceCommand,),
+    "In service": (ServiceCommand, SecureCommand),
     "Logs": (
         RecordCommand,
         MarkCommand,

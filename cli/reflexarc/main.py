@@ -36,6 +36,7 @@ EXTRAS = {
     "camera": ("cv2",),
     "parquet": ("pyarrow",),
     "view": ("rerun",),
+    "secure": ("cryptography",),
 }
 """Extra → the modules that it brings, smaller extras first. `train --tensorboard` names its own."""
 
@@ -45,6 +46,7 @@ NEEDS = {
     "ros2": "ros2",
     "camera": "camera",
     "view": "view",
+    "secure": "secure",
 }
 """Command → the extra with all that it needs; it is named whichever of these is missing."""
 

@@ -19,6 +19,13 @@ from typing import Any, Self
 import zenoh
 
 from reflexarc_runtime.bus_config import LOOPBACK, BusConfig
+from reflexarc_runtime.doors.credentials import credentials_of
+from reflexarc_runtime.doors.open_doors import (
+    Setting,
+    connections,
+    host_and_port,
+    open_doors,
+)
 from reflexarc_runtime.errors import BusError, NoRouterError
 from reflexarc_runtime.messages.topics import Quality, Topic, alive_key, policy_key
 from reflexarc_runtime.messages.wire import (
@@ -128,8 +135,9 @@ class Bus:
         sender: identifier that all its messages carry, 16 bytes; a new one by default.
 
     Raises:
-        BusError: the port is taken, or Zenoh refuses the configuration.
-        NoRouterError: a client finds no router.
+        BusError: the port is taken, Zenoh refuses the configuration, or the configuration lets in
+            strangers; or a router's certificate or ours is refused.
+        NoRouterError: a client finds no router, so far.
     """
 
     def __init__(
@@ -239,8 +247,10 @@ class Bus:
 
     @property
     def neighbours(self) -> int:
-        """How many routers and peers this session is connected to."""
+        """How many others this session is connected to: routers, peers, and clients of a router."""
         info = self._session.info
+        if hasattr(info, "transports"):  # younger than Zenoh 1.5, and counts clients as well
+            return len(list(info.transports()))
         return len(list(info.routers_zid())) + len(list(info.peers_zid()))
 
     def ask(self, selector: str, deliver: Callable[[Message], None]) -> None:
@@ -296,6 +306,16 @@ class Bus:
                 yield PolicyAnswer(_sender_of(sample.attachment), sample.payload.to_bytes())
 
 
+def settings_of_file(path: Path) -> Setting:
+    """What Zenoh makes of a configuration file, without joining.
+
+    Raises:
+        BusError: it cannot be read, or Zenoh refuses it.
+    """
+    config = BusConfig(zenoh_file=path, allow_open=True)
+    return _settings_of(_config_of_file(config, path))
+
+
 def _sender_of(attachment: zenoh.ZBytes | None) -> bytes:
     try:
         return NO_SENDER if attachment is None else unpack_stamp(_head(attachment)).sender
@@ -326,7 +346,7 @@ def _open(chosen: zenoh.Config, config: BusConfig) -> zenoh.Session:
         return zenoh.open(chosen)
     except zenoh.ZError as error:
         if str(error).startswith(_NOBODY):
-            raise NoRouterError(_explain_absence(config, str(error))) from None
+            raise _absence(chosen, config, str(error)) from None
         raise BusError(_explain(config, str(error))) from None
 
 
@@ -366,13 +386,52 @@ def _config_of_file(config: BusConfig, path: Path) -> zenoh.Config:
         raise BusError(_explain(config, str(error))) from None
     if not speaks_of_it:
         chosen.insert_json5(_SHARED_MEMORY, json.dumps(False))
+    doors = [] if config.allow_open else open_doors(_settings_of(chosen))
+    if doors:
+        raise BusError(_explain_open_doors(path, doors))
     return chosen
 
 
-def _explain_absence(config: BusConfig, reason: str) -> str:
-    if config.zenoh_file is not None:
-        return f"--zenoh: {config.zenoh_file}: {_first_line(reason)}"
-    return f"no Zenoh router on {LOOPBACK}:{config.port}"
+def _settings_of(chosen: zenoh.Config) -> Setting:
+    return lambda path: json.loads(chosen.get_json(path))
+
+
+def _explain_open_doors(path: Path, doors: list[str]) -> str:
+    return (
+        f"--zenoh: {path}: expected a bus that strangers cannot join; this one "
+        f"{' and '.join(doors)}: `reflexarc secure init` makes one; --allow-open joins all the same"
+    )
+
+
+def _absence(chosen: zenoh.Config, config: BusConfig, reason: str) -> BusError:
+    """Why a client has joined nobody: nobody is there, or a certificate is refused."""
+    if config.zenoh_file is None:
+        return NoRouterError(f"no Zenoh router on {LOOPBACK}:{config.port}")
+    told = f"--zenoh: {config.zenoh_file}: "
+    found = _refusals(chosen, config.zenoh_file)
+    refused = [words for words, is_absence in found if not is_absence]
+    if refused:
+        return BusError(told + refused[0])
+    if found:
+        return NoRouterError(told + found[-1][0])
+    return NoRouterError(told + _first_line(reason))
+
+
+def _refusals(chosen: zenoh.Config, path: Path) -> list[tuple[str, bool]]:
+    """What each TLS door says, in words, and whether it only means that nobody is there."""
+    from reflexarc_runtime.doors.tls_refusal import why_refused  # loads OpenSSL
+
+    setting = _settings_of(chosen)
+    shown = credentials_of(path, setting)
+    if shown is None:
+        return []
+    found = []
+    for locator in connections(setting):
+        host, port = host_and_port(locator)
+        refusal = why_refused(host, port, shown) if locator.startswith("tls/") else None
+        if refusal is not None:
+            found.append((f"{locator}: {refusal.words}", refusal.is_absence))
+    return found
 
 
 def _first_line(reason: str) -> str:

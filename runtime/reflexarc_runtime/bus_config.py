@@ -30,6 +30,9 @@ class BusConfig:
     waits: bool = False
     """Whether a message waits for a busy network, as in lockstep, where a lost one is never asked
     for again; else it is dropped, as the next one is fresher."""
+    allow_open: bool = False
+    """Whether the Zenoh configuration may let in whoever reaches it: a plain listener that is not
+    the loopback's, or scouting by multicast."""
 
     def __post_init__(self) -> None:
         wanted = "letters, digits, _ . - (at most 64)"

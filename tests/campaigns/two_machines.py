@@ -82,6 +82,7 @@ def trial(scans: int, mode: str, identifier: str, folder: Path) -> dict[str, Any
         f'connect: {{ endpoints: ["tcp/{ROBOT_IP}:{PORT}"] }} }}'
     )
     words = ["ros2", "--wire", "rmw", "--zenoh", str(file), "--no-companion", "--json", *LIMITS]
+    words += ["--allow-open"] * (mode == "peer")  # which listens in plain TCP
     here = [sys.executable, str(Path(__file__)), "--robot", str(scans)]
     with _inside(ROBOT, here) as robot:
         assert robot.stdout is not None  # it was asked for as a pipe

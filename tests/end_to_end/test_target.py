@@ -118,7 +118,10 @@ def test_neither_shared_memory_nor_locked_memory_is_needed(
     policy: Path, port: int, tmp_path: Path, by_file: bool
 ):
     file = tmp_path / "zenoh.json5"
-    file.write_text(f'{{listen: {{endpoints: ["tcp/127.0.0.1:{port}"]}}}}')
+    file.write_text(
+        f'{{listen: {{endpoints: ["tcp/127.0.0.1:{port}"]}}, '
+        "scouting: {multicast: {enabled: false}}}"
+    )
     script = 'mount -t tmpfs -o ro tmpfs /dev/shm && ulimit -l 0 && exec "$@"'
     own = ["unshare", "--mount", "setpriv", "--bounding-set=-ipc_lock", "sh", "-c", script, "sh"]
     where = ["--zenoh", file] if by_file else ["--port", port]

@@ -28,13 +28,18 @@ class Joining:
     port: int = 7447
     """Port of 127.0.0.1 on which the body listens."""
     zenoh: Path | None = None
-    """Zenoh configuration (JSON5) in place of the loopback: other machines, TLS, access."""
+    """Zenoh configuration (JSON5) in place of the loopback: other machines, TLS, access. `reflexarc
+    secure init` writes such files."""
+    allow_open: bool = False
+    """Join although --zenoh lets strangers in: a plain listener, or scouting by multicast."""
 
     def config(self, *, listens: bool = False, client: bool = False) -> "BusConfig":
         """The configuration of the bus session; `listens` is for the one body."""
         from reflexarc_runtime.bus_config import BusConfig
 
-        return BusConfig(self.robot, self.port, listens, self.zenoh, client)
+        return BusConfig(
+            self.robot, self.port, listens, self.zenoh, client, allow_open=self.allow_open
+        )
 
     def bus(
         self, node: str, *, listens: bool = False, lockstep: bool = False, client: bool = False
@@ -54,6 +59,44 @@ class Joining:
         sender = lockstep_sender(node) if lockstep else None
         config = replace(self.config(listens=listens, client=client), waits=lockstep)
         return Bus(config, MonotonicClock().now_ns, sender)
+
+    def bus_in_time(
+        self,
+        node: str,
+        stop: Callable[[], bool],
+        who: str,
+        *,
+        listens: bool = False,
+        lockstep: bool = False,
+        quietly: bool = False,
+    ) -> "Bus":
+        """The same, as soon as there is a router to join, for a client of one.
+
+        Args:
+            node: what the command is on the bus.
+            stop: ends the waiting.
+            who: the name of the waiting command, for its notice.
+            listens: whether it is the one body.
+            lockstep: whether the same run shall give the same messages.
+            quietly: whether nothing is said of the waiting.
+
+        Raises:
+            NoRouterError: there was none before it was asked to stop.
+            BusError: a certificate is refused, which waiting does not mend.
+        """
+        from reflexarc_runtime.errors import NoRouterError
+
+        said = False
+        while True:
+            try:
+                return self.bus(node, listens=listens, lockstep=lockstep)
+            except NoRouterError as error:
+                if stop():
+                    raise
+                if not (said or quietly):
+                    aside.print(f"{who}: {error}: waiting for it …", soft_wrap=True)
+                said = True
+            time.sleep(ASK_AGAIN_S)
 
     def fleet(self, robots: int) -> "list[Joining]":
         """The flags of several robots, numbered from this one on: robot0, robot1, and so on."""

@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import numpy as np
-from reflexarc_runtime.loop.pacing.rate_pacer import RatePacer
 
 from reflexarc_runtime.controller import Controller
 from reflexarc_runtime.controller_state import Inputs, State
@@ -12,6 +11,7 @@ from reflexarc_runtime.loop.clock import ManualClock
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.node import Node
 from reflexarc_runtime.loop.outlets import NoOutlet, Outlets
+from reflexarc_runtime.loop.pacing.rate_pacer import RatePacer
 from reflexarc_runtime.loop.rehearsal import Rehearsal, RehearsingClock
 from reflexarc_runtime.messages_pb2 import Command
 from reflexarc_runtime.policy.policy import load_policy

@@ -77,7 +77,10 @@ class CameraCommand:
         if self.bits is not None and not 9 <= self.bits <= 16:
             raise UsageError(f"--bits: expected 9 to 16, got {self.bits}")
         sources, calibration = self._sources(), self._calibration()
-        with StopFlag() as stop, self.joining.bus(BODY_NODE, listens=True) as bus:
+        with (
+            StopFlag() as stop,
+            self.joining.bus_in_time(BODY_NODE, stop, "reflexarc camera", listens=True) as bus,
+        ):
             contract = contract_of(self.policy, bus, stop, "reflexarc camera", self.bounds)
             account = self._show(bus, sources, calibration, contract, stop) if contract else None
         if account is not None:

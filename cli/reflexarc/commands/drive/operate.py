@@ -1,5 +1,6 @@
 """`reflexarc arm`, `stop`, `reset` and `release`: what an operator says to a body."""
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
@@ -34,7 +35,10 @@ class Speaking:
 
         if not 0.0 < self.patience <= MAX_PATIENCE_S:
             raise UsageError(f"--patience: expected above 0 to 3600 s, got {self.patience}")
-        return self.joining.bus(OPERATOR)
+        end_s = time.monotonic() + self.patience
+        return self.joining.bus_in_time(
+            OPERATOR, lambda: time.monotonic() > end_s, "reflexarc", quietly=True
+        )
 
     def tell(self, command: str, answer: "OperatorAnswer", silence: str = "") -> int:
         """Print what the body said, or why it is silent; the exit status."""

@@ -237,6 +237,7 @@ class Ros2Command:
             odometry_key=route.odometry_key,
             stamp=self.stamp,
             client=route.wire.has_router,
+            allow_open=self.joining.allow_open,
         )
         return CompanionLink(watched)
 

@@ -15,6 +15,7 @@ from reflexarc.wiring.keeping_logs.black_box_flags import BlackBoxFlags
 from reflexarc.wiring.keeping_logs.recording_flags import RecordingFlags
 from reflexarc.wiring.keeping_logs.run_summary import summary_as_dict, summary_in_words
 from reflexarc.wiring.running.pacing_flags import PacingFlags
+from reflexarc.wiring.running.trusted_policy_flags import TrustedPolicyFlags
 from reflexarc.wiring.scan_flags import ScanFlags
 from reflexarc.wiring.sense_flags import SenseFlags
 from reflexarc.wiring.watching import Watching
@@ -64,6 +65,9 @@ class RunCommand:
 
     policy: tyro.conf.Positional[Path]
     """The exported policy (ONNX)."""
+    trusting: tyro.conf.OmitArgPrefixes[TrustedPolicyFlags] = field(
+        default_factory=TrustedPolicyFlags
+    )
     input: Literal["retina", "scan"] = "retina"
     """Which sensor stream to decide on."""
     backend: Literal["numpy", "onnxruntime"] = "numpy"
@@ -123,7 +127,9 @@ class RunCommand:
         with (
             StopFlag() as stop,
             self._sinks(policy, run_id) as sinks,
-            self.joining.bus(RUNTIME_NODE, lockstep=self.lockstep) as bus,
+            self.joining.bus_in_time(
+                RUNTIME_NODE, stop, "reflexarc run", lockstep=self.lockstep
+            ) as bus,
         ):
             flags = self._loop_flags()
             loop = SenseActLoop(bus, controller, policy, sinks, run_id, flags, manager)
@@ -135,6 +141,7 @@ class RunCommand:
         """Load the policy, after a process of its own has."""
         from reflexarc_runtime.loop.trials.trial import Trial, check_fits
 
+        accepted = self.trusting.check_file(self.policy)
         with Trial(self.policy, self.backend) as trial:
             # Meanwhile everything that the loop will need is loaded.
             import reflexarc_runtime.bus  # noqa: F401
@@ -142,6 +149,7 @@ class RunCommand:
 
             finding = trial.finding()
         policy = load_policy(self.policy, self.backend, bounds=self.bounds)
+        self.trusting.check_loaded(accepted, policy)
         check_fits(finding, policy, in_real_time=not self.lockstep)
         warning = check_speed(policy.contract, allow=self.allow_fast)
         if warning:

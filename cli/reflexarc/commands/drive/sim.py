@@ -125,8 +125,10 @@ class SimCommand:
         from reflexarc_runtime.messages.topics import BODY_NODE
 
         # The first robot listens for the others.
-        with robot.bus(BODY_NODE, listens=number == 0, lockstep=self.lockstep) as bus:
-            who = self._who(robot.robot)
+        who = self._who(robot.robot)
+        with robot.bus_in_time(
+            BODY_NODE, stop, who, listens=number == 0, lockstep=self.lockstep
+        ) as bus:
             if self.policy is not None:
                 from reflexarc_runtime.policy.policy import load_contract
 

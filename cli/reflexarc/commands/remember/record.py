@@ -59,7 +59,10 @@ class RecordCommand:
         path = first_part(self.out or Path("runs") / f"{now_in_name()}.mcap", keeping)
         if self.out is None:
             path.parent.mkdir(exist_ok=True)
-        with StopFlag() as stop, self.joining.bus(RECORDER_NODE) as bus:
+        with (
+            StopFlag() as stop,
+            self.joining.bus_in_time(RECORDER_NODE, stop, "reflexarc record") as bus,
+        ):
             policy = bus.fetch_policy() or b""
             with recorder_of_bus(path, policy, self.joining.robot, keeping) as recorder:
                 came = Arrival(recorder.put)

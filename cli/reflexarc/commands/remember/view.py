@@ -115,7 +115,7 @@ class ViewCommand:
 
         came: queue.Queue[Message] = queue.Queue(MOST_WAITING)
         drawer, offset_ns = Drawer(), wall_offset_ns()
-        with self.joining.bus("viewer") as bus:
+        with self.joining.bus_in_time("viewer", stop, "reflexarc view") as bus:
             bus.subscribe(ON_THE_BUS, _keep(came))
             aside.print(f"reflexarc view: {plain(bus.robot)}/… (Ctrl-C ends it)")
             while came.empty() and not stop():

@@ -68,6 +68,8 @@ class Watched:
     """What they are stamped with: a value of `StampRule`."""
     client: bool = False
     """Whether the bridge is a client of the robot's router."""
+    allow_open: bool = False
+    """Whether the Zenoh configuration may let in strangers."""
 
     @property
     def stamper(self) -> Stamper | None:
@@ -78,7 +80,13 @@ class Watched:
     def bus(self) -> BusConfig:
         """How to reach the robot's router."""
         zenoh = Path(self.zenoh) if self.zenoh else None
-        return BusConfig(self.robot, self.port, zenoh_file=zenoh, client=self.client)
+        return BusConfig(
+            self.robot,
+            self.port,
+            zenoh_file=zenoh,
+            client=self.client,
+            allow_open=self.allow_open,
+        )
 
     def text(self) -> str:
         """As an argument of a command line."""
