@@ -37,6 +37,7 @@ from reflexarc.commands.remember.recover import RecoverCommand
 from reflexarc.commands.remember.render import RenderCommand
 from reflexarc.commands.remember.replay import ReplayCommand
 from reflexarc.commands.remember.view import ViewCommand
+from reflexarc.commands.service.swap import SwapCommand
 from reflexarc.commands.worlds.worlds import WorldsCommand
 
 
@@ -68,6 +69,7 @@ GROUPS: dict[str, tuple[type[CliCommand], ...]] = {
         ResetCommand,
         ReleaseCommand,
     ),
+    "In service": (SwapCommand,),
     "Logs": (
         RecordCommand,
         MarkCommand,

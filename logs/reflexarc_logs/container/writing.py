@@ -25,6 +25,8 @@ PARTIAL = ".partial"
 PROFILE = "reflexarc"
 
 POLICY_ATTACHMENT = "policy.onnx"
+ATTACHED_BESIDE = "policy-"
+"""How the names of attached policies begin that decided later, or watched."""
 CONFIG_ATTACHMENT = "config.json"
 END = "reflexarc.end"
 """Metadata written last, where something is missing: how many records, how many chunks."""
@@ -37,6 +39,11 @@ NO_SCHEMA = 0
 _CANNOT_SYNC = (errno.EINVAL, errno.ENOTSUP, errno.ENOSYS)
 """Not every file system can be told to sync."""
 _MEDIA_TYPES = {".onnx": "application/onnx", ".json": "application/json"}
+
+
+def attachment_of(policy_hash: str) -> str:
+    """What a policy beside the first one is attached as."""
+    return f"{ATTACHED_BESIDE}{policy_hash}.onnx"
 
 
 class LogWriter:

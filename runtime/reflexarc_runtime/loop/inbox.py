@@ -15,7 +15,7 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
-from reflexarc_runtime.messages.topics import CONTROLS, RESET, topic_of
+from reflexarc_runtime.messages.topics import CONTROLS, RESET, SWAP, topic_of
 from reflexarc_runtime.messages.wire import Message
 
 DEFAULT_CAPACITY = 1024
@@ -109,12 +109,12 @@ class Inbox:
             yield from (message for _, message in controls)
 
     def _drop_one(self) -> None:
-        """Drop the oldest input; where there is none, the oldest reset, and a stop last of all."""
+        """Drop the oldest input; where there is none, the oldest reset or swap; a stop last."""
         self._overflows += 1
         if self._inputs:
             self._bytes -= len(self._inputs.popleft().payload)
             return
-        resets = (n for n, (_, m) in enumerate(self._controls) if topic_of(m.key) is RESET)
-        place = next(resets, 0)
+        spared = (n for n, (_, m) in enumerate(self._controls) if topic_of(m.key) in (RESET, SWAP))
+        place = next(spared, 0)
         self._bytes -= len(self._controls[place][1].payload)
         del self._controls[place]

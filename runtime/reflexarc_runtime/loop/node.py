@@ -7,7 +7,6 @@ publish the command, the sink records.
 from collections.abc import Callable
 from dataclasses import replace
 
-from reflexarc_runtime.controller import Controller
 from reflexarc_runtime.controller_state import Inputs, State
 from reflexarc_runtime.decision import Decision, Timing, Verdict, safe_command
 from reflexarc_runtime.errors import DecisionEndedError
@@ -30,6 +29,7 @@ from reflexarc_runtime.messages.wire import (
     pack_stamp,
     protobuf_encoding,
 )
+from reflexarc_runtime.swapping import AnyController
 
 END_OF_RUN = "the runtime was asked to end"
 """Reason of the stop that the loop gives itself."""
@@ -41,7 +41,7 @@ class Node:
 
     def __init__(
         self,
-        controller: Controller,
+        controller: AnyController,
         pacer: Pacer,
         outlets: Outlets,
         *,
@@ -54,6 +54,7 @@ class Node:
         watch: Watch | None = None,
         saw: Callable[[Decision], None] = lambda decision: None,
         sensor: Callable[[int], str] = lambda now_ns: "",
+        shadow: Callable[[], str] = lambda: "",
     ) -> None:
         self._controller = controller
         self._pacer = pacer
@@ -65,7 +66,7 @@ class Node:
         self._overflows = overflows
         self._guard = guard or ("off" if controller.guard is None else "on")
         self._watch: Watch = watch or NoWatch()
-        self._saw, self._sensor = saw, sensor
+        self._saw, self._sensor, self._shadow = saw, sensor, shadow
         self._flood = FloodNotice(f"the runtime of {robot}")
         self._monitor = Monitor()
         self._state = State()
@@ -214,5 +215,6 @@ class Node:
             guard=f"{self._guard}: {lack}" if lack else self._guard,
             watchdog=self._watch.state,
             sensor=self._sensor(now_ns),
+            shadow=self._shadow(),
         )
         self._outlets.status.put(encode_status(status), now_ns)

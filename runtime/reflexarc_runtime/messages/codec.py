@@ -39,6 +39,7 @@ class Status:
     guard: str = ""
     watchdog: str = ""
     sensor: str = ""
+    shadow: str = ""
 
 
 def timestamp(time_ns: int) -> Timestamp:

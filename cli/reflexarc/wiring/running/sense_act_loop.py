@@ -1,5 +1,6 @@
 """Connects the loop of `reflexarc run` to bus, watchdog, notices and sinks, and runs it."""
 
+from collections.abc import Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 
@@ -8,11 +9,16 @@ from reflexarc.terminal.signals import StopFlag
 from reflexarc.wiring.awaiting import awaiting_input, wait_for_body
 from reflexarc.wiring.keeping_logs.run_sinks import RunSinks
 from reflexarc.wiring.rivals import Rivals
+from reflexarc.wiring.running.candidate_flags import Watcher, others_of
+from reflexarc.wiring.running.candidate_flags import watching as watching_policy
 from reflexarc.wiring.waiting import Arrival
 from reflexarc.wiring.watching import Watching
 from reflexarc_runtime.bus import Bus, Publisher
 from reflexarc_runtime.controller import Controller
+from reflexarc_runtime.decision import Decision
 from reflexarc_runtime.loop import realtime
+from reflexarc_runtime.loop.candidates.shadow import Shadow, ShadowAccount
+from reflexarc_runtime.loop.candidates.swap_desk import ServedSince, SwapDesk, SwapRules
 from reflexarc_runtime.loop.clock import MonotonicClock
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.monitor import Summary
@@ -29,10 +35,12 @@ from reflexarc_runtime.messages.topics import (
     RESET,
     STATUS,
     STOP,
+    SWAP,
     TICK,
 )
 from reflexarc_runtime.messages.wire import Message, at_source_time
 from reflexarc_runtime.policy.policy import LoadedPolicy
+from reflexarc_runtime.swapping import AnyController, SwappingController
 
 
 @dataclass(frozen=True)
@@ -49,6 +57,21 @@ class LoopFlags:
     guard: str
     """What the status says of the guard."""
     watching: Watching
+    swaps: SwapRules
+    """What is asked of a policy that shall take over."""
+    watcher: Watcher | None = None
+    """A policy that watches."""
+
+
+@dataclass(frozen=True)
+class LoopOutcome:
+    """How a run went."""
+
+    summary: Summary
+    shadow: ShadowAccount | None
+    """What the policy did that watched; None: there was none."""
+    served: tuple[ServedSince, ...]
+    """Who took over, in order."""
 
 
 @dataclass(frozen=True)
@@ -62,26 +85,34 @@ class SenseActLoop:
     run_id: str
     flags: LoopFlags
 
-    def run(self, stop: StopFlag, max_ticks: int | None) -> Summary:
+    def run(self, stop: StopFlag, max_ticks: int | None) -> LoopOutcome:
         """Listen, announce the runtime, and tick until asked to stop, or `max_ticks` times."""
         bus, flags, inbox = self.bus, self.flags, Inbox()
         command = bus.publisher(COMMAND)
         outlets = self._outlets(command)
         self._listen_to_the_rest()
-        bus.offer_policy(self.policy.data)
+        controllers: dict[str, Controller] = {}
+        desk = self._swap_desk(inbox, controllers)
+        bus.offer_policy(lambda: (desk.policy or self.policy).data)
         if flags.lockstep:
             wait_for_body(bus, command, stop)
         came = Arrival(inbox.put)
         self._listen(inbox, came)
-        watching = self._watching(inbox)
+        watching = self._watching(inbox, desk)
         said = "; ".join(realtime.prepare(flags.fifo))  # the watchdog's thread inherits it
         notices = Notices(self._say, self.controller.contract, flags.sensor)
         key = self.controller.sense.topic.key(bus.robot)
         waiting = awaiting_input(bus, flags.sensor, key, came)
         # The watchdog ends first: what it watches has ended, and the others take a moment to.
-        with notices, waiting, watching as watch:
+        is_lockstep, sinks = flags.lockstep, self.sinks
+        shadowing = watching_policy(flags.watcher, bus, sinks.put, lockstep=is_lockstep)
+        with shadowing as shadow, notices, waiting, watching as watch:
+            bus.take_requests(desk.ask)
             self._say(f"{flags.policy_name} on {flags.backend}; {said}; watchdog {watch.state}")
-            return self._node(inbox, outlets, watch, notices).run(stop, max_ticks)
+            controller = self._swapping(controllers)
+            node = self._node(controller, inbox, outlets, watch, notices, desk, shadow)
+            summary = node.run(stop, max_ticks)
+        return LoopOutcome(summary, None if shadow is None else shadow.account, desk.served)
 
     def _outlets(self, command: Publisher) -> Outlets:
         bus = self.bus
@@ -108,20 +139,65 @@ class SenseActLoop:
 
         self.bus.subscribe(OVERHEARD, keep)
 
-    def _watching(self, inbox: Inbox) -> AbstractContextManager[Watch]:
+    def _swap_desk(self, inbox: Inbox, controllers: dict[str, Controller]) -> SwapDesk:
+        bus = self.bus
+        said = bus.publisher(SWAP)
+
+        def put(swap: Message) -> None:
+            inbox.put(swap)
+            said.put(swap.payload, swap.received_ns)
+
+        return SwapDesk(
+            self.controller,
+            controllers,
+            self.flags.swaps,
+            put,
+            keep=self._keep_policies,
+            now_ns=MonotonicClock().now_ns,
+            robot=bus.robot,
+            sender=bus.sender,
+        )
+
+    def _keep_policies(self, served: Mapping[str, bytes]) -> None:
+        self.sinks.keep_policies({**served, **others_of(self.flags.watcher)})
+
+    def _swapping(self, controllers: dict[str, Controller]) -> AnyController:
+        if self.flags.swaps.allowed:
+            return self.controller
+        return SwappingController(self.controller, controllers)
+
+    def _watching(self, inbox: Inbox, desk: SwapDesk) -> AbstractContextManager[Watch]:
         return self.flags.watching.watch(
             self.bus,
             inbox,
-            self.policy,
+            self.controller.contract,
             robot=self.bus.robot,
             run_id=self.run_id,
             lockstep=self.flags.lockstep,
+            serving=lambda: desk.serving,
+            end_decision=desk.end_decision,
         )
 
-    def _node(self, inbox: Inbox, outlets: Outlets, watch: Watch, notices: Notices) -> Node:
+    def _node(
+        self,
+        controller: AnyController,
+        inbox: Inbox,
+        outlets: Outlets,
+        watch: Watch,
+        notices: Notices,
+        desk: SwapDesk,
+        shadow: Shadow | None,
+    ) -> Node:
         """The loop, with all that it is connected to."""
+
+        def saw(decision: Decision) -> None:
+            notices.saw(decision)
+            desk.saw(decision)
+            if shadow is not None:
+                shadow.saw(decision)
+
         return Node(
-            self.controller,
+            controller,
             self._pacer(inbox),
             outlets,
             sink=self.sinks,
@@ -131,8 +207,9 @@ class SenseActLoop:
             overflows=lambda: inbox.overflows,
             watch=watch,
             guard=self.flags.guard,
-            saw=notices.saw,
+            saw=saw,
             sensor=notices.sensor,
+            shadow=lambda: "" if shadow is None else shadow.state,
         )
 
     def _pacer(self, inbox: Inbox) -> Pacer:
