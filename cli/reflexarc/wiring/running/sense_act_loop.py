@@ -1,7 +1,7 @@
 """Connects the loop of `reflexarc run` to bus, watchdog, notices and sinks, and runs it."""
 
 from collections.abc import Mapping
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 
 from reflexarc.terminal.output import aside, plain
@@ -19,6 +19,7 @@ from reflexarc_runtime.decision import Decision
 from reflexarc_runtime.loop import realtime
 from reflexarc_runtime.loop.candidates.shadow import Shadow, ShadowAccount
 from reflexarc_runtime.loop.candidates.swap_desk import ServedSince, SwapDesk, SwapRules
+from reflexarc_runtime.loop.candidates.trial_helper import TrialHelper, Tries
 from reflexarc_runtime.loop.clock import MonotonicClock
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.monitor import Summary
@@ -75,6 +76,25 @@ class LoopOutcome:
 
 
 @dataclass(frozen=True)
+class Candidates:
+    """The policies beside the first one."""
+
+    controller: AnyController
+    desk: SwapDesk
+    shadow: Shadow | None
+
+    def saw(self, decision: Decision) -> None:
+        """Take note of a tick; from the loop's thread, behind its command."""
+        self.desk.saw(decision)
+        if self.shadow is not None:
+            self.shadow.saw(decision)
+
+    def state(self) -> str:
+        """What the shadow did so far; empty if there is none."""
+        return "" if self.shadow is None else self.shadow.state
+
+
+@dataclass(frozen=True)
 class SenseActLoop:
     """One loop on one bus, until it is stopped."""
 
@@ -88,11 +108,24 @@ class SenseActLoop:
     def run(self, stop: StopFlag, max_ticks: int | None) -> LoopOutcome:
         """Listen, announce the runtime, and tick until asked to stop, or `max_ticks` times."""
         bus, flags, inbox = self.bus, self.flags, Inbox()
+        controllers: dict[str, Controller] = {}
+        helper = TrialHelper()
+        desk = self._swap_desk(inbox, controllers, helper)
+        helping = nullcontext() if flags.swaps.allowed else helper
+        put, is_lockstep = self.sinks.put, flags.lockstep
+        shadowing = watching_policy(flags.watcher, bus, put, lockstep=is_lockstep)
+        with helping, shadowing as shadow:  # before this thread has any priority to pass on
+            controller = self._swapping(controllers)
+            summary = self._drive(stop, max_ticks, inbox, Candidates(controller, desk, shadow))
+        return LoopOutcome(summary, None if shadow is None else shadow.account, desk.served)
+
+    def _drive(
+        self, stop: StopFlag, max_ticks: int | None, inbox: Inbox, candidates: "Candidates"
+    ) -> Summary:
+        bus, flags, desk = self.bus, self.flags, candidates.desk
         command = bus.publisher(COMMAND)
         outlets = self._outlets(command)
         self._listen_to_the_rest()
-        controllers: dict[str, Controller] = {}
-        desk = self._swap_desk(inbox, controllers)
         bus.offer_policy(lambda: (desk.policy or self.policy).data)
         if flags.lockstep:
             wait_for_body(bus, command, stop)
@@ -104,15 +137,10 @@ class SenseActLoop:
         key = self.controller.sense.topic.key(bus.robot)
         waiting = awaiting_input(bus, flags.sensor, key, came)
         # The watchdog ends first: what it watches has ended, and the others take a moment to.
-        is_lockstep, sinks = flags.lockstep, self.sinks
-        shadowing = watching_policy(flags.watcher, bus, sinks.put, lockstep=is_lockstep)
-        with shadowing as shadow, notices, waiting, watching as watch:
+        with notices, waiting, watching as watch:
             bus.take_requests(desk.ask)
             self._say(f"{flags.policy_name} on {flags.backend}; {said}; watchdog {watch.state}")
-            controller = self._swapping(controllers)
-            node = self._node(controller, inbox, outlets, watch, notices, desk, shadow)
-            summary = node.run(stop, max_ticks)
-        return LoopOutcome(summary, None if shadow is None else shadow.account, desk.served)
+            return self._node(candidates, inbox, outlets, watch, notices).run(stop, max_ticks)
 
     def _outlets(self, command: Publisher) -> Outlets:
         bus = self.bus
@@ -139,7 +167,9 @@ class SenseActLoop:
 
         self.bus.subscribe(OVERHEARD, keep)
 
-    def _swap_desk(self, inbox: Inbox, controllers: dict[str, Controller]) -> SwapDesk:
+    def _swap_desk(
+        self, inbox: Inbox, controllers: dict[str, Controller], tries: Tries
+    ) -> SwapDesk:
         bus = self.bus
         said = bus.publisher(SWAP)
 
@@ -151,6 +181,7 @@ class SenseActLoop:
             self.controller,
             controllers,
             self.flags.swaps,
+            tries,
             put,
             keep=self._keep_policies,
             now_ns=MonotonicClock().now_ns,
@@ -180,24 +211,20 @@ class SenseActLoop:
 
     def _node(
         self,
-        controller: AnyController,
+        candidates: "Candidates",
         inbox: Inbox,
         outlets: Outlets,
         watch: Watch,
         notices: Notices,
-        desk: SwapDesk,
-        shadow: Shadow | None,
     ) -> Node:
         """The loop, with all that it is connected to."""
 
         def saw(decision: Decision) -> None:
             notices.saw(decision)
-            desk.saw(decision)
-            if shadow is not None:
-                shadow.saw(decision)
+            candidates.saw(decision)
 
         return Node(
-            controller,
+            candidates.controller,
             self._pacer(inbox),
             outlets,
             sink=self.sinks,
@@ -209,7 +236,7 @@ class SenseActLoop:
             guard=self.flags.guard,
             saw=saw,
             sensor=notices.sensor,
-            shadow=lambda: "" if shadow is None else shadow.state,
+            shadow=candidates.state,
         )
 
     def _pacer(self, inbox: Inbox) -> Pacer:

@@ -24,7 +24,8 @@ from reflexarc_runtime.contract.swap_fit import check_takes_over
 from reflexarc_runtime.controller import Controller
 from reflexarc_runtime.decision import Decision
 from reflexarc_runtime.errors import PolicyError, ReflexarcError
-from reflexarc_runtime.loop.trials.trial import Trial, check_fits
+from reflexarc_runtime.loop.candidates.trial_helper import Tries
+from reflexarc_runtime.loop.trials.trial import check_fits
 from reflexarc_runtime.loop.warm_up import decide_on_darkness
 from reflexarc_runtime.messages.controls import encode_swap
 from reflexarc_runtime.messages.topics import SWAP
@@ -76,6 +77,7 @@ class SwapDesk:
         first: the controller of the policy of the start.
         controllers: by hash, what the loop's `SwappingController` knows beside it; it is filled.
         rules: what is asked of a policy.
+        tries: tries one, in a process of its own.
         put: takes the swap: the loop's inbox, and whoever else is to hear of it.
         keep: takes all policies that may serve beside the first one, by hash, before they do: a
             recorder attaches them to what it begins later.
@@ -89,6 +91,7 @@ class SwapDesk:
         first: Controller,
         controllers: dict[str, Controller],
         rules: SwapRules,
+        tries: Tries,
         put: Callable[[Message], None],
         *,
         keep: Callable[[Mapping[str, bytes]], None] = lambda policies: None,
@@ -96,7 +99,8 @@ class SwapDesk:
         robot: str,
         sender: bytes = NO_SENDER,
     ) -> None:
-        self._first, self._controllers, self._rules = first, controllers, rules
+        self._first, self._controllers = first, controllers
+        self._rules, self._tries = rules, tries
         self._put, self._keep, self._now_ns = put, keep, now_ns
         self._key, self._sender = SWAP.key(robot), sender
         self._busy = threading.Lock()
@@ -200,8 +204,7 @@ class SwapDesk:
             path = Path(folder) / "policy.onnx"
             path.write_bytes(data)
             try:
-                with Trial(path, rules.backend) as trial:
-                    finding = trial.finding()
+                finding = self._tries.finding(path, rules.backend)
             except PolicyError as error:
                 raise PolicyError(str(error).replace(str(path), "policy")) from None
         with _short_turns():
