@@ -132,6 +132,11 @@ class Shadow:
         self._end()
 
     @property
+    def pid(self) -> int:
+        """Of its process."""
+        return self._process.pid
+
+    @property
     def state(self) -> str:
         """What it did so far, for the status."""
         return self.account.words

@@ -39,7 +39,7 @@ MAX_POLICY_BYTES = 1_000_000
 MOST_PATIENCE_S = 60.0
 """An answer comes within this time after the trial, whatever the loop does."""
 SWAPPED_HERE = 4
-"""Policies that are kept beside the first one: who serves, who did, who is to, and one more."""
+"""Policies that are kept beside the first one: who serves, who did, who is to, and the new one."""
 _SWITCH_S = 0.0005
 """While a policy is loaded, the loop's thread gets the interpreter back after so long."""
 
@@ -107,7 +107,7 @@ class SwapDesk:
         self._swaps = 0
         self.serving = first.policy_hash
         """The hash of the policy that decided last."""
-        self._former = ""
+        self._former = self._put_last = ""
         self._served: deque[ServedSince] = deque(maxlen=MOST_REMEMBERED)
         self._awaited: _Awaited | None = None
 
@@ -218,11 +218,12 @@ class SwapDesk:
         with _short_turns():
             controller = controller_for(policy, self._first)
             decide_on_darkness(controller)
-        known = self._controllers
-        for old in list(known)[: max(0, len(known) - SWAPPED_HERE + 1)]:
-            if old not in (self.serving, self._former, policy.policy_hash):
-                del known[old]
-        known[policy.policy_hash] = known.pop(policy.policy_hash, controller)
+        known, identity = self._controllers, policy.policy_hash
+        known[identity] = known.pop(identity, controller)
+        spared = (identity, self.serving, self._former, self._put_last)
+        others = [name for name in known if name not in spared]
+        for name in others[: max(0, len(known) - SWAPPED_HERE)]:
+            del known[name]
         self._keep({name: _file_of(one) for name, one in known.items()})
 
     def _say(self, asked: pb.SwapRequest, identity: str) -> None:
@@ -231,7 +232,7 @@ class SwapDesk:
         )
         now_ns = self._now_ns()
         stamp = pack_stamp(Stamp(self._swaps, now_ns, self._sender))
-        self._swaps += 1
+        self._swaps, self._put_last = self._swaps + 1, identity
         self._put(Message(self._key, payload, protobuf_encoding(SWAP.schema), stamp, now_ns))
 
 
