@@ -10,6 +10,7 @@ import pytest
 from reflexarc_logs.cutting.cut import cut
 from reflexarc_logs.cutting.span import TickSpan
 from reflexarc_logs.reading.reader import read_log
+from reflexarc_logs.reading.summary import summarise
 from reflexarc_logs.recording.keeping import Keeping
 from reflexarc_logs.replaying.replay import replay
 from reflexarc_runtime.contract.body_spec import Footprint
@@ -189,3 +190,15 @@ def _retina(slot: int, pixels: np.ndarray) -> Message:
     message = retina_at(slot, np.zeros(CONTRACT.retina.shape, np.uint8))
     payload = encode_retina(pixels, REMEMBERING.retina, message.received_ns)
     return replace(message, payload=payload)
+
+
+def test_the_summary_says_who_served_and_what_the_shadow_would_have_done(eventful_log):
+    path, decided = eventful_log
+    summary = summarise(path)
+    seen = summary.candidates
+    assert seen is not None
+    assert set(seen.served) <= {one.policy_hash for one in decided}
+    assert len(seen.served) > 10
+    assert seen.shadow_hash == policy_hash(exported(HOLDING, seed=9))
+    assert seen.compared > 900
+    assert 0 < seen.different < seen.compared
