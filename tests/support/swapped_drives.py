@@ -29,8 +29,8 @@ from reflexarc_runtime.policy.model_file import policy_hash, with_contract
 from reflexarc_runtime.policy.policy import LoadedPolicy, load_policy
 from reflexarc_runtime.sensing.sense_settings import SenseSettings
 from reflexarc_runtime.sensing.senses import sense_for
-from reflexarc_runtime.shadowing import ShadowMind, ShadowTick
-from reflexarc_runtime.swapping import SwappingController, controller_for
+from reflexarc_runtime.serving.shadowing import ShadowMind, ShadowTick
+from reflexarc_runtime.serving.swapping import SwappingController, controller_for
 from support.policies import network
 from support.recordings import (
     MS,

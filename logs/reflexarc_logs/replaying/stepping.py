@@ -38,7 +38,7 @@ from reflexarc_runtime.policy.policy import LoadedPolicy
 from reflexarc_runtime.rules import ControllerRules, rules_of
 from reflexarc_runtime.sensing.sense_settings import SenseSettings
 from reflexarc_runtime.sensing.senses import sense_for
-from reflexarc_runtime.swapping import AnyController, SwappingController, says_rolled_back
+from reflexarc_runtime.serving.swapping import AnyController, SwappingController, says_rolled_back
 
 _DRIVING = (Verdict.OK.value, Verdict.GUARDED.value)
 

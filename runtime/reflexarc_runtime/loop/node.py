@@ -29,7 +29,7 @@ from reflexarc_runtime.messages.wire import (
     pack_stamp,
     protobuf_encoding,
 )
-from reflexarc_runtime.swapping import AnyController
+from reflexarc_runtime.serving.swapping import AnyController
 
 END_OF_RUN = "the runtime was asked to end"
 """Reason of the stop that the loop gives itself."""

@@ -16,7 +16,7 @@ from reflexarc_runtime.messages.controls import encode_overrun, encode_stop
 from reflexarc_runtime.messages.topics import OVERRUN, RESET, STOP
 from reflexarc_runtime.messages.wire import Message, Stamp, protobuf_encoding
 from reflexarc_runtime.sensing.senses import Sensed
-from reflexarc_runtime.swapping import AnyController
+from reflexarc_runtime.serving.swapping import AnyController
 
 _NO_TIME = Timing(0, 0, 0, 0, 0, 0)
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from reflexarc.wiring.keeping_logs.outcome import Recording
     from reflexarc.wiring.keeping_logs.run_sinks import RunSinks
-    from reflexarc.wiring.running.candidate_flags import Watcher
+    from reflexarc.wiring.running.candidate_flags import WatchingPolicy
     from reflexarc.wiring.running.sense_act_loop import LoopFlags, LoopOutcome
     from reflexarc_logs.recording.black_box import BoxSpan
     from reflexarc_logs.recording.keeping import Keeping
@@ -153,7 +153,7 @@ class RunCommand:
         if not 0 <= self.fifo <= 99:
             raise UsageError(f"--fifo: expected 0 to 99, got {self.fifo}")
 
-    def _loop_flags(self, watcher: "Watcher | None") -> "LoopFlags":
+    def _loop_flags(self, watcher: "WatchingPolicy | None") -> "LoopFlags":
         from reflexarc.wiring.running.sense_act_loop import LoopFlags
         from reflexarc_runtime.loop.candidates.swap_desk import SwapRules
 
@@ -177,7 +177,7 @@ class RunCommand:
         )
 
     def _sinks(
-        self, policy: "LoadedPolicy", run_id: str, watcher: "Watcher | None"
+        self, policy: "LoadedPolicy", run_id: str, watcher: "WatchingPolicy | None"
     ) -> "AbstractContextManager[RunSinks]":
         """What the run is recorded by."""
         from reflexarc.wiring.keeping_logs.recorders import recorder_of_run

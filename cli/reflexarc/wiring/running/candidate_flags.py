@@ -18,7 +18,7 @@ NOT_IN_LOCKSTEP = "a runtime in lockstep takes no other policy: its runs are to 
 
 
 @dataclass(frozen=True)
-class Watcher:
+class WatchingPolicy:
     """A policy that watches, from a file that was tried."""
 
     path: Path
@@ -63,7 +63,7 @@ class CandidateFlags:
             return NOT_IN_LOCKSTEP
         return "" if self.allow_swap else NOT_ALLOWED
 
-    def watcher(self, running: "PolicyContract", backend: str) -> Watcher | None:
+    def watcher(self, running: "PolicyContract", backend: str) -> WatchingPolicy | None:
         """The policy that watches, after a process of its own has tried it; None: there is none.
 
         Raises:
@@ -83,16 +83,16 @@ class CandidateFlags:
         if policy_hash(data) != finding.policy_hash:
             raise PolicyError(f"--shadow: {self.shadow} changed while it was loaded; start again")
         check_takes_over(load_contract(data, bounds=None), running)
-        return Watcher(self.shadow, finding.policy_hash, data, backend)
+        return WatchingPolicy(self.shadow, finding.policy_hash, data, backend)
 
 
-def others_of(watcher: Watcher | None) -> dict[str, bytes]:
+def others_of(watcher: WatchingPolicy | None) -> dict[str, bytes]:
     """What a log holds of it, by its hash."""
     return {} if watcher is None else {watcher.policy_hash: watcher.data}
 
 
 def watching(
-    watcher: Watcher | None, bus: "Bus", put: "Callable[[Message], None]", *, lockstep: bool
+    watcher: WatchingPolicy | None, bus: "Bus", put: "Callable[[Message], None]", *, lockstep: bool
 ) -> "AbstractContextManager[Shadow | None]":
     """The shadow of a loop inside this context; None if there is none."""
     return nullcontext() if watcher is None else watcher.shadow(bus, put, lockstep=lockstep)

@@ -9,7 +9,7 @@ from reflexarc.terminal.signals import StopFlag
 from reflexarc.wiring.awaiting import awaiting_input, wait_for_body
 from reflexarc.wiring.keeping_logs.run_sinks import RunSinks
 from reflexarc.wiring.rivals import Rivals
-from reflexarc.wiring.running.candidate_flags import Watcher, others_of
+from reflexarc.wiring.running.candidate_flags import WatchingPolicy, others_of
 from reflexarc.wiring.running.candidate_flags import watching as watching_policy
 from reflexarc.wiring.waiting import Arrival
 from reflexarc.wiring.watching import Watching
@@ -41,7 +41,7 @@ from reflexarc_runtime.messages.topics import (
 )
 from reflexarc_runtime.messages.wire import Message, at_source_time
 from reflexarc_runtime.policy.policy import LoadedPolicy
-from reflexarc_runtime.swapping import AnyController, SwappingController
+from reflexarc_runtime.serving.swapping import AnyController, SwappingController
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class LoopFlags:
     watching: Watching
     swaps: SwapRules
     """What is asked of a policy that shall take over."""
-    watcher: Watcher | None = None
+    watcher: WatchingPolicy | None = None
     """A policy that watches."""
 
 

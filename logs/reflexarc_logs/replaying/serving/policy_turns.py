@@ -6,7 +6,7 @@ from itertools import groupby
 
 from reflexarc_logs.columns.tick_runs import TickRun
 from reflexarc_runtime.messages_pb2 import Tick
-from reflexarc_runtime.swapping import says_rolled_back
+from reflexarc_runtime.serving.swapping import says_rolled_back
 
 
 @dataclass(frozen=True)

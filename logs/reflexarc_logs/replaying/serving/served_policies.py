@@ -17,7 +17,7 @@ from reflexarc_runtime.messages.topics import SWAP
 from reflexarc_runtime.messages_pb2 import Swap
 from reflexarc_runtime.policy.model_file import policy_hash
 from reflexarc_runtime.policy.policy import LoadedPolicy
-from reflexarc_runtime.swapping import controller_for
+from reflexarc_runtime.serving.swapping import controller_for
 
 KEPT_BYTES = 64 << 20
 """Of files that were found while another one was looked for."""

@@ -17,7 +17,7 @@ from reflexarc_logs.replaying.report import Flip, LevelResult
 from reflexarc_logs.replaying.serving.served_policies import ServedPolicies
 from reflexarc_runtime.messages.topics import SHADOW, TICK
 from reflexarc_runtime.messages_pb2 import Decision, Shadow, Tick
-from reflexarc_runtime.shadowing import ShadowMind, ShadowTick
+from reflexarc_runtime.serving.shadowing import ShadowMind, ShadowTick
 
 GIVEN = ("index", "policy_hash", "begins", "is_newer")
 """Which ticks it was given, and by whom."""

@@ -29,8 +29,8 @@ from reflexarc_runtime.loop.outlets import NoOutlet, Outlet
 from reflexarc_runtime.loop.trials.trial import LOADING_S, STARTING_S
 from reflexarc_runtime.messages.topics import SHADOW
 from reflexarc_runtime.messages.wire import NO_SENDER, Message, Stamp, pack_stamp, protobuf_encoding
-from reflexarc_runtime.shadowing import ShadowTick
-from reflexarc_runtime.swapping import SHOWN
+from reflexarc_runtime.serving.shadowing import ShadowTick
+from reflexarc_runtime.serving.swapping import SHOWN
 
 MOST_BEHIND = 8
 """Ticks that a shadow may be behind; what comes then it misses."""

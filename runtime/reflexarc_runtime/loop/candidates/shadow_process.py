@@ -17,7 +17,7 @@ from pathlib import Path
 from reflexarc_runtime.loop.candidates.shadow_wire import READY, pack_answer, unpack_tick
 from reflexarc_runtime.loop.trials.trial_process import limit_memory
 from reflexarc_runtime.policy.policy import Backend, load_policy
-from reflexarc_runtime.shadowing import ShadowMind
+from reflexarc_runtime.serving.shadowing import ShadowMind
 
 NICE = 10
 """The loop and the body come first."""
@@ -46,6 +46,8 @@ def _end_with_the_loop() -> None:
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
     with suppress(OSError):
         os.nice(NICE)
+    with suppress(AttributeError, OSError):  # else it interrupts the loop that has just woken it
+        os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
 
 
 if __name__ == "__main__":

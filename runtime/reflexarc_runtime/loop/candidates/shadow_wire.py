@@ -3,7 +3,7 @@
 import struct
 
 from reflexarc_runtime import messages_pb2 as pb
-from reflexarc_runtime.shadowing import ShadowTick
+from reflexarc_runtime.serving.shadowing import ShadowTick
 
 READY = b"ready"
 """The first thing that the process says."""

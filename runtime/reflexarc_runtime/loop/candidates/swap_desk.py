@@ -32,7 +32,7 @@ from reflexarc_runtime.messages.topics import SWAP
 from reflexarc_runtime.messages.wire import NO_SENDER, Message, Stamp, pack_stamp, protobuf_encoding
 from reflexarc_runtime.policy.model_file import policy_hash
 from reflexarc_runtime.policy.policy import LoadedPolicy, load_policy
-from reflexarc_runtime.swapping import SHOWN, controller_for
+from reflexarc_runtime.serving.swapping import SHOWN, controller_for
 
 MAX_POLICY_BYTES = 1_000_000
 """Of a policy that is swapped; with all that stands around it, it is one message of the log."""

@@ -131,7 +131,7 @@ def test_what_is_cut_out_behind_swaps_replays_by_itself(eventful_log, tmp_path, 
 def test_one_bit_of_a_swapped_policys_choice_is_noticed(eventful_log, tmp_path, monkeypatch):
     """So the replay is none that compares nothing."""
     path, _ = eventful_log
-    from reflexarc_runtime import swapping
+    from reflexarc_runtime.serving import swapping
 
     def never_back(self, state, why):  # type: ignore[no-untyped-def]
         return "", state

@@ -17,7 +17,7 @@ from reflexarc_runtime.loop.candidates.shadow import MOST_BEHIND, Shadow
 from reflexarc_runtime.messages.wire import Message
 from reflexarc_runtime.policy.model_file import policy_hash
 from reflexarc_runtime.policy.policy import load_policy
-from reflexarc_runtime.shadowing import ShadowMind, ShadowTick
+from reflexarc_runtime.serving.shadowing import ShadowMind, ShadowTick
 from support.policies import SMALL, exported
 from support.swapped_drives import fails_in_the_light
 

@@ -19,7 +19,7 @@ from reflexarc_runtime.messages.topics import OVERRUN, RESET, STOP, SWAP, Topic
 from reflexarc_runtime.messages.wire import Message, protobuf_encoding
 from reflexarc_runtime.policy.policy import Policy, RememberingPolicy
 from reflexarc_runtime.sensing.senses import RetinaSense
-from reflexarc_runtime.swapping import SwappingController, says_rolled_back
+from reflexarc_runtime.serving.swapping import SwappingController, says_rolled_back
 from support.policies import SMALL, AddingPolicy, FailingPolicy, ScriptedPolicy
 from support.sensing import MS, retina_message
 
