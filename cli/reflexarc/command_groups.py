@@ -39,6 +39,7 @@ from reflexarc.commands.remember.replay import ReplayCommand
 from reflexarc.commands.remember.view import ViewCommand
 from reflexarc.commands.service.secure import SecureCommand
 from reflexarc.commands.service.service import ServiceCommand
+from reflexarc.commands.service.swap import SwapCommand
 from reflexarc.commands.worlds.worlds import WorldsCommand
 from reflexarc.one_command import CliCommand, description_of, name_of
 
@@ -65,7 +66,7 @@ GROUPS: dict[str, tuple[type[CliCommand], ...]] = {
         ResetCommand,
         ReleaseCommand,
     ),
-    "In service": (ServiceCommand, SecureCommand),
+    "In service": (ServiceCommand, SecureCommand, SwapCommand),
     "Logs": (
         RecordCommand,
         MarkCommand,

@@ -10,6 +10,7 @@ import json
 import uuid
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -27,7 +28,7 @@ from reflexarc_runtime.doors.open_doors import (
     open_doors,
 )
 from reflexarc_runtime.errors import BusError, NoRouterError
-from reflexarc_runtime.messages.topics import Quality, Topic, alive_key, policy_key
+from reflexarc_runtime.messages.topics import Quality, Topic, alive_key, policy_key, swap_key
 from reflexarc_runtime.messages.wire import (
     MAX_ATTACHMENT_BYTES,
     MAX_ENCODING_CHARACTERS,
@@ -278,15 +279,50 @@ class Bus:
         replies = self._session.liveliness().get(alive_key(self._config.robot, node), timeout=1.0)
         return any(reply.ok is not None for reply in replies)
 
-    def offer_policy(self, policy: bytes) -> None:
+    def offer_policy(self, policy: Callable[[], bytes]) -> None:
         """Answer queries for the policy with the bytes of its file, and with who answers."""
         key = policy_key(self._config.robot)
 
         def answer(query: zenoh.Query) -> None:
             stamp = pack_stamp(Stamp(0, self._now_ns(), self.sender))
-            query.reply(key, policy, attachment=stamp)
+            query.reply(key, policy(), attachment=stamp)
 
         self._kept.append(self._session.declare_queryable(key, answer))
+
+    def take_requests(self, deal: Callable[[bytes, Callable[[bytes], None]], None]) -> None:
+        """Take requests for another policy.
+
+        Args:
+            deal: is given each request, and what takes the answer, once, from any thread; it
+                returns at once. What is too large is not copied: see `TOO_LARGE`.
+        """
+        key = swap_key(self._config.robot)
+
+        def on_query(query: zenoh.Query) -> None:
+            payload = query.payload
+            is_small = payload is not None and len(payload) <= MAX_PAYLOAD_BYTES
+            request = payload.to_bytes() if payload is not None and is_small else TOO_LARGE
+
+            def answer(said: bytes) -> None:
+                with suppress(zenoh.ZError):  # whoever asked may have gone
+                    query.reply(key, said)
+                query.drop()  # type: ignore[no-untyped-call]  # the stub has no type
+
+            deal(b"" if payload is None else request, answer)
+
+        self._kept.append(self._session.declare_queryable(key, on_query))
+
+    def request_swap(self, request: bytes, timeout_s: float) -> list[bytes]:
+        """Ask every runtime of the robot for another policy: what they answer, of at most 16."""
+        replies = self._session.get(
+            swap_key(self._config.robot),
+            payload=request,
+            target=zenoh.QueryTarget.ALL,
+            consolidation=zenoh.ConsolidationMode.NONE,
+            timeout=timeout_s,
+        )
+        found = (reply.ok.payload for reply in replies if reply.ok is not None)
+        return [said.to_bytes() for said in islice(found, _MOST_ANSWERS) if len(said) <= 1 << 16]
 
     def fetch_policy(self, timeout_s: float = 2.0) -> bytes | None:
         """Ask for the policy file; None if nobody answers."""

@@ -33,7 +33,15 @@ from reflexarc_runtime.decision import (
 from reflexarc_runtime.guard import Guard
 from reflexarc_runtime.inertia import STILL, Moving
 from reflexarc_runtime.messages.controls import is_reset, lateness_of, stop_reason
-from reflexarc_runtime.messages.topics import OVERRUN, RESET, SENSORS, STOP, Topic, topic_of
+from reflexarc_runtime.messages.topics import (
+    OVERRUN,
+    RESET,
+    SENSORS,
+    STOP,
+    SWAP,
+    Topic,
+    topic_of,
+)
 from reflexarc_runtime.messages.wire import Message, Stamp, UndecodableError, UnfitError
 from reflexarc_runtime.policy.policy import Policy, RememberingPolicy
 from reflexarc_runtime.ranging import beams_of, heard, lack_of
@@ -95,6 +103,17 @@ class Controller:
         decision = self._conclude(state, inputs, now_ns, outcome)
         return self._remember(state, outcome, decision), decision
 
+    def at(self, state: State) -> "Controller":
+        """Who decides in a state: this one, in all of them."""
+        return self
+
+    def would_ask(self, state: State, inputs: Inputs, now_ns: int) -> bool:
+        """Whether the policy would be asked at a tick, if no tick had been late before it."""
+        for message in inputs.messages:
+            if topic_of(message.key) is not OVERRUN:
+                state = self._receive(state, message)
+        return self._judge(state, inputs.stop, now_ns)[0] is Verdict.OK
+
     def _moving(self, state: State, now_ns: int) -> Speeds | None:
         """How the body is believed to move; None where nobody asks. At first it stands."""
         braking = None if self.guard is None else self.guard.settings.follows_mps2
@@ -122,6 +141,8 @@ class Controller:
             return replace(state, streak=0, stopped="", still=MOVING)
         if topic is OVERRUN:
             return replace(state, streak=0, overrun=lateness_of(message))
+        if topic is SWAP:
+            return state  # `SwappingController` has heard it
         if topic is not None and topic is self.ranges_topic and self.guard is not None:
             oldest_ns = self.guard.settings.ranges_oldest_ns
             settings = self.sense.settings or DEFAULT
@@ -170,6 +191,8 @@ class Controller:
             ranges=state.ranges,
             backlog=self._aged(state, sensed) if self.rules.ages_backlogs else NO_LAG,
             still=state.still.seen(sensed.picture) if sensed.picture else MOVING,
+            serving=state.serving,
+            drove=state.drove,
         )
 
     def _aged(self, state: State, sensed: Sensed) -> Lag:
@@ -338,6 +361,8 @@ class Controller:
             ranges=state.ranges,
             backlog=state.backlog,
             still=still.told(not decision.command.is_safe, now_ns) if still.picture else still,
+            serving=state.serving,
+            drove=decision.command.moves,
         )
 
     def _ends_streak(self, verdict: Verdict) -> bool:

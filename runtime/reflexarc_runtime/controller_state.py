@@ -68,6 +68,25 @@ NO_RANGES = RangeState()
 
 
 @dataclass(frozen=True, slots=True)
+class Serving:
+    """Which of several policies decides; by their hashes."""
+
+    policy_hash: str = ""
+    """Empty: the one of the start."""
+    former: str = ""
+    """Whom a fault brings back; empty: nobody."""
+    pending: str = ""
+    """Who takes over at the next standstill; empty: nobody."""
+    while_moving: bool = False
+    """Whether that one need not wait for standstill."""
+    answered: bool = False
+    """Whether it has decided since it took over, or since the last overrun."""
+
+
+SINCE_THE_START = Serving()
+
+
+@dataclass(frozen=True, slots=True)
 class State:
     """What the controller remembers from one tick to the next."""
 
@@ -99,3 +118,7 @@ class State:
     """How far behind the newest input came."""
     still: Still = MOVING
     """For how long the body was told to drive by one picture, where somebody asks."""
+    serving: Serving = SINCE_THE_START
+    """Who decides, where policies are swapped."""
+    drove: bool = False
+    """Whether the last command was one to move."""

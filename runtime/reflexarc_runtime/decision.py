@@ -65,6 +65,11 @@ class Command:
         """Whether this is the safe command."""
         return self.source_time_ns is None
 
+    @property
+    def moves(self) -> bool:
+        """Whether it asks for any speed."""
+        return (self.linear_mps, self.lateral_mps, self.angular_radps) != (0.0, 0.0, 0.0)
+
 
 @dataclass(frozen=True, slots=True)
 class Decision:

@@ -13,7 +13,13 @@ from reflexarc_runtime.arrays import Memories, Retina
 from reflexarc_runtime.backlog import NO_LAG, Lag, LeastDelay
 from reflexarc_runtime.choice import Hold
 from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_runtime.controller_state import BoundBody, RangeState, State
+from reflexarc_runtime.controller_state import (
+    SINCE_THE_START,
+    BoundBody,
+    RangeState,
+    Serving,
+    State,
+)
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.inertia import STILL, Moving
 from reflexarc_runtime.messages.wire import Stamp
@@ -38,11 +44,16 @@ class Keyframe:
 
 
 def encode_state(state: State, policy_hash: str) -> bytes:
-    """A controller's state as `reflexarc.Keyframe`."""
+    """A controller's state as `reflexarc.Keyframe`.
+
+    Args:
+        state: what it remembers.
+        policy_hash: of the policy of the start; where another one serves, the state says so.
+    """
     ranges = state.ranges
     return pb.Keyframe(
         index=state.index,
-        policy_hash=policy_hash,
+        policy_hash=state.serving.policy_hash or policy_hash,
         streak=state.streak,
         newest=_accepted(state.newest),
         frames=[frame.tobytes() for frame in state.frames],
@@ -58,6 +69,8 @@ def encode_state(state: State, policy_hash: str) -> bytes:
         backlog=_backlog(state.backlog),
         ranges_backlog=_backlog(ranges.backlog),
         still=_still(state.still),
+        serving=_serving(state.serving),
+        drove=state.drove,
     ).SerializeToString()
 
 
@@ -88,6 +101,8 @@ def decode_state(message: pb.Keyframe, contract: PolicyContract) -> State:
         moving=_moving(message.moving) if message.HasField("moving") else None,
         backlog=_waited(message.backlog) if message.HasField("backlog") else NO_LAG,
         still=_unchanged(message.still) if message.HasField("still") else MOVING,
+        serving=_served(message.serving) if message.HasField("serving") else SINCE_THE_START,
+        drove=message.drove,
     )
 
 
@@ -169,6 +184,22 @@ def _still(still: Still) -> pb.Still | None:
 def _unchanged(said: pb.Still) -> Still:
     told_ns = said.told_ns if said.HasField("told_ns") else None
     return Still(said.picture, said.driven_ns, told_ns)
+
+
+def _serving(serving: Serving) -> pb.Serving | None:
+    if serving == SINCE_THE_START:
+        return None
+    return pb.Serving(
+        policy_hash=serving.policy_hash,
+        former=serving.former,
+        pending=serving.pending,
+        while_moving=serving.while_moving,
+        answered=serving.answered,
+    )
+
+
+def _served(said: pb.Serving) -> Serving:
+    return Serving(said.policy_hash, said.former, said.pending, said.while_moving, said.answered)
 
 
 def _memory(state: State) -> pb.Memory | None:

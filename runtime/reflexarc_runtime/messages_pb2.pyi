@@ -102,7 +102,7 @@ class Decision(_message.Message):
     def __init__(self, index: _Optional[int] = ..., slot: _Optional[int] = ..., now_ns: _Optional[int] = ..., inputs: _Optional[int] = ..., input: _Optional[_Union[Input, _Mapping]] = ..., retina: _Optional[bytes] = ..., q_values: _Optional[_Iterable[float]] = ..., action: _Optional[int] = ..., verdict: _Optional[_Union[Verdict, str]] = ..., reason: _Optional[str] = ..., command: _Optional[_Union[Command, _Mapping]] = ..., policy_hash: _Optional[str] = ..., winner: _Optional[int] = ..., state: _Optional[_Iterable[float]] = ...) -> None: ...
 
 class Keyframe(_message.Message):
-    __slots__ = ("index", "policy_hash", "streak", "newest", "frames", "fault", "memory", "hold", "stopped", "source", "ranges", "ranges_source", "moving", "ranges_fault", "backlog", "ranges_backlog", "still")
+    __slots__ = ("index", "policy_hash", "streak", "newest", "frames", "fault", "memory", "hold", "stopped", "source", "ranges", "ranges_source", "moving", "ranges_fault", "backlog", "ranges_backlog", "still", "serving", "drove")
     INDEX_FIELD_NUMBER: _ClassVar[int]
     POLICY_HASH_FIELD_NUMBER: _ClassVar[int]
     STREAK_FIELD_NUMBER: _ClassVar[int]
@@ -120,6 +120,8 @@ class Keyframe(_message.Message):
     BACKLOG_FIELD_NUMBER: _ClassVar[int]
     RANGES_BACKLOG_FIELD_NUMBER: _ClassVar[int]
     STILL_FIELD_NUMBER: _ClassVar[int]
+    SERVING_FIELD_NUMBER: _ClassVar[int]
+    DROVE_FIELD_NUMBER: _ClassVar[int]
     index: int
     policy_hash: str
     streak: int
@@ -137,7 +139,93 @@ class Keyframe(_message.Message):
     backlog: Backlog
     ranges_backlog: Backlog
     still: Still
-    def __init__(self, index: _Optional[int] = ..., policy_hash: _Optional[str] = ..., streak: _Optional[int] = ..., newest: _Optional[_Union[Accepted, _Mapping]] = ..., frames: _Optional[_Iterable[bytes]] = ..., fault: _Optional[str] = ..., memory: _Optional[_Union[Memory, _Mapping]] = ..., hold: _Optional[_Union[Hold, _Mapping]] = ..., stopped: _Optional[str] = ..., source: _Optional[_Union[Source, _Mapping]] = ..., ranges: _Optional[_Union[Accepted, _Mapping]] = ..., ranges_source: _Optional[_Union[Source, _Mapping]] = ..., moving: _Optional[_Union[Moving, _Mapping]] = ..., ranges_fault: _Optional[str] = ..., backlog: _Optional[_Union[Backlog, _Mapping]] = ..., ranges_backlog: _Optional[_Union[Backlog, _Mapping]] = ..., still: _Optional[_Union[Still, _Mapping]] = ...) -> None: ...
+    serving: Serving
+    drove: bool
+    def __init__(self, index: _Optional[int] = ..., policy_hash: _Optional[str] = ..., streak: _Optional[int] = ..., newest: _Optional[_Union[Accepted, _Mapping]] = ..., frames: _Optional[_Iterable[bytes]] = ..., fault: _Optional[str] = ..., memory: _Optional[_Union[Memory, _Mapping]] = ..., hold: _Optional[_Union[Hold, _Mapping]] = ..., stopped: _Optional[str] = ..., source: _Optional[_Union[Source, _Mapping]] = ..., ranges: _Optional[_Union[Accepted, _Mapping]] = ..., ranges_source: _Optional[_Union[Source, _Mapping]] = ..., moving: _Optional[_Union[Moving, _Mapping]] = ..., ranges_fault: _Optional[str] = ..., backlog: _Optional[_Union[Backlog, _Mapping]] = ..., ranges_backlog: _Optional[_Union[Backlog, _Mapping]] = ..., still: _Optional[_Union[Still, _Mapping]] = ..., serving: _Optional[_Union[Serving, _Mapping]] = ..., drove: bool = ...) -> None: ...
+
+class Serving(_message.Message):
+    __slots__ = ("policy_hash", "former", "pending", "while_moving", "answered")
+    POLICY_HASH_FIELD_NUMBER: _ClassVar[int]
+    FORMER_FIELD_NUMBER: _ClassVar[int]
+    PENDING_FIELD_NUMBER: _ClassVar[int]
+    WHILE_MOVING_FIELD_NUMBER: _ClassVar[int]
+    ANSWERED_FIELD_NUMBER: _ClassVar[int]
+    policy_hash: str
+    former: str
+    pending: str
+    while_moving: bool
+    answered: bool
+    def __init__(self, policy_hash: _Optional[str] = ..., former: _Optional[str] = ..., pending: _Optional[str] = ..., while_moving: bool = ..., answered: bool = ...) -> None: ...
+
+class Swap(_message.Message):
+    __slots__ = ("policy", "policy_hash", "reason", "while_moving")
+    POLICY_FIELD_NUMBER: _ClassVar[int]
+    POLICY_HASH_FIELD_NUMBER: _ClassVar[int]
+    REASON_FIELD_NUMBER: _ClassVar[int]
+    WHILE_MOVING_FIELD_NUMBER: _ClassVar[int]
+    policy: bytes
+    policy_hash: str
+    reason: str
+    while_moving: bool
+    def __init__(self, policy: _Optional[bytes] = ..., policy_hash: _Optional[str] = ..., reason: _Optional[str] = ..., while_moving: bool = ...) -> None: ...
+
+class SwapRequest(_message.Message):
+    __slots__ = ("policy", "reason", "while_moving", "patience_s")
+    POLICY_FIELD_NUMBER: _ClassVar[int]
+    REASON_FIELD_NUMBER: _ClassVar[int]
+    WHILE_MOVING_FIELD_NUMBER: _ClassVar[int]
+    PATIENCE_S_FIELD_NUMBER: _ClassVar[int]
+    policy: bytes
+    reason: str
+    while_moving: bool
+    patience_s: float
+    def __init__(self, policy: _Optional[bytes] = ..., reason: _Optional[str] = ..., while_moving: bool = ..., patience_s: _Optional[float] = ...) -> None: ...
+
+class SwapAnswer(_message.Message):
+    __slots__ = ("outcome", "words", "policy_hash", "tick")
+    class Outcome(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+        __slots__ = ()
+        REFUSED: _ClassVar[SwapAnswer.Outcome]
+        TAKEN: _ClassVar[SwapAnswer.Outcome]
+        WAITING: _ClassVar[SwapAnswer.Outcome]
+        ROLLED_BACK: _ClassVar[SwapAnswer.Outcome]
+    REFUSED: SwapAnswer.Outcome
+    TAKEN: SwapAnswer.Outcome
+    WAITING: SwapAnswer.Outcome
+    ROLLED_BACK: SwapAnswer.Outcome
+    OUTCOME_FIELD_NUMBER: _ClassVar[int]
+    WORDS_FIELD_NUMBER: _ClassVar[int]
+    POLICY_HASH_FIELD_NUMBER: _ClassVar[int]
+    TICK_FIELD_NUMBER: _ClassVar[int]
+    outcome: SwapAnswer.Outcome
+    words: str
+    policy_hash: str
+    tick: int
+    def __init__(self, outcome: _Optional[_Union[SwapAnswer.Outcome, str]] = ..., words: _Optional[str] = ..., policy_hash: _Optional[str] = ..., tick: _Optional[int] = ...) -> None: ...
+
+class Shadow(_message.Message):
+    __slots__ = ("index", "policy_hash", "q_values", "winner", "action", "drove", "lead", "begins", "fault", "is_newer")
+    INDEX_FIELD_NUMBER: _ClassVar[int]
+    POLICY_HASH_FIELD_NUMBER: _ClassVar[int]
+    Q_VALUES_FIELD_NUMBER: _ClassVar[int]
+    WINNER_FIELD_NUMBER: _ClassVar[int]
+    ACTION_FIELD_NUMBER: _ClassVar[int]
+    DROVE_FIELD_NUMBER: _ClassVar[int]
+    LEAD_FIELD_NUMBER: _ClassVar[int]
+    BEGINS_FIELD_NUMBER: _ClassVar[int]
+    FAULT_FIELD_NUMBER: _ClassVar[int]
+    IS_NEWER_FIELD_NUMBER: _ClassVar[int]
+    index: int
+    policy_hash: str
+    q_values: _containers.RepeatedScalarFieldContainer[float]
+    winner: int
+    action: int
+    drove: int
+    lead: float
+    begins: bool
+    fault: str
+    is_newer: bool
+    def __init__(self, index: _Optional[int] = ..., policy_hash: _Optional[str] = ..., q_values: _Optional[_Iterable[float]] = ..., winner: _Optional[int] = ..., action: _Optional[int] = ..., drove: _Optional[int] = ..., lead: _Optional[float] = ..., begins: bool = ..., fault: _Optional[str] = ..., is_newer: bool = ...) -> None: ...
 
 class Backlog(_message.Message):
     __slots__ = ("behind_ns", "stamp_ns", "received_ns", "least")
@@ -367,7 +455,7 @@ class Tick(_message.Message):
     def __init__(self, decision: _Optional[_Union[Decision, _Mapping]] = ..., timing: _Optional[_Union[Timing, _Mapping]] = ...) -> None: ...
 
 class Status(_message.Message):
-    __slots__ = ("node", "run_id", "policy_hash", "ticks", "rate_hz", "lateness_p50_ns", "lateness_p99_ns", "lateness_max_ns", "skipped_slots", "inbox_overflows", "verdicts", "recording", "guard", "watchdog", "sensor", "phases")
+    __slots__ = ("node", "run_id", "policy_hash", "ticks", "rate_hz", "lateness_p50_ns", "lateness_p99_ns", "lateness_max_ns", "skipped_slots", "inbox_overflows", "verdicts", "recording", "guard", "watchdog", "sensor", "phases", "shadow")
     class VerdictsEntry(_message.Message):
         __slots__ = ("key", "value")
         KEY_FIELD_NUMBER: _ClassVar[int]
@@ -391,6 +479,7 @@ class Status(_message.Message):
     WATCHDOG_FIELD_NUMBER: _ClassVar[int]
     SENSOR_FIELD_NUMBER: _ClassVar[int]
     PHASES_FIELD_NUMBER: _ClassVar[int]
+    SHADOW_FIELD_NUMBER: _ClassVar[int]
     node: str
     run_id: str
     policy_hash: str
@@ -407,7 +496,8 @@ class Status(_message.Message):
     watchdog: str
     sensor: str
     phases: _containers.RepeatedCompositeFieldContainer[PhaseTimes]
-    def __init__(self, node: _Optional[str] = ..., run_id: _Optional[str] = ..., policy_hash: _Optional[str] = ..., ticks: _Optional[int] = ..., rate_hz: _Optional[float] = ..., lateness_p50_ns: _Optional[int] = ..., lateness_p99_ns: _Optional[int] = ..., lateness_max_ns: _Optional[int] = ..., skipped_slots: _Optional[int] = ..., inbox_overflows: _Optional[int] = ..., verdicts: _Optional[_Mapping[str, int]] = ..., recording: _Optional[str] = ..., guard: _Optional[str] = ..., watchdog: _Optional[str] = ..., sensor: _Optional[str] = ..., phases: _Optional[_Iterable[_Union[PhaseTimes, _Mapping]]] = ...) -> None: ...
+    shadow: str
+    def __init__(self, node: _Optional[str] = ..., run_id: _Optional[str] = ..., policy_hash: _Optional[str] = ..., ticks: _Optional[int] = ..., rate_hz: _Optional[float] = ..., lateness_p50_ns: _Optional[int] = ..., lateness_p99_ns: _Optional[int] = ..., lateness_max_ns: _Optional[int] = ..., skipped_slots: _Optional[int] = ..., inbox_overflows: _Optional[int] = ..., verdicts: _Optional[_Mapping[str, int]] = ..., recording: _Optional[str] = ..., guard: _Optional[str] = ..., watchdog: _Optional[str] = ..., sensor: _Optional[str] = ..., phases: _Optional[_Iterable[_Union[PhaseTimes, _Mapping]]] = ..., shadow: _Optional[str] = ...) -> None: ...
 
 class PhaseTimes(_message.Message):
     __slots__ = ("phase", "count", "p50_ns", "p99_ns", "p999_ns", "max_ns", "least_bits", "octaves")

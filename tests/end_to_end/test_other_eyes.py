@@ -60,7 +60,7 @@ def answering(port: int, *answers: bytes) -> Iterator[None]:
     with ExitStack() as open_ones:
         for answer in answers:
             bus = open_ones.enter_context(Bus(BusConfig("robot0", port), time.monotonic_ns))
-            bus.offer_policy(answer)
+            bus.offer_policy(lambda said=answer: said)
         yield
 
 

@@ -17,6 +17,7 @@ from reflexarc.rebuilding.recorded_drive import RecordedDrive, recorded_drive
 from reflexarc_logs.reading.reader import Log, read_log
 from reflexarc_logs.replaying.asked_policy import asked_policy, attached_policy
 from reflexarc_logs.replaying.stepping import controller_of
+from reflexarc_runtime.controller_state import State
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages.topics import RETINA
 from reflexarc_runtime.policy.policy import LoadedPolicy
@@ -103,7 +104,7 @@ def _ride(log: Log, drive: RecordedDrive, policy: LoadedPolicy) -> Ride:
             f"{log.path}: its loop decided on {log.run.input!r}; a body is built again that sends "
             f"{RETINA.name!r}"
         )
-    controller = controller_of(log, policy)
+    controller = controller_of(log, policy).at(State())  # it hears no swap of the log
     if controller.ranges_topic is not None:
         raise LogError(f"{log.path}: its guard had ranges that no simulated body sends")
     rate_hz = 1.0 / drive.info.step_s

@@ -10,6 +10,7 @@ from typing import Any
 
 from reflexarc_runtime.messages.access import (
     answered_keys,
+    asked_keys,
     common_name,
     heard_keys,
     said_keys,
@@ -72,6 +73,12 @@ def _saying(role: str, robot: str) -> list[Rule]:
         rules += [
             _rule(f"{role} answers", ["reply", "declare_queryable"], "ingress", answered),
             _rule(f"{role} is asked", ["query"], "egress", answered),
+        ]
+    asked = asked_keys(role, robot)
+    if asked:
+        rules += [
+            _rule(f"{role} asks", ["query"], "ingress", asked),
+            _rule(f"{role} learns", ["reply", "declare_queryable"], "egress", asked),
         ]
     return rules
 

@@ -140,7 +140,7 @@ def _impostors(host: Bus, buses: dict[str, Bus], robot: str) -> DoorRow:
     """Who else answers for the policy, or says that a runtime lives."""
     others = {role: bus for role, bus in buses.items() if role != RUNTIME_NODE}
     for role, bus in others.items():
-        bus.offer_policy(role.encode())
+        bus.offer_policy(partial(str.encode, role))
         bus.announce(RUNTIME_NODE)
     time.sleep(SETTLES_S)
     wrong = [

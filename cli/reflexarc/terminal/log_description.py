@@ -11,11 +11,16 @@ from rich.table import Table
 from reflexarc.terminal.body_words import body_words
 from reflexarc.terminal.output import facts, kibibytes, plain
 from reflexarc_logs.container.run_info import RunInfo
+from reflexarc_logs.reading.candidates import CandidatesSeen
 from reflexarc_logs.reading.summary import ForeignSummary, LogSummary, TopicSummary
 from reflexarc_runtime.contract.body_limits import BodyLimits
 from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_runtime.messages.body_info import BodyInfo
 
+SHOWN = 12
+"""Characters of a hash that people are shown."""
+MOST_SERVED = 6
+"""Names that one line has room for; the JSON has all."""
 NOT_RECORDED = "not recorded"
 
 
@@ -28,6 +33,7 @@ def describe_log(path: Path, summary: LogSummary) -> Group:
         "run": f"{plain(run.run_id)}, {run.recorded_by} on {plain(run.host)}, {run.clock} clock"
         f"{_pace(run)}",
         "policy": plain(summary.policy_hash) or "none attached",
+        **_candidates(summary.candidates),
         "rules": _rules(run),
         **_place(summary.body),
         **_watched(summary),
@@ -54,6 +60,20 @@ def describe_foreign(path: Path, summary: ForeignSummary) -> Group:
         "metadata": ", ".join(map(plain, summary.metadata)) or "none",
     }
     return Group(facts(rows), _topics(summary.topics))
+
+
+def _candidates(seen: CandidatesSeen | None) -> dict[str, str]:
+    """Who served beside the first policy, and who watched."""
+    said: dict[str, str] = {}
+    if seen is not None and len(seen.served) > 1:
+        names = [plain(name[:SHOWN]) for name in seen.served]
+        more = f" and {len(names) - MOST_SERVED} more" if len(names) > MOST_SERVED else ""
+        said["served"] = f"{', '.join(names[:MOST_SERVED])}{more} (by its keyframes)"
+    if seen is not None and seen.compared:
+        faults = f", {seen.faults} faults" * bool(seen.faults)
+        words = f"{seen.compared} ticks, {seen.different} otherwise{faults}"
+        said["shadow"] = f"{plain(seen.shadow_hash[:SHOWN])}: {words}"
+    return said
 
 
 def _wall_time(time_ns: int) -> str:

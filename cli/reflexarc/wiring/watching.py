@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING
 from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from reflexarc_runtime.bus import Bus
     from reflexarc_runtime.contract.contract import PolicyContract
     from reflexarc_runtime.loop.inbox import Inbox
     from reflexarc_runtime.loop.loop_watchdog import Budget
     from reflexarc_runtime.loop.watch import Watch
-    from reflexarc_runtime.policy.policy import LoadedPolicy
 
 LEAST_PROCESS_S = 0.5
 """The kernel ends no process sooner: machines oversleep by tens of milliseconds."""
@@ -41,14 +42,28 @@ class Watching:
         self,
         bus: "Bus",
         inbox: "Inbox",
-        policy: "LoadedPolicy",
+        contract: "PolicyContract",
         *,
         robot: str,
         run_id: str,
         lockstep: bool,
+        serving: "Callable[[], str]",
+        end_decision: "Callable[[], None]",
         longest_wait_periods: int = 1,
     ) -> "AbstractContextManager[Watch]":
-        """Announce the runtime, and watch its loop inside this context."""
+        """Announce the runtime, and watch its loop inside this context.
+
+        Args:
+            bus: an open session.
+            inbox: of the loop.
+            contract: of its policies, in what they have in common.
+            robot: the robot's name.
+            run_id: of the run.
+            lockstep: whether no time passes.
+            longest_wait_periods: how many periods may lie between two ticks of a punctual loop.
+            serving: the hash of the policy that decides.
+            end_decision: ends a decision that is going on, if it can be ended.
+        """
         from reflexarc_runtime.loop.clock import MonotonicClock
         from reflexarc_runtime.loop.loop_watchdog import LoopWatchdog
         from reflexarc_runtime.loop.stand_in import OwnOutlets, StandIn
@@ -60,19 +75,19 @@ class Watching:
             return nullcontext(NoWatch())
         stand_in = StandIn(
             OwnOutlets(bus.publisher(COMMAND), bus.publisher(OVERRUN), bus.publisher(STATUS)),
-            policy.contract.safe_command,
+            contract.safe_command,
             robot=robot,
             sender=bus.sender,
             run_id=run_id,
-            policy_hash=policy.policy_hash,
+            policy_hash=serving,
         )
         return LoopWatchdog(
-            self.budget(policy.contract, longest_wait_periods),
+            self.budget(contract, longest_wait_periods),
             MonotonicClock().now_ns,
             inbox,
             stand_in,
             announcement,
-            policy.end_decision,
+            end_decision,
         )
 
     def budget(self, contract: "PolicyContract", longest_wait_periods: int = 1) -> "Budget":

@@ -26,6 +26,8 @@ CHUNK_BYTES = 64 * 1024
 PROFILE = "reflexarc"
 
 POLICY_ATTACHMENT = "policy.onnx"
+ATTACHED_BESIDE = "policy-"
+"""How the names of attached policies begin that decided later, or watched."""
 CONFIG_ATTACHMENT = "config.json"
 END = "reflexarc.end"
 """Metadata written last, where something is missing: how many records, how many chunks."""
@@ -35,6 +37,11 @@ SENDER = "reflexarc.sender"
 NO_METADATA: Mapping[str, str] = {}
 
 _MEDIA_TYPES = {".onnx": "application/onnx", ".json": "application/json"}
+
+
+def attachment_of(policy_hash: str) -> str:
+    """What a policy beside the first one is attached as."""
+    return f"{ATTACHED_BESIDE}{policy_hash}.onnx"
 
 
 class LogWriter:

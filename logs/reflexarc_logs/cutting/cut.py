@@ -12,12 +12,14 @@ from pathlib import Path
 from mcap.records import Message
 
 from reflexarc_logs.container.copying import MessageCopier
-from reflexarc_logs.container.writing import LogWriter, media_type_of
+from reflexarc_logs.container.writing import LogWriter, attachment_of, media_type_of
 from reflexarc_logs.cutting.span import TickSpan
 from reflexarc_logs.reading.reader import Log
 from reflexarc_logs.replaying.asked_policy import attached_policy
 from reflexarc_logs.replaying.node_level import why_not
+from reflexarc_logs.replaying.serving.served_policies import ServedPolicies
 from reflexarc_logs.replaying.state_at_tick import KnownState, state_at_tick
+from reflexarc_runtime.controller_state import Serving
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.keyframe import encode_state
 from reflexarc_runtime.messages.topics import BODY, COMMAND, KEYFRAME, TICK
@@ -65,12 +67,13 @@ def cut(
     """
     obstacle = why_not(log) if log.policy is not None else "no policy is attached"
     policy = None if obstacle else attached_policy(log, backend)
+    served = None if policy is None else ServedPolicies(log, policy)
     known = None if policy is None else state_at_tick(log, policy, span.first)
     if known is not None:
         span = replace(span, first=max(span.first, known.state.index))
     part = _Part(log, span, LogWriter(Path(out), UNFINISHED), said)
     try:
-        part.write_head(known, policy)
+        part.write_head(known, policy, served)
         part.write_ticks()
     except OSError as error:
         part.file.discard()
@@ -103,7 +106,12 @@ class _Part:
         """What each body said of itself last before the part begins, by channel."""
         self._is_keyed = False
 
-    def write_head(self, known: KnownState | None, policy: LoadedPolicy | None) -> None:
+    def write_head(
+        self,
+        known: KnownState | None,
+        policy: LoadedPolicy | None,
+        served: ServedPolicies | None,
+    ) -> None:
         """Write what the log says about itself, and what the controller knew."""
         span = {"from": str(self._span.first), "to": str(self._span.end)}
         said = {CUT: {"of": self._log.path.name, **span}, **self._said}
@@ -111,8 +119,9 @@ class _Part:
             self.file.describe(name, document)
         for name, data in self._log.attachments.items():
             self.file.attach(name, media_type_of(name), data)
-        if known is None or policy is None:
+        if known is None or policy is None or served is None:
             return
+        self._attach_served(known.state.serving, served)
         self.file.add(
             self.file.channel(self._keyframe, KEYFRAME.message),
             encode_state(known.state, policy.policy_hash),
@@ -121,6 +130,14 @@ class _Part:
             log_ns=known.at_ns + self._log.run.wall_offset_ns,
         )
         self.messages, self._is_keyed = 1, True
+
+    def _attach_served(self, serving: Serving, served: ServedPolicies) -> None:
+        """Attach the policies that took over before the part begins, and may decide in it."""
+        for identity in dict.fromkeys((serving.policy_hash, serving.former, serving.pending)):
+            name = attachment_of(identity)
+            data = served.file_of(identity) if identity else None
+            if data is not None and name not in self._log.attachments:
+                self.file.attach(name, media_type_of(name), data)
 
     def write_ticks(self) -> None:
         """Copy what stands in the span, and finish the file."""

@@ -18,6 +18,7 @@ from reflexarc_logs.reading.incidents import (
 from reflexarc_logs.reading.reader import Log, decode
 from reflexarc_logs.replaying.message_fields import message_type
 from reflexarc_logs.replaying.robot_replay import rules_for
+from reflexarc_logs.replaying.serving.served_policies import ServedPolicies
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages_pb2 import Decision, Tick
 from reflexarc_runtime.policy.policy import LoadedPolicy
@@ -64,6 +65,7 @@ class _Judging:
         rules = rules_for(log, candidate)
         contract = candidate.contract
         self._log = log
+        self._served = ServedPolicies(log, candidate)
         self._sizes = contract.retina.frames * contract.retina.size, len(contract.actions)
         self._answering = Answering(candidate, same_policy=rules.same_policy)
         named = message_type(log.tick_descriptor(), "decision").fields_by_name
@@ -146,7 +148,7 @@ class _Judging:
 
     def _is_of_the_policy(self, decision: Decision) -> bool:
         named, other = self._log.run.policy_hash, decision.policy_hash
-        if not named or not other or named == other:
+        if not named or not other or named == other or self._served.knows(other):
             return True
         self._other_policies += 1
         return False

@@ -16,6 +16,7 @@ from reflexarc_logs.container.frames import DamagedError, NotReadHereError, Trun
 from reflexarc_logs.container.index import Index, read_index
 from reflexarc_logs.container.record_stream import whole_records
 from reflexarc_logs.container.run_info import RunInfo
+from reflexarc_logs.reading.candidates import CandidatesSeen, candidates_seen
 from reflexarc_logs.reading.index_counts import counts_by_index, last_chunk_of, records_of_channels
 from reflexarc_logs.reading.reader import Log, open_log, read_log
 from reflexarc_logs.reading.topic_counts import StreamCounts, TopicCount, TopicSummary
@@ -56,6 +57,8 @@ class LogSummary:
     """By name."""
     by_index: bool = False
     """Whether its index was counted, and not its messages."""
+    candidates: CandidatesSeen | None = None
+    """Who served beside the first policy, and who watched; None: nobody."""
 
     @property
     def policy_hash(self) -> str:
@@ -149,6 +152,7 @@ def summarise(log: Log | Path | str) -> LogSummary:
         watchdog=said.watchdog,
         topics=counts.topics,
         by_index=by_index,
+        candidates=candidates_seen(source, [topic.topic for topic in counts.topics]),
     )
 
 

@@ -22,6 +22,7 @@ from reflexarc_runtime.messages.topics import (
     KEYFRAME,
     REJECTED,
     SENSORS,
+    SWAP,
     TICK,
     topic_of,
 )
@@ -42,7 +43,7 @@ ENTRY_BYTES = 64
 ATTACHMENT_BYTES = 67
 """Of an attachment, enough to be refused for the same reason: one byte more than is quoted."""
 
-_LOOPS_OWN = (TICK, COMMAND, KEYFRAME)
+_LOOPS_OWN = (TICK, COMMAND, KEYFRAME, SWAP)
 _DECIDE = (*CONTROLS, *SENSORS.values())
 
 

@@ -5,7 +5,7 @@ import json
 import os
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +18,7 @@ from reflexarc_logs.container.writing import (
     END,
     POLICY_ATTACHMENT,
     LogWriter,
+    attachment_of,
 )
 from reflexarc_logs.recording.keeping import DEFAULT_SYNC_S
 from reflexarc_logs.recording.place import NoRoomError, Place
@@ -37,7 +38,7 @@ _SYNC_SHARE = 4.0
 """A disk that takes long to sync is left alone for so many times as long."""
 
 
-@dataclass(frozen=True)
+@dataclass
 class Head:
     """What every part begins with.
 
@@ -45,11 +46,14 @@ class Head:
         run: what the log says about the run.
         policy: attached as `policy.onnx`; empty where none is known.
         config: attached as `config.json`.
+        others: policies that may decide or watch beside it, by their hashes; attached by these. A
+            part that begins later begins with those of then.
     """
 
     run: RunInfo
     policy: bytes
     config: Mapping[str, Any]
+    others: Mapping[str, bytes] = field(default_factory=dict)
 
     def write(self, file: LogWriter, part: Mapping[str, str]) -> None:
         """Write it."""
@@ -58,6 +62,8 @@ class Head:
             file.describe(PART, part)
         if self.policy:
             file.attach(POLICY_ATTACHMENT, "application/onnx", self.policy)
+        for identity, policy in self.others.items():
+            file.attach(attachment_of(identity), "application/onnx", policy)
         document = json.dumps(self.config, indent=2, sort_keys=True).encode()
         file.attach(CONFIG_ATTACHMENT, "application/json", document)
         file.flush()

@@ -40,6 +40,9 @@ PATIENCE_S = 20.0
 """How long the end of a recording waits for a disk that does nothing."""
 
 
+NO_OTHERS: Mapping[str, bytes] = {}
+
+
 class Recorder:
     """A `Sink` that writes a log. A context manager; leaving it finishes the file.
 
@@ -49,6 +52,7 @@ class Recorder:
             filled in.
         policy: the policy file, attached as `policy.onnx`; empty where none is known.
         config: the resolved configuration, attached as `config.json`.
+        others: see `Head.others`.
         wall_offset_ns: wall clock minus monotonic clock at the start; 0 in lockstep.
         keeping: when a new part begins, how much is kept, what stays free.
         box: write only so much around whatever happens; None: everything.
@@ -64,6 +68,7 @@ class Recorder:
         policy: bytes,
         config: Mapping[str, Any],
         *,
+        others: Mapping[str, bytes] = NO_OTHERS,
         wall_offset_ns: int,
         keeping: Keeping = DEFAULT_KEEPING,
         box: BoxSpan | None = None,
@@ -79,7 +84,7 @@ class Recorder:
         of_loop = run.recorded_by == "run"
         self._backlog, self._budgets = Backlog(), Budgets(of_loop=of_loop)
         self._progress, self._account = Progress(), RecordingAccount(self._backlog, self._budgets)
-        head = Head(run, policy, config)
+        head = self._head = Head(run, policy, config, others)
         self._series = Series(Path(path), head, keeping, at_once=box is None)
         keeper = PartKeeper(self._series, self._account)
         self._destination: Destination = (
@@ -147,6 +152,10 @@ class Recorder:
         """See `Sink.put_keyframe`; encoded in the recorder's own thread."""
         if not self._closed:
             self._backlog.put(keyframe)
+
+    def keep_policies(self, others: Mapping[str, bytes]) -> None:
+        """Let what is begun from now on hold these policies beside the first one; any thread."""
+        self._head.others = others
 
     def close(self) -> None:
         """Write what is queued and finish the file; a second call does nothing.

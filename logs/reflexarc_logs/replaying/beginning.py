@@ -14,10 +14,11 @@ import numpy as np
 
 from reflexarc_logs.reading.reader import Log
 from reflexarc_logs.replaying.loop_events import LoopEvent, NoLoopError
+from reflexarc_logs.replaying.serving.served_policies import ServedPolicies
 from reflexarc_runtime.backlog import begun
 from reflexarc_runtime.choice import Hold
 from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_runtime.controller_state import BoundBody, State
+from reflexarc_runtime.controller_state import SINCE_THE_START, BoundBody, Serving, State
 from reflexarc_runtime.decision import Verdict
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.guard_settings import GuardSettings
@@ -49,6 +50,8 @@ class Beginning:
     knows_more: bool = False
     """Whether the loop knows what no tick holds: whole scans, how the body moves, or for how long
     its picture has not changed."""
+    served: ServedPolicies | None = None
+    """Who decided on the log."""
 
     @property
     def note(self) -> str:
@@ -65,27 +68,31 @@ class Beginning:
 
 
 def begin(
-    log: Log, events: Iterator[LoopEvent], policy: LoadedPolicy
+    log: Log,
+    events: Iterator[LoopEvent],
+    policy: LoadedPolicy,
+    served: ServedPolicies | None = None,
 ) -> tuple[Beginning, Iterator[LoopEvent]]:
     """Find where a replay may begin; returns it with the events that follow.
 
     Raises:
         LogError: a keyframe is not of this policy's contract, or no loop recorded the log.
     """
-    start = Beginning(knows_more=_knows_more(log))
+    served = served or ServedPolicies(log, policy)
+    start = Beginning(knows_more=_knows_more(log), served=served)
     for event in events:
         if isinstance(event, Message):
             keep(start.waiting, event, log)
         elif isinstance(event, Keyframe):
             if not start.skipped_ticks:
                 start.waiting.clear()  # they belong to a tick before the slice
-            start.state = state_at(event, policy)
+            start.state = state_at(event, policy, served)
             if start.state is not None:
                 return start, events
         elif event.decision.index == 0 and event.decision.inputs <= len(start.waiting):
             start.state = State()
             return start, chain([event], events)
-        elif _skip(start, event, policy.contract):
+        elif _skip(start, event, served):
             return start, events
     return start, events
 
@@ -110,17 +117,23 @@ def keep(waiting: deque[Message], message: Message, log: Log) -> None:
     waiting.append(message)
 
 
-def state_at(keyframe: Keyframe, policy: LoadedPolicy) -> State | None:
+def state_at(
+    keyframe: Keyframe, policy: LoadedPolicy, served: ServedPolicies | None = None
+) -> State | None:
     """What a policy's controller would know at a keyframe.
 
-    Another policy than the recorded one has neither its memory nor its held action; None if it
-    sees something else.
+    Another policy than the recorded one has neither its memory nor its held action, and nobody
+    took over from it; None if it sees something else, or if who served is not known.
 
     Raises:
         LogError: the keyframe is not of this policy's contract.
     """
     if not keyframe.policy_hash or keyframe.policy_hash == policy.policy_hash:
         return decode_state(keyframe, policy.contract)
+    if served is not None and served.are_followed:
+        serving = served.named(keyframe.policy_hash)
+        return None if serving is None else decode_state(keyframe, serving.contract)
+    keyframe.ClearField("serving")
     keyframe.ClearField("memory")
     keyframe.ClearField("hold")
     try:
@@ -129,14 +142,15 @@ def state_at(keyframe: Keyframe, policy: LoadedPolicy) -> State | None:
         return None
 
 
-def _skip(start: Beginning, tick: Tick, contract: PolicyContract) -> bool:
+def _skip(start: Beginning, tick: Tick, served: ServedPolicies) -> bool:
     """Leave a tick out; True if the replay may begin behind it."""
     start.skipped_ticks += 1
     for _ in range(min(tick.decision.inputs, len(start.waiting))):
         start.waiting.popleft()
-    if not tells_state(tick.decision, contract) or start.knows_more:
+    policy = served.of(tick.decision.policy_hash)
+    if policy is None or start.knows_more or not tells_state(tick.decision, policy.contract):
         return False
-    start.state, start.is_exact = state_behind(tick.decision, contract), False
+    start.state, start.is_exact = state_behind(tick.decision, policy, served), False
     return True
 
 
@@ -151,8 +165,16 @@ def _tells_all(decision: Decision, contract: PolicyContract) -> bool:
     return decision.verdict == Verdict.OK.value and len(decision.retina) == size and is_known
 
 
-def state_behind(decision: Decision, contract: PolicyContract) -> State:
-    """The state behind a tick with verdict OK, as far as it decides anything."""
+def state_behind(decision: Decision, policy: LoadedPolicy, served: ServedPolicies) -> State:
+    """The state behind a tick with verdict OK, as far as it decides anything.
+
+    Args:
+        decision: of the tick.
+        policy: who decided it, or the candidate.
+        served: who decided on the log.
+    """
+    contract = policy.contract
+    is_first = policy.policy_hash == served.first.policy_hash
     stack = np.frombuffer(decision.retina, np.uint8).reshape(contract.retina.stack_shape)
     used, frames = decision.input, tuple(stack)
     sender = decision.command.body or NO_SENDER
@@ -166,4 +188,11 @@ def state_behind(decision: Decision, contract: PolicyContract) -> State:
         hold=Hold(decision.action, decision.slot),
         source=BoundBody(sender, used.received_ns) if decision.command.body else None,
         backlog=begun(behind_ns, used.source_time_ns, used.received_ns),
+        serving=SINCE_THE_START if is_first else Serving(policy.policy_hash),
+        drove=_moves(decision),
     )
+
+
+def _moves(decision: Decision) -> bool:
+    told = decision.command
+    return (told.linear_mps, told.lateral_mps, told.angular_radps) != (0.0, 0.0, 0.0)

@@ -17,6 +17,7 @@ from reflexarc_logs.reading.reader import Log, Record, decode
 from reflexarc_logs.replaying.recorded_holds import ASKED_VALUES
 from reflexarc_logs.replaying.report import CommandsResult
 from reflexarc_logs.replaying.sent_commands import SentCommands
+from reflexarc_logs.replaying.serving.served_policies import ServedPolicies
 from reflexarc_logs.replaying.tick_order import TickOrder
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages.topics import COMMAND, TICK
@@ -32,10 +33,11 @@ class LogAccount:
 
     Args:
         log: as one robot's.
+        served: who decides on it; None: nobody but the policy that the log names.
     """
 
-    def __init__(self, log: Log) -> None:
-        self.log = log
+    def __init__(self, log: Log, served: ServedPolicies | None = None) -> None:
+        self.log, self.served = log, served
         self.streams: Counter[tuple[str, str]] = Counter()
         """Messages by topic and schema."""
         self.other_policies: Counter[str] = Counter()
@@ -175,6 +177,8 @@ class LogAccount:
     def _is_of_the_policy(self, decision: Decision) -> bool:
         named, other = self.log.run.policy_hash, decision.policy_hash
         if not named or not other or named == other:
+            return True
+        if other not in self.other_policies and self.served and self.served.knows(other):
             return True
         self.other_policies[other] += 1
         return False

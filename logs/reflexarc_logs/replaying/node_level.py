@@ -12,6 +12,7 @@ from reflexarc_logs.replaying.comparison import EqualityRules, Tally
 from reflexarc_logs.replaying.loop_events import beside_the_sensor, loop_events
 from reflexarc_logs.replaying.report import LevelResult
 from reflexarc_logs.replaying.runs.asked_ahead import asked_ahead
+from reflexarc_logs.replaying.serving.served_policies import ServedPolicies
 from reflexarc_logs.replaying.walk import Walk
 from reflexarc_runtime.messages.topics import REJECTED, SENSORS
 from reflexarc_runtime.policy.policy import LoadedPolicy
@@ -21,7 +22,11 @@ GIVEN = ("slot", "now_ns")
 
 
 def replay_node(
-    log: Log, policy: LoadedPolicy, rules: EqualityRules, robot: str = ""
+    log: Log,
+    policy: LoadedPolicy,
+    rules: EqualityRules,
+    robot: str = "",
+    served: ServedPolicies | None = None,
 ) -> tuple[LevelResult, list[str]]:
     """Step a controller through the log.
 
@@ -30,6 +35,7 @@ def replay_node(
         policy: whom to ask.
         rules: what counts as equal.
         robot: see `LevelResult.robot`.
+        served: who took over; by default, as the log says.
 
     Returns:
         The result, and what its reader should know.
@@ -38,7 +44,8 @@ def replay_node(
         LogError: the log cannot be read, or was not recorded by a loop.
     """
     asked, read = asked_ahead(policy, loop_events(log))
-    beginning, events = begin(log, read, asked)
+    served = served or ServedPolicies(log, policy)
+    beginning, events = begin(log, read, asked, served)
     tally = Tally("node", rules, ticks=beginning.skipped_ticks, robot=robot)
     walk = Walk(log, asked, beginning, rules, tally)
     for event in events:

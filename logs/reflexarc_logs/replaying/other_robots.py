@@ -10,11 +10,12 @@ from dataclasses import dataclass, replace
 from mcap.records import Metadata
 
 from reflexarc_logs.container.run_info import RUN, UNKNOWN_BACKEND, RunInfo
-from reflexarc_logs.container.writing import POLICY_ATTACHMENT
+from reflexarc_logs.container.writing import ATTACHED_BESIDE, POLICY_ATTACHMENT
 from reflexarc_logs.reading.reader import Log
 from reflexarc_logs.replaying.asked_policy import attached_policy
 from reflexarc_logs.replaying.log_account import LogAccount
 from reflexarc_logs.replaying.robot_replay import Level, RobotFindings, replay_robot, rules_for
+from reflexarc_logs.replaying.serving.served_policies import ServedPolicies
 from reflexarc_runtime.errors import LogError, ReflexarcError
 from reflexarc_runtime.messages.topics import TICK
 from reflexarc_runtime.policy.model_file import policy_hash
@@ -96,7 +97,10 @@ def _as_log_of(log: Log, robot: str, told: _Told) -> Log:
     view = replace(log, run=run, attachments={})
     named = run.policy_hash or next(view.ticks()).decision.policy_hash
     data = told.policies.get(named)
-    attachments = {} if data is None else {POLICY_ATTACHMENT: data}
+    beside = [name for name in log.attachments if name.startswith(ATTACHED_BESIDE)]
+    attachments = {name: log.attachments[name] for name in beside}
+    if data is not None:
+        attachments[POLICY_ATTACHMENT] = data
     return replace(view, run=replace(run, policy_hash=named), attachments=attachments)
 
 
@@ -114,7 +118,7 @@ def _replayed(
     robot, reason = view.run.robot, "the log does not say how its loop ran"
     if level == "node" and not knows_run:
         raise LogError(reason)
-    account = LogAccount(view)
+    account = LogAccount(view, ServedPolicies(view, policy))
     possible: Level | None = level if knows_run else "policy"
     found = replay_robot(account, policy, rules_for(view, policy), possible, robot)
     if level is None and not knows_run:

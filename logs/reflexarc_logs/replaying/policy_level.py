@@ -32,6 +32,8 @@ from reflexarc_logs.replaying.runs.run_comparison import (
     decide_part,
     judge_part,
 )
+from reflexarc_logs.replaying.serving.policy_turns import PolicyTurn, turns_of
+from reflexarc_logs.replaying.serving.served_policies import ServedPolicies
 from reflexarc_logs.replaying.stepping import WARM_UP_NS
 from reflexarc_runtime.arrays import Memories, QValues, RetinaBatch
 from reflexarc_runtime.choice import choose
@@ -55,8 +57,11 @@ def replay_policy(
     rules: EqualityRules,
     ticks: Iterable[Tick | TickRun] | None = None,
     robot: str = "",
+    served: ServedPolicies | None = None,
 ) -> LevelResult:
     """Ask the policy again about every tick at which it was asked.
+
+    Where policies were swapped, each is asked about its own ticks; a candidate about all.
 
     Args:
         log: what was recorded.
@@ -64,23 +69,37 @@ def replay_policy(
         rules: what counts as equal.
         ticks: those of the log that count; all of them if None.
         robot: see `LevelResult.robot`.
+        served: who took over; by default, as the log says.
 
     Raises:
         LogError: the log cannot be read, or its retinas are not those of this policy.
     """
     tally = Tally("policy", rules, robot=robot)
-    level = PolicyLevel(policy, tally, has_winner=_has_winner(log))
-    asking = AskedTicks(log, policy.contract, tally)
+    served = served or ServedPolicies(log, policy)
     found = log.ticks() if ticks is None else ticks
-    if policy.contract.state.size and not rules.same_policy:
-        level.compare_in_order(asking.one_by_one(found))
-    else:
-        for batch in asking.batches(found):
-            if isinstance(batch, AskedRun):
-                level.compare_run(batch)
-            else:
-                level.compare(batch)
+    if not served.are_followed:
+        _compare(log, policy, tally, PolicyTurn("", None, iter(found)))
+        return tally.result(given=GIVEN)
+    for turn in turns_of(found, log.run.policy_hash):
+        asked = served.of(turn.policy_hash)
+        if asked is None:  # `LogAccount` says so
+            continue
+        _compare(log, asked, tally, turn)
     return tally.result(given=GIVEN)
+
+
+def _compare(log: Log, policy: LoadedPolicy, tally: Tally, turn: PolicyTurn) -> None:
+    """Ask a policy about its turn."""
+    level = PolicyLevel(policy, tally, has_winner=_has_winner(log))
+    asking = AskedTicks(log, policy.contract, tally, turn.begins)
+    if policy.contract.state.size and not tally.rules.same_policy:
+        level.compare_in_order(asking.one_by_one(turn.ticks))
+        return
+    for batch in asking.batches(turn.ticks):
+        if isinstance(batch, AskedRun):
+            level.compare_run(batch)
+        else:
+            level.compare(batch)
 
 
 def _has_winner(log: Log) -> bool:

@@ -30,6 +30,13 @@ class RecordedHolds:
         self.held = held
         """What was done at the last tick; None if its verdict was not OK."""
 
+    @classmethod
+    def anew(cls, contract: PolicyContract, index: int) -> "RecordedHolds":
+        """Of a policy that takes over in front of a tick: nothing is held then."""
+        holds = cls(contract, None, index)
+        holds._is_known = True
+        return holds
+
     def are_known(self, decision: Decision) -> bool:
         """Whether it is known what was held before this tick.
 

@@ -14,6 +14,7 @@ from reflexarc_logs.replaying.log_account import LogAccount
 from reflexarc_logs.replaying.other_robots import replay_others
 from reflexarc_logs.replaying.report import ReplayReport
 from reflexarc_logs.replaying.robot_replay import Level, merged, replay_robot, rules_for
+from reflexarc_logs.replaying.serving.served_policies import ServedPolicies
 from reflexarc_logs.replaying.stream_uses import stream_uses
 from reflexarc_runtime.errors import UsageError
 from reflexarc_runtime.policy.policy import Backend, LoadedPolicy
@@ -45,7 +46,7 @@ def replay(
     chosen = asked_policy(source, policy, backend)
     source.tick_descriptor()  # a log without ticks says so before any level begins
     rules = rules_for(source, chosen)
-    account = LogAccount(source)
+    account = LogAccount(source, ServedPolicies(source, chosen))
     found = replay_robot(account, chosen, rules, level)
     others = replay_others(account, chosen, level, is_candidate=policy is not None)
     notes = [] if source.complete else ["the log is truncated: its intact part was replayed"]

@@ -39,7 +39,7 @@ class LevelResult:
     """One level of one replay, in numbers."""
 
     level: str
-    """policy or node."""
+    """policy or node; shadow: what a policy said that only watched."""
     ticks: int
     """Ticks in the log."""
     compared: int

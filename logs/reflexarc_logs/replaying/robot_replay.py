@@ -12,6 +12,8 @@ from reflexarc_logs.replaying.loop_events import NoLoopError
 from reflexarc_logs.replaying.node_level import replay_node, why_not
 from reflexarc_logs.replaying.policy_level import replay_policy
 from reflexarc_logs.replaying.report import CommandsResult, LevelResult
+from reflexarc_logs.replaying.serving.shadow_level import replay_shadows
+from reflexarc_runtime.messages.topics import SHADOW
 from reflexarc_runtime.policy.policy import Backend, LoadedPolicy
 
 Level: TypeAlias = Literal["policy", "node"]
@@ -28,6 +30,8 @@ class RobotFindings:
     notes: list[str] = field(default_factory=list)
     stepped: list[str] = field(default_factory=list)
     """Robots whose loop was replayed at level node."""
+    shadowed: list[str] = field(default_factory=list)
+    """Robots whose loop was watched by a policy that was asked again."""
     keyed: list[str] = field(default_factory=list)
     """Those among them whose keyframes were compared; another policy knows other things."""
 
@@ -41,6 +45,7 @@ def merged(findings: Iterable[RobotFindings]) -> RobotFindings:
         total.commands += found.commands
         total.notes += found.notes
         total.stepped += found.stepped
+        total.shadowed += found.shadowed
         total.keyed += found.keyed
     return total
 
@@ -78,7 +83,8 @@ def replay_robot(
     if level == "node":
         deque(account.runs(), maxlen=0)
     else:
-        found.levels.append(replay_policy(log, policy, rules, account.runs(), other))
+        runs, served = account.runs(), account.served
+        found.levels.append(replay_policy(log, policy, rules, runs, other, served))
     if level != "policy":
         try:
             _add_node_level(found, account, policy, rules, other)
@@ -86,9 +92,25 @@ def replay_robot(
             if level == "node":
                 raise
             found.notes.append(f"level node was left out: {error.reason}")
+    if level != "node":
+        _add_shadows(found, account, rules, other)
     found.commands.append(account.commands())
     found.notes += account.notes()
     return found
+
+
+def _add_shadows(
+    found: RobotFindings, account: LogAccount, rules: EqualityRules, other: str
+) -> None:
+    log = account.log
+    served = account.served
+    if served is None or not account.streams[log.topic(SHADOW.name), SHADOW.schema]:
+        return
+    result, notes = replay_shadows(log, served, rules, other)
+    found.notes += notes
+    if result.compared:
+        found.levels.append(result)
+        found.shadowed.append(log.run.robot)
 
 
 def _add_node_level(
@@ -102,7 +124,7 @@ def _add_node_level(
     obstacle = why_not(log) or account.why_no_loop()
     if obstacle:
         raise NoLoopError(log, obstacle)
-    result, notes = replay_node(log, policy, rules, other)
+    result, notes = replay_node(log, policy, rules, other, account.served)
     found.levels.append(result)
     found.notes += notes
     if result.compared:

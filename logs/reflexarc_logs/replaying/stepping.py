@@ -22,10 +22,11 @@ from reflexarc_logs.replaying.comparison import (
 from reflexarc_logs.replaying.message_fields import Difference, Fields, message_type
 from reflexarc_logs.replaying.recorded_holds import ASKED_VALUES, RecordedHolds
 from reflexarc_logs.replaying.report import Flip
+from reflexarc_logs.replaying.serving.served_policies import ServedControllers, ServedPolicies
 from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.arrays import Memories
 from reflexarc_runtime.controller import Controller
-from reflexarc_runtime.controller_state import Inputs, State
+from reflexarc_runtime.controller_state import Inputs, Serving, State
 from reflexarc_runtime.decision import Decision, Verdict
 from reflexarc_runtime.guard import Guard, asks_the_input
 from reflexarc_runtime.guard_settings import GuardSettings
@@ -37,6 +38,7 @@ from reflexarc_runtime.policy.policy import LoadedPolicy
 from reflexarc_runtime.rules import ControllerRules, rules_of
 from reflexarc_runtime.sensing.sense_settings import SenseSettings
 from reflexarc_runtime.sensing.senses import sense_for
+from reflexarc_runtime.serving.swapping import AnyController, SwappingController, says_rolled_back
 
 _DRIVING = (Verdict.OK.value, Verdict.GUARDED.value)
 
@@ -44,8 +46,15 @@ WARM_UP_NS = 2_000_000_000
 """How long the memory of another policy than the recorded one warms up."""
 
 
-def controller_of(log: Log, policy: LoadedPolicy) -> Controller:
+def controller_of(
+    log: Log, policy: LoadedPolicy, served: ServedPolicies | None = None
+) -> AnyController:
     """The controller that decided on a log, with this policy, under the log's rules.
+
+    Args:
+        log: the log.
+        policy: whom to ask.
+        served: who took over; by default, as the log says. A candidate decides all ticks.
 
     Raises:
         LogError: rules that this package does not know, or settings of a guard that are none.
@@ -57,7 +66,11 @@ def controller_of(log: Log, policy: LoadedPolicy) -> Controller:
     rules = rules_of(log.run.rules)
     senses = _senses(log, rules)
     sense = sense_for(log.run.input, contract.retina, senses, guarded=asks_the_input(guard))
-    return Controller(policy, contract, sense, policy.policy_hash, rules, guard)
+    controller = Controller(policy, contract, sense, policy.policy_hash, rules, guard)
+    served = served or ServedPolicies(log, policy)
+    if not served.are_followed:
+        return controller
+    return SwappingController(controller, ServedControllers(served, controller))
 
 
 class TickComparison(NamedTuple):
@@ -71,7 +84,7 @@ class TickComparison(NamedTuple):
 class Stepping:
     """A controller on its way through a log."""
 
-    controller: Controller
+    controller: AnyController
     state: State
     waiting: deque[Message]
     """Messages that no tick has taken yet."""
@@ -106,7 +119,7 @@ class Stepping:
         decisions = Fields(pb.Decision.DESCRIPTOR, theirs)  # type: ignore[arg-type]  # one of two stubs
         keyframes = _keyframe_fields(log) if rules.same_policy else None
         state = beginning.state or State()
-        controller = controller_of(log, policy)
+        controller = controller_of(log, policy, beginning.served)
         is_exact = beginning.is_exact
         return cls(controller, state, beginning.waiting, decisions, rules, keyframes, is_exact)
 
@@ -150,12 +163,22 @@ class Stepping:
     def step(self, recorded: pb.Decision) -> Decision:
         """Decide a tick again."""
         inputs = _inputs(self.waiting, recorded, self.controller.rules)
+        before = self.state.serving
         self.state, decision = self.controller.step(self.state, inputs, recorded.now_ns)
+        if self._changed_hands(before, decision):
+            contract = self.controller.at(self.state).contract
+            self._holds = RecordedHolds.anew(contract, recorded.index)
         self._holds.saw(recorded)
         same = recorded.verdict == int(decision.verdict)
         if self._leans and same and recorded.verdict in ASKED_VALUES:
             self._lean_on(recorded)
         return decision
+
+    def _changed_hands(self, before: Serving, decision: Decision) -> bool:
+        """Whether another policy decided than at the tick before, or one that began anew."""
+        if self.state.serving is before or before.policy_hash == self.state.serving.policy_hash:
+            return says_rolled_back(decision.reason)
+        return True
 
     def _lean_on(self, recorded: pb.Decision) -> None:
         """Go on from what was recorded, not from what rounding made of it here."""
@@ -165,11 +188,12 @@ class Stepping:
         if moving is not None:
             moving = replace(moving, commanded=commanded)
         self.state = replace(self.state, hold=self._holds.held, moving=moving)
-        contract = self.controller.contract
+        deciding = self.controller.at(self.state)
+        contract = deciding.contract
         if len(recorded.state) == contract.state.size > 0:
             memory: Memories = np.array([recorded.state], np.float32)
             stack = np.stack(self.state.frames)[np.newaxis]
-            following = self.controller.policy.decide(stack, memory)[2]  # type: ignore[call-arg, misc]
+            following = deciding.policy.decide(stack, memory)[2]  # type: ignore[call-arg, misc]
             self.state = replace(self.state, memory=memory, following=following)
 
     def _flip(self, recorded: pb.Decision, replayed: pb.Decision) -> Flip | None:
@@ -179,7 +203,7 @@ class Stepping:
         index, q_values, tolerance = recorded.index, recorded.q_values, self.rules.tolerance
         if self._has_winner and recorded.winner != replayed.winner:
             return find_flip(index, q_values, recorded.winner, replayed.winner, tolerance)
-        contract = self.controller.contract
+        contract = self.controller.at(self.state).contract
         flip = find_flip(index, q_values, recorded.action, replayed.action, tolerance)
         if flip is None or not (contract.margin or contract.least_lead):
             return flip

@@ -6,7 +6,7 @@ from reflexarc_logs.replaying.log_account import LogAccount
 from reflexarc_logs.replaying.loop_events import beside_the_sensor
 from reflexarc_logs.replaying.report import StreamUse
 from reflexarc_logs.replaying.robot_replay import RobotFindings
-from reflexarc_runtime.messages.topics import COMMAND, KEYFRAME, REJECTED, SENSORS, TICK
+from reflexarc_runtime.messages.topics import COMMAND, KEYFRAME, REJECTED, SENSORS, SHADOW, TICK
 
 COMPARED, INPUT, NOT_COMPARED = "compared", "input", "not compared"
 
@@ -26,6 +26,8 @@ def stream_uses(account: LogAccount, found: RobotFindings) -> Iterator[StreamUse
     }
     for robot in found.keyed:
         used[f"/{robot}/{KEYFRAME.name}"] = KEYFRAME.schema, COMPARED
+    for robot in found.shadowed:
+        used[f"/{robot}/{SHADOW.name}"] = SHADOW.schema, COMPARED
     for robot in found.stepped:
         for topic in (SENSORS[log.run.input], *beside_the_sensor(log), REJECTED):
             used[f"/{robot}/{topic.name}"] = topic.schema, INPUT

@@ -18,6 +18,7 @@ from reflexarc_logs.replaying.beginning import (
 )
 from reflexarc_logs.replaying.comparison import EqualityRules, Tally
 from reflexarc_logs.replaying.loop_events import LoopEvent
+from reflexarc_logs.replaying.serving.served_policies import ServedPolicies
 from reflexarc_logs.replaying.stepping import Stepping, TickComparison
 from reflexarc_logs.replaying.tick_order import is_tick
 from reflexarc_runtime import messages_pb2 as pb
@@ -53,6 +54,7 @@ class Walk:
         self.is_lost = False
         """Whether what the controller knows is not known, since something is missing."""
         self._log, self._policy, self._tally = log, policy, tally
+        self._served = beginning.served or ServedPolicies(log, policy)
         self._knows_more = beginning.knows_more
         self._left_out = 0
         self._first_left_out = 0
@@ -126,7 +128,7 @@ class Walk:
 
     def _state_at(self, keyframe: pb.Keyframe) -> State | None:
         try:
-            return state_at(keyframe, self._policy)
+            return state_at(keyframe, self._policy, self._served)
         except LogError:
             return None
 
@@ -139,10 +141,13 @@ class Walk:
         self.stepping.waiting.clear()
         if not self.is_lost and decision.index < self.state.index:
             return  # it stands twice, or too late: nothing behind it is missing
-        contract = self._policy.contract
-        self.is_lost = self._knows_more or not tells_state(decision, contract)
-        if not self.is_lost:
-            self.stepping.go_on(state_behind(decision, contract), is_exact=False)
+        served = self._served
+        policy = served.of(decision.policy_hash)
+        self.is_lost = True
+        if policy is None or self._knows_more or not tells_state(decision, policy.contract):
+            return
+        self.is_lost = False
+        self.stepping.go_on(state_behind(decision, policy, served), is_exact=False)
 
     def _decide_with_less(self, tick: pb.Tick) -> None:
         """Decide a tick with fewer inputs than it says; a difference only if none is missing."""

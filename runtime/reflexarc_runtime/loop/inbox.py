@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from reflexarc_runtime.loop.bell import Bell
-from reflexarc_runtime.messages.topics import CONTROLS, RESET, Topic
+from reflexarc_runtime.messages.topics import CONTROLS, RESET, SWAP, Topic
 from reflexarc_runtime.messages.wire import Message
 
 DEFAULT_CAPACITY = 1024
@@ -27,6 +27,8 @@ DEFAULT_CAPACITY_BYTES = 32 << 20
 """Of payloads; the largest that is believed has 1 MiB."""
 
 _CONTROL_NAMES = frozenset(topic.name for topic in CONTROLS)
+_SPARED = (RESET.name, SWAP.name)
+"""Dropped only when nothing else is left but stops."""
 _NO_MORE = (sys.maxsize, Message("", b"", "", b"", 0))
 
 
@@ -164,13 +166,13 @@ class Inbox:
             yield from (message for _, message in controls)
 
     def _drop_one(self) -> None:
-        """Drop the oldest input; where there is none, the oldest reset, and a stop last of all."""
+        """Drop the oldest input; where there is none, the oldest reset or swap; a stop last."""
         self._overflows += 1
         if self._inputs:
             self._bytes -= len(self._inputs.popleft().payload)
             return
-        resets = (n for n, (_, m) in enumerate(self._controls) if _name_of(m) == RESET.name)
-        place = next(resets, 0)
+        spared = (n for n, (_, m) in enumerate(self._controls) if _name_of(m) in _SPARED)
+        place = next(spared, 0)
         self._bytes -= len(self._controls[place][1].payload)
         del self._controls[place]
 

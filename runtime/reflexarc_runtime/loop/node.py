@@ -7,7 +7,6 @@ publish the command, the sink records.
 from collections.abc import Callable
 from dataclasses import replace
 
-from reflexarc_runtime.controller import Controller
 from reflexarc_runtime.controller_state import Inputs, State
 from reflexarc_runtime.decision import Decision, Timing, Verdict, safe_command
 from reflexarc_runtime.errors import DecisionEndedError
@@ -32,6 +31,7 @@ from reflexarc_runtime.messages.wire import (
     pack_stamp,
     protobuf_encoding,
 )
+from reflexarc_runtime.serving.swapping import AnyController
 
 END_OF_RUN = "the runtime was asked to end"
 """Reason of the stop that the loop gives itself."""
@@ -42,7 +42,7 @@ class Node:
 
     def __init__(
         self,
-        controller: Controller,
+        controller: AnyController,
         pacer: Pacer,
         outlets: Outlets,
         *,
@@ -56,6 +56,7 @@ class Node:
         saw: Callable[[Decision], None] = lambda decision: None,
         sensor: Callable[[int], str] = lambda now_ns: "",
         made_of: Callable[[State, Inputs, int], None] = lambda before, inputs, now_ns: None,
+        shadow: Callable[[], str] = lambda: "",
     ) -> None:
         self._controller = controller
         self._pacer = pacer
@@ -67,7 +68,7 @@ class Node:
         self._overflows = overflows
         self._guard = guard or ("off" if controller.guard is None else "on")
         self._watch: Watch = watch or NoWatch()
-        self._saw, self._sensor, self._made_of = saw, sensor, made_of
+        self._saw, self._sensor, self._made_of, self._shadow = saw, sensor, made_of, shadow
         self._flood = FloodNotice(f"the runtime of {robot}")
         self._monitor = Monitor()
         self._encoder = TickEncoder()
@@ -215,5 +216,6 @@ class Node:
             watchdog=self._watch.state,
             sensor=self._sensor(now_ns),
             phases=tuple(period.phases.items()),
+            shadow=self._shadow(),
         )
         self._outlets.status.put(encode_status(status), now_ns)

@@ -10,12 +10,12 @@ cold tick does, and once again shortly before, where that one may be forgotten a
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from reflexarc_runtime.controller import Controller
 from reflexarc_runtime.controller_state import Inputs, State
 from reflexarc_runtime.errors import DecisionEndedError
 from reflexarc_runtime.loop.bell import Bell
 from reflexarc_runtime.loop.clock import Clock
 from reflexarc_runtime.messages.codec import encode_command
+from reflexarc_runtime.serving.swapping import AnyController
 
 
 class Rehearsal:
@@ -25,7 +25,7 @@ class Rehearsal:
         controller: of the loop.
     """
 
-    def __init__(self, controller: Controller) -> None:
+    def __init__(self, controller: AnyController) -> None:
         self._controller = controller
         self._last: tuple[State, Inputs, int] | None = None
 

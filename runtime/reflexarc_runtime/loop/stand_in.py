@@ -3,6 +3,7 @@
 It has outlets of its own, with numbers of their own: the loop's publishers are the loop's.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from reflexarc_runtime.contract.motion import Action
@@ -32,7 +33,7 @@ class StandIn:
         robot: the robot's name.
         sender: the identifier of the loop, which is its own as well.
         run_id: of the loop's run.
-        policy_hash: of the loop's policy.
+        policy_hash: of the policy that serves.
     """
 
     def __init__(
@@ -43,7 +44,7 @@ class StandIn:
         robot: str,
         sender: bytes,
         run_id: str = "",
-        policy_hash: str = "",
+        policy_hash: Callable[[], str] = lambda: "",
     ) -> None:
         self._outlets = outlets
         self._safe = safe
@@ -73,7 +74,7 @@ class StandIn:
         return Status(
             node=RUNTIME_NODE,
             run_id=self._run_id,
-            policy_hash=self._policy_hash,
+            policy_hash=self._policy_hash(),
             verdicts=((Verdict.OVERRUN.name, self._overruns + 1),),
             watchdog=f"the loop is late: {late_ns / 1e6:.0f} ms",
         )

@@ -8,7 +8,6 @@ import contextlib
 
 import numpy as np
 
-from reflexarc_runtime.controller import Controller
 from reflexarc_runtime.controller_state import Inputs, State
 from reflexarc_runtime.decision import Timing
 from reflexarc_runtime.loop.cadence.monitor import Monitor
@@ -17,14 +16,15 @@ from reflexarc_runtime.messages.controls import encode_overrun, encode_stop
 from reflexarc_runtime.messages.topics import OVERRUN, RESET, STOP
 from reflexarc_runtime.messages.wire import Message, Stamp, protobuf_encoding
 from reflexarc_runtime.sensing.senses import Sensed
+from reflexarc_runtime.serving.swapping import AnyController
 
 _NO_TIME = Timing(0, 0, 0, 0, 0, 0)
 
 
-def warm_up(controller: Controller) -> None:
+def warm_up(controller: AnyController) -> None:
     """Decide, judge good and bad messages, encode one of each message, compute percentiles."""
     with contextlib.suppress(Exception):  # what fails here has its verdict in the loop
-        _decide_on_darkness(controller)
+        decide_on_darkness(controller)
         _guard_darkness(controller)
     topics = (controller.sense.topic, OVERRUN, RESET, STOP)
     bad = tuple(Message(topic.name, b"\xff", "", b"", 0) for topic in topics)
@@ -44,7 +44,8 @@ def warm_up(controller: Controller) -> None:
     encode_status(Status("", verdicts=verdicts, phases=phases))
 
 
-def _decide_on_darkness(controller: Controller) -> None:
+def decide_on_darkness(controller: AnyController) -> None:
+    """Ask its policy about darkness, as it has never been asked before."""
     contract = controller.contract
     stack = np.zeros((1, *contract.retina.stack_shape), np.uint8)
     if contract.state.size:
@@ -54,7 +55,7 @@ def _decide_on_darkness(controller: Controller) -> None:
         controller.policy.decide(stack)  # type: ignore[call-arg]  # it has none
 
 
-def _guard_darkness(controller: Controller) -> None:
+def _guard_darkness(controller: AnyController) -> None:
     """Let the guard work out what it can; the angles of a scan are not known before the first."""
     retina = np.zeros(controller.contract.retina.shape, np.uint8)
     beams = controller.sense.beams(Sensed(Stamp(0, 0), 0, retina))

@@ -1,7 +1,8 @@
 """Who may do what on the bus of one robot, role by role: the topic table, read as rights.
 
 A certificate names a role and a robot. A role may say the topics whose publisher the table calls
-it, announce itself, and hear everything of its robot; the runtime alone answers for the policy.
+it, announce itself, and hear everything of its robot; the runtime alone answers for the policy, and
+the operator alone asks for another one.
 """
 
 from reflexarc_runtime.messages.topics import (
@@ -14,6 +15,7 @@ from reflexarc_runtime.messages.topics import (
     Topic,
     alive_key,
     policy_key,
+    swap_key,
 )
 
 VIEWER = "viewer"
@@ -42,7 +44,12 @@ def heard_keys(robot: str) -> list[str]:
 
 def answered_keys(role: str, robot: str) -> list[str]:
     """Keys of the queryables that a role may declare."""
-    return [policy_key(robot)] if role == RUNTIME_NODE else []
+    return [policy_key(robot), swap_key(robot)] if role == RUNTIME_NODE else []
+
+
+def asked_keys(role: str, robot: str) -> list[str]:
+    """Keys of the queryables that a role may ask, beside the policy, which all may see."""
+    return [swap_key(robot)] if role == OPERATOR else []
 
 
 def token_key(role: str, robot: str) -> str:

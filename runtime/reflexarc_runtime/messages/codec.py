@@ -44,6 +44,7 @@ class Status:
     watchdog: str = ""
     sensor: str = ""
     phases: tuple[tuple[str, Spread], ...] = ()
+    shadow: str = ""
 
 
 def timestamp(time_ns: int) -> Timestamp:

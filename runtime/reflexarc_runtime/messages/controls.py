@@ -3,7 +3,7 @@
 from google.protobuf.message import DecodeError
 
 from reflexarc_runtime import messages_pb2 as pb
-from reflexarc_runtime.messages.topics import RESET
+from reflexarc_runtime.messages.topics import RESET, SWAP
 from reflexarc_runtime.messages.wire import (
     MAX_PAYLOAD_BYTES,
     Message,
@@ -59,3 +59,19 @@ def is_reset(message: Message) -> bool:
     except (UndecodableError, DecodeError):
         return False
     return True
+
+
+def encode_swap(policy: bytes, policy_hash: str, reason: str, *, while_moving: bool) -> bytes:
+    """`reflexarc.Swap`."""
+    return pb.Swap(
+        policy=policy, policy_hash=policy_hash, reason=reason, while_moving=while_moving
+    ).SerializeToString()
+
+
+def swap_of(message: Message) -> pb.Swap | None:
+    """The swap in a message; None if it is none."""
+    try:
+        check_encoding(message, SWAP.schema)
+        return pb.Swap.FromString(message.payload)
+    except (UndecodableError, DecodeError):
+        return None

@@ -77,6 +77,8 @@ ARM = Topic("arm", pb.Arm, (OPERATOR,), "event", Quality.CONTROL)
 HOLD_TO_RUN = Topic("hold_to_run", pb.HoldToRun, (OPERATOR,), "20 Hz", Quality.CONTROL)
 RELEASE = Topic("release", pb.Release, (RUNTIME_NODE, OPERATOR), "event", Quality.CONTROL)
 OVERRUN = Topic("overrun", pb.Overrun, (RUNTIME_NODE,), "event", Quality.CONTROL)
+SWAP = Topic("swap", pb.Swap, (RUNTIME_NODE,), "event")
+SHADOW = Topic("shadow", pb.Shadow, (RUNTIME_NODE,), "tick")
 MARK = Topic("mark", Log, (OPERATOR,), "event")
 LEASE = Topic("lease", pb.Lease, (BODY_NODE,), "10 Hz", Quality.CONTROL)
 KEYFRAME = Topic("keyframe", pb.Keyframe, (RECORDER_NODE,), "1 Hz")
@@ -102,6 +104,8 @@ TOPICS: tuple[Topic, ...] = (
     HOLD_TO_RUN,
     RELEASE,
     OVERRUN,
+    SWAP,
+    SHADOW,
     MARK,
     LEASE,
     KEYFRAME,
@@ -109,7 +113,7 @@ TOPICS: tuple[Topic, ...] = (
 )
 SENSORS: dict[str, Topic] = {"retina": RETINA, "scan": SCAN}
 """The streams that the runtime can decide on, by the value of `--input`."""
-CONTROLS = (STOP, RESET, OVERRUN)
+CONTROLS = (STOP, RESET, OVERRUN, SWAP)
 """The streams beside the sensor's that decide: they reach the loop through its inbox."""
 RECORDERS_OWN = (KEYFRAME, REJECTED)
 """The streams that only a recorder writes: they are in logs, never on the bus."""
@@ -144,3 +148,8 @@ def alive_key(robot: str, node: str) -> str:
 def policy_key(robot: str) -> str:
     """Key of the queryable that answers with the policy file."""
     return f"{robot}/policy"
+
+
+def swap_key(robot: str) -> str:
+    """Key of the queryable that takes another policy; nobody hears what is published."""
+    return f"{robot}/swap_request"

@@ -103,7 +103,7 @@ class _Answering:
 
     def __enter__(self) -> None:
         self._bus.__enter__()
-        self._bus.offer_policy(self._data)
+        self._bus.offer_policy(lambda: self._data)
 
     def __exit__(self, *reason: Any) -> None:
         self._bus.__exit__(*reason)

@@ -55,7 +55,7 @@ def test_the_command_line_counts_more(tmp_path, capsys):
     ("text", "said"),
     [
         ("policy = 3", "1: policy: expected a path, got 3"),
-        ("\nrobott = 'x'", "2: robott: unknown; known: policy, input"),
+        ("\nrobott = 'x'", "2: robott: unknown; known: policy, "),
         ("port = 'x'", "1: port: expected a whole number, got 'x'"),
         ("input = 'sonar'", "1: input: expected retina or scan"),
         ("rotate-s = 1\nrotate_s = 2", "2: rotate_s: expected once, got twice"),

@@ -46,8 +46,10 @@ def test_keys_are_of_one_robot_alone():
         access.token_key("body", "r1"),
     ]
     assert all(key.startswith("r1/") and "*" not in key for key in keys)
-    assert access.answered_keys("runtime", "r1") == ["r1/policy"]
+    assert access.answered_keys("runtime", "r1") == ["r1/policy", "r1/swap_request"]
     assert [r for r in access.ROLES if access.answered_keys(r, "r1")] == ["runtime"]
+    assert access.asked_keys("operator", "r1") == ["r1/swap_request"]
+    assert [r for r in access.ROLES if access.asked_keys(r, "r1")] == ["operator"]
 
 
 def test_names_of_certificates_differ_for_every_role_and_robot():

@@ -15,7 +15,8 @@ def test_the_loop_records_what_others_say_beside_its_own_input_and_output() -> N
 
 
 def test_every_recorded_stream_reaches_the_log_of_a_loop_in_exactly_one_way() -> None:
-    own = {"command", "tick", "rejected", "keyframe", "stop", "reset", "overrun", *SENSORS}
+    own = {"command", "tick", "rejected", "keyframe", "stop", "reset", "overrun", "swap", "shadow"}
+    own |= SENSORS.keys()
     overheard = {topic.name for topic in OVERHEARD}
     assert own.isdisjoint(overheard)
     assert own | overheard == {topic.name for topic in TOPICS if topic.recorded}

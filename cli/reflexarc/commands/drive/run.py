@@ -14,6 +14,8 @@ from reflexarc.wiring.guard_flags import GuardFlags
 from reflexarc.wiring.keeping_logs.black_box_flags import BlackBoxFlags
 from reflexarc.wiring.keeping_logs.recording_flags import RecordingFlags
 from reflexarc.wiring.keeping_logs.run_summary import summary_as_dict, summary_in_words
+from reflexarc.wiring.running.candidate_flags import CandidateFlags, others_of
+from reflexarc.wiring.running.candidate_summary import candidates_as_dict, candidates_in_words
 from reflexarc.wiring.running.pacing_flags import PacingFlags
 from reflexarc.wiring.running.trusted_policy_flags import TrustedPolicyFlags
 from reflexarc.wiring.scan_flags import ScanFlags
@@ -29,11 +31,11 @@ if TYPE_CHECKING:
 
     from reflexarc.wiring.keeping_logs.outcome import Recording
     from reflexarc.wiring.keeping_logs.run_sinks import RunSinks
-    from reflexarc.wiring.running.sense_act_loop import LoopFlags
+    from reflexarc.wiring.running.candidate_flags import WatchingPolicy
+    from reflexarc.wiring.running.sense_act_loop import LoopFlags, LoopOutcome
     from reflexarc_logs.recording.black_box import BoxSpan
     from reflexarc_logs.recording.keeping import Keeping
     from reflexarc_logs.recording.recorder import Recorder
-    from reflexarc_runtime.loop.cadence.monitor import Summary
     from reflexarc_runtime.policy.policy import LoadedPolicy
 
 
@@ -90,6 +92,7 @@ class RunCommand:
     guarding: GuardFlags = field(default_factory=GuardFlags)
     pacing: tyro.conf.OmitArgPrefixes[PacingFlags] = field(default_factory=PacingFlags)
     watching: Watching = field(default_factory=Watching)
+    candidates: tyro.conf.OmitArgPrefixes[CandidateFlags] = field(default_factory=CandidateFlags)
     joining: Joining = field(default_factory=Joining)
     config: Path | None = None
     """TOML file with flags, named as here; what the command line says counts more."""
@@ -123,18 +126,19 @@ class RunCommand:
         sense = sense_for(self.input, eye, settings, guarded=asks_the_input(guard))
         identity = policy.policy_hash
         controller = Controller(policy, policy.contract, sense, identity, guard=guard)
+        watcher = self.candidates.watcher(policy.contract, self.backend)
         run_id = uuid.uuid4().hex
         with (
             StopFlag() as stop,
-            self._sinks(policy, run_id) as sinks,
+            self._sinks(policy, run_id, watcher) as sinks,
             self.joining.bus_in_time(
                 RUNTIME_NODE, stop, "reflexarc run", lockstep=self.lockstep
             ) as bus,
         ):
-            flags = self._loop_flags()
+            flags = self._loop_flags(watcher)
             loop = SenseActLoop(bus, controller, policy, sinks, run_id, flags, manager)
-            summary = loop.run(stop, self.ticks)
-        self._tell(summary, sinks.recordings)
+            outcome = loop.run(stop, self.ticks)
+        self._tell(outcome, sinks.recordings)
         return int(any(recording.failed for recording in sinks.recordings.values()))
 
     def _tried_policy(self) -> "LoadedPolicy":
@@ -176,8 +180,17 @@ class RunCommand:
         if not 0 <= self.fifo <= 99:
             raise UsageError(f"--fifo: expected 0 to 99, got {self.fifo}")
 
-    def _loop_flags(self) -> "LoopFlags":
+    def _loop_flags(self, watcher: "WatchingPolicy | None") -> "LoopFlags":
         from reflexarc.wiring.running.sense_act_loop import LoopFlags
+        from reflexarc_runtime.loop.candidates.swap_desk import SwapRules
+
+        swaps = SwapRules(
+            self.candidates.why_no_swap(lockstep=self.lockstep),
+            self.backend,
+            self.bounds,
+            lambda contract: check_speed(contract, allow=self.allow_fast),
+            self.trusting.refusal_of,
+        )
 
         return LoopFlags(
             policy_name=str(self.policy),
@@ -188,9 +201,13 @@ class RunCommand:
             guard=self.guarding.state,
             watching=self.watching,
             pacing=self.pacing,
+            swaps=swaps,
+            watcher=watcher,
         )
 
-    def _sinks(self, policy: "LoadedPolicy", run_id: str) -> "AbstractContextManager[RunSinks]":
+    def _sinks(
+        self, policy: "LoadedPolicy", run_id: str, watcher: "WatchingPolicy | None"
+    ) -> "AbstractContextManager[RunSinks]":
         """What the run is recorded by."""
         from reflexarc.wiring.keeping_logs.recorders import recorder_of_run
         from reflexarc.wiring.keeping_logs.run_sinks import run_sinks
@@ -208,16 +225,20 @@ class RunCommand:
                 senses=self.sensing.settings,
                 keeping=keeping,
                 box=box,
+                others=others_of(watcher),
             )
 
         return run_sinks(self.record, self.recording, self.box, make)
 
-    def _tell(self, summary: "Summary", recordings: "Mapping[str, Recording]") -> None:
+    def _tell(self, outcome: "LoopOutcome", recordings: "Mapping[str, Recording]") -> None:
         from reflexarc.terminal.cadence_table import cadence_table
 
+        summary, candidates = outcome.summary, (outcome.shadow, outcome.served)
         if self.json:
-            print_json(summary_as_dict(summary, recordings))
+            said = summary_as_dict(summary, recordings)
+            print_json({**said, **candidates_as_dict(*candidates)})
         else:
-            console.print(facts(summary_in_words(summary, recordings)))
+            words = summary_in_words(summary, recordings)
+            console.print(facts({**words, **candidates_in_words(*candidates)}))
             if summary.phases and not self.lockstep:
                 console.print(cadence_table(summary.phases))

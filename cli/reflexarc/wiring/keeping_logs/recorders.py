@@ -3,12 +3,13 @@
 import json
 import platform
 import uuid
+from collections.abc import Mapping
 from pathlib import Path
 
 from reflexarc_logs.container.run_info import UNKNOWN_BACKEND, RunInfo, installed_versions
 from reflexarc_logs.recording.black_box import BoxSpan
 from reflexarc_logs.recording.keeping import DEFAULT_KEEPING, Keeping
-from reflexarc_logs.recording.recorder import Recorder
+from reflexarc_logs.recording.recorder import NO_OTHERS, Recorder
 from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_runtime.loop.clock import wall_offset_ns
 from reflexarc_runtime.policy.policy import LoadedPolicy
@@ -29,10 +30,11 @@ def recorder_of_run(
     senses: SenseSettings = DEFAULT,
     keeping: Keeping = DEFAULT_KEEPING,
     box: BoxSpan | None = None,
+    others: Mapping[str, bytes] = NO_OTHERS,
 ) -> Recorder:
     """A recorder for `reflexarc run`: the policy attached, on the clock that the loop runs on.
 
-    With `box` it is a black box.
+    With `box` it is a black box; `others` are policies that it holds beside the first one.
 
     Raises:
         LogError: the path exists, or cannot be written.
@@ -56,7 +58,14 @@ def recorder_of_run(
     config = {"contract": json.loads(contract.to_json())}
     offset_ns = 0 if lockstep else wall_offset_ns()
     return Recorder(
-        path, run, policy.data, config, wall_offset_ns=offset_ns, keeping=keeping, box=box
+        path,
+        run,
+        policy.data,
+        config,
+        wall_offset_ns=offset_ns,
+        keeping=keeping,
+        box=box,
+        others=others,
     )
 
 

@@ -1,6 +1,6 @@
 """What `reflexarc run` records: the whole run, what a black box keeps, both, or nothing."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -55,6 +55,12 @@ class RunSinks:
         """See `Sink.put_tick`."""
         self.whole.put_tick(record)
         self.box.put_tick(record)
+
+    def keep_policies(self, others: Mapping[str, bytes]) -> None:
+        """Let what is begun from now on hold these policies as well, by their hashes."""
+        for sink in (self.whole, self.box):
+            if isinstance(sink, Recorder):
+                sink.keep_policies(others)
 
     def put_keyframe(self, keyframe: Keyframe) -> None:
         """See `Sink.put_keyframe`."""

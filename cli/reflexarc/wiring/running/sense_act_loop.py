@@ -1,6 +1,7 @@
 """Connects the loop of `reflexarc run` to bus, watchdog, notices and sinks, and runs it."""
 
-from contextlib import AbstractContextManager
+from collections.abc import Mapping
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -9,6 +10,8 @@ from reflexarc.terminal.signals import StopFlag
 from reflexarc.wiring.awaiting import awaiting_input, wait_for_body
 from reflexarc.wiring.keeping_logs.run_sinks import RunSinks
 from reflexarc.wiring.rivals import Rivals
+from reflexarc.wiring.running.candidate_flags import WatchingPolicy, others_of
+from reflexarc.wiring.running.candidate_flags import watching as watching_policy
 from reflexarc.wiring.running.pacing_flags import PacingFlags
 from reflexarc.wiring.waiting import Arrival
 from reflexarc.wiring.watching import Watching
@@ -16,6 +19,10 @@ from reflexarc_runtime.controller import Controller
 from reflexarc_runtime.decision import Decision
 from reflexarc_runtime.loop import realtime
 from reflexarc_runtime.loop.cadence.monitor import Summary
+from reflexarc_runtime.loop.candidates.shadow import Shadow, ShadowAccount
+from reflexarc_runtime.loop.candidates.swap_desk import ServedSince, SwapDesk, SwapRules
+from reflexarc_runtime.loop.candidates.trial_helper import TrialHelper, Tries
+from reflexarc_runtime.loop.clock import MonotonicClock
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.node import Node
 from reflexarc_runtime.loop.notices.input_notices import Notices
@@ -31,11 +38,13 @@ from reflexarc_runtime.messages.topics import (
     RESET,
     STATUS,
     STOP,
+    SWAP,
     TICK,
 )
 from reflexarc_runtime.messages.wire import Message, at_source_time
 from reflexarc_runtime.policy.policy import LoadedPolicy
 from reflexarc_runtime.service.manager import Manager, NoManager
+from reflexarc_runtime.serving.swapping import AnyController, SwappingController
 
 if TYPE_CHECKING:
     from reflexarc_runtime.bus import Bus, Publisher
@@ -56,6 +65,40 @@ class LoopFlags:
     """What the status says of the guard."""
     watching: Watching
     pacing: PacingFlags
+    swaps: SwapRules
+    """What is asked of a policy that shall take over."""
+    watcher: WatchingPolicy | None = None
+    """A policy that watches."""
+
+
+@dataclass(frozen=True)
+class LoopOutcome:
+    """How a run went."""
+
+    summary: Summary
+    shadow: ShadowAccount | None
+    """What the policy did that watched; None: there was none."""
+    served: tuple[ServedSince, ...]
+    """Who took over, in order."""
+
+
+@dataclass(frozen=True)
+class Candidates:
+    """The policies beside the first one."""
+
+    controller: AnyController
+    desk: SwapDesk
+    shadow: Shadow | None
+
+    def saw(self, decision: Decision) -> None:
+        """Take note of a tick; from the loop's thread, behind its command."""
+        self.desk.saw(decision)
+        if self.shadow is not None:
+            self.shadow.saw(decision)
+
+    def state(self) -> str:
+        """What the shadow did so far; empty if there is none."""
+        return "" if self.shadow is None else self.shadow.state
 
 
 @dataclass(frozen=True)
@@ -71,26 +114,42 @@ class SenseActLoop:
     manager: Manager = field(default_factory=NoManager)
     """Whoever started this as a service."""
 
-    def run(self, stop: StopFlag, max_ticks: int | None) -> Summary:
+    def run(self, stop: StopFlag, max_ticks: int | None) -> LoopOutcome:
         """Listen, announce the runtime, and tick until asked to stop, or `max_ticks` times."""
         bus, flags, inbox = self.bus, self.flags, Inbox()
+        controllers: dict[str, Controller] = {}
+        helper = TrialHelper()
+        desk = self._swap_desk(inbox, controllers, helper)
+        helping = nullcontext() if flags.swaps.forbidden else helper
+        put, is_lockstep = self.sinks.put, flags.lockstep
+        shadowing = watching_policy(flags.watcher, bus, put, lockstep=is_lockstep)
+        with helping, shadowing as shadow:  # before this thread has any priority to pass on
+            controller = self._swapping(controllers)
+            summary = self._drive(stop, max_ticks, inbox, Candidates(controller, desk, shadow))
+        return LoopOutcome(summary, None if shadow is None else shadow.account, desk.served)
+
+    def _drive(
+        self, stop: StopFlag, max_ticks: int | None, inbox: Inbox, candidates: "Candidates"
+    ) -> Summary:
+        bus, flags, desk = self.bus, self.flags, candidates.desk
         command = bus.publisher(COMMAND)
         outlets = self._outlets(command)
         self._listen_to_the_rest()
-        bus.offer_policy(self.policy.data)
+        bus.offer_policy(lambda: (desk.policy or self.policy).data)
         if flags.lockstep:
             wait_for_body(bus, command, stop)
         came = Arrival(inbox.put)
         self._listen(inbox, came)
-        watching = self._watching(inbox)
+        watching = self._watching(inbox, desk)
         said = "; ".join(realtime.prepare(flags.fifo))  # the watchdog's thread inherits it
         notices = Notices(self._say, self.controller.contract, flags.sensor)
         key = self.controller.sense.topic.key(bus.robot)
         waiting = awaiting_input(bus, flags.sensor, key, came)
         # The watchdog ends first: what it watches has ended, and the others take a moment to.
         with notices, waiting, watching as watch:
+            bus.take_requests(desk.ask)
             self._say(f"{flags.policy_name} on {flags.backend}; {said}; watchdog {watch.state}")
-            summary = self._node(inbox, outlets, watch, notices).run(stop, max_ticks)
+            summary = self._node(candidates, inbox, outlets, watch, notices).run(stop, max_ticks)
         self.manager.ending()
         return summary
 
@@ -119,27 +178,67 @@ class SenseActLoop:
 
         self.bus.subscribe(OVERHEARD, keep)
 
-    def _watching(self, inbox: Inbox) -> AbstractContextManager[Watch]:
+    def _swap_desk(
+        self, inbox: Inbox, controllers: dict[str, Controller], tries: Tries
+    ) -> SwapDesk:
+        bus = self.bus
+        said = bus.publisher(SWAP)
+
+        def put(swap: Message) -> None:
+            inbox.put(swap)
+            said.put(swap.payload, swap.received_ns)
+
+        return SwapDesk(
+            self.controller,
+            controllers,
+            self.flags.swaps,
+            tries,
+            put,
+            keep=self._keep_policies,
+            now_ns=MonotonicClock().now_ns,
+            robot=bus.robot,
+            sender=bus.sender,
+        )
+
+    def _keep_policies(self, served: Mapping[str, bytes]) -> None:
+        self.sinks.keep_policies({**served, **others_of(self.flags.watcher)})
+
+    def _swapping(self, controllers: dict[str, Controller]) -> AnyController:
+        if self.flags.swaps.forbidden:
+            return self.controller
+        return SwappingController(self.controller, controllers)
+
+    def _watching(self, inbox: Inbox, desk: SwapDesk) -> AbstractContextManager[Watch]:
         return self.flags.watching.watch(
             self.bus,
             inbox,
-            self.policy,
+            self.controller.contract,
             robot=self.bus.robot,
             run_id=self.run_id,
             lockstep=self.flags.lockstep,
             longest_wait_periods=self.flags.pacing.longest_wait_periods,
+            serving=lambda: desk.serving,
+            end_decision=desk.end_decision,
         )
 
-    def _node(self, inbox: Inbox, outlets: Outlets, watch: Watch, notices: Notices) -> Node:
+    def _node(
+        self,
+        candidates: "Candidates",
+        inbox: Inbox,
+        outlets: Outlets,
+        watch: Watch,
+        notices: Notices,
+    ) -> Node:
         """The loop, with all that it is connected to."""
 
         def saw(decision: Decision) -> None:
             notices.saw(decision)
+            candidates.saw(decision)
             self.manager.ticked(decision.now_ns, lambda: decision.verdict.name)
 
-        rehearsal = Rehearsal(self.controller)
+        rehearsal = Rehearsal(candidates.controller)
         return Node(
-            self.controller,
+            candidates.controller,
             self._pacer(inbox, rehearsal),
             outlets,
             sink=self.sinks,
@@ -152,6 +251,7 @@ class SenseActLoop:
             saw=saw,
             sensor=notices.sensor,
             made_of=rehearsal.note,
+            shadow=candidates.state,
         )
 
     def _pacer(self, inbox: Inbox, rehearsal: Rehearsal) -> Pacer:

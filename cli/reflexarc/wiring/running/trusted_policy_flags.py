@@ -29,6 +29,14 @@ class TrustedPolicyFlags:
         key = b"" if self.require_signature is None else self.require_signature.read_bytes()
         return Acceptance(self.expect_hash.lower(), key)
 
+    def refusal_of(self, policy: bytes) -> str:
+        """Why a policy that comes over the bus, without a signature, is not taken; empty: it is."""
+        try:
+            self.acceptance.accept(policy)
+        except PolicyError as error:
+            return str(error)
+        return ""
+
     def check_file(self, path: Path) -> bytes | None:
         """Look at a file before it is parsed; the bytes that were accepted, None: any are.
 

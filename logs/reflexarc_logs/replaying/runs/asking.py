@@ -30,11 +30,22 @@ class Asked(NamedTuple):
 
 
 class AskedTicks:
-    """Counts ticks, and finds those at which the policy was asked."""
+    """Counts ticks, and finds those at which the policy was asked.
 
-    def __init__(self, log: Log, contract: PolicyContract, tally: Tally) -> None:
+    Args:
+        log: the log.
+        contract: of the policy.
+        tally: counts them.
+        begins: the tick at which the policy took over; None: it decided from the first one on.
+    """
+
+    def __init__(
+        self, log: Log, contract: PolicyContract, tally: Tally, begins: int | None = None
+    ) -> None:
         self._log, self._contract, self._tally = log, contract, tally
-        self._holds, self._begins = RecordedHolds(contract), True
+        holds = RecordedHolds(contract)
+        self._holds = holds if begins is None else RecordedHolds.anew(contract, begins)
+        self._begins = True
 
     def batches(self, ticks: Iterable[Tick | TickRun]) -> Iterator[list[Asked] | AskedRun]:
         """What the policy can be asked about at once, in order."""

@@ -15,10 +15,11 @@ def test_a_pace_is_the_pacer_of_its_name():
     kinds = {"rate": RatePacer, "input": InputPacer}
     for pace, kind in kinds.items():
         flags = PacingFlags(pace)  # type: ignore[arg-type]  # a key of the table above
-        assert type(flags.pacer(SMALL, Inbox(), RETINA, lockstep=False)) is kind
+        assert type(flags.pacer(SMALL, Inbox(), RETINA, lambda: None, lockstep=False)) is kind
         assert flags.name(lockstep=False) == pace
     in_lockstep = PacingFlags()
-    assert type(in_lockstep.pacer(SMALL, Inbox(), RETINA, lockstep=True)) is LockstepPacer
+    pacer = in_lockstep.pacer(SMALL, Inbox(), RETINA, lambda: None, lockstep=True)
+    assert type(pacer) is LockstepPacer
     assert in_lockstep.name(lockstep=True) == "lockstep"
 
 

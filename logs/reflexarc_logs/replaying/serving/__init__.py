@@ -1,0 +1,1 @@
+"""Several policies on one log: who took over from whom, and who watched."""

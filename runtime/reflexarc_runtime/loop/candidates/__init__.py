@@ -1,0 +1,1 @@
+"""Policies that shall take over in a running loop, and policies that only watch it."""

@@ -1,0 +1,1 @@
+"""Several policies in one loop: one takes over from another, and one only watches."""
