@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from reflexarc_logs.container.compression import ThriftyCompressor
+from reflexarc_logs.container.compression import Compressor, FixedCompressor, ThriftyCompressor
 from reflexarc_logs.container.rejected import LogEntry
 from reflexarc_logs.container.run_info import RUN, RunInfo
 from reflexarc_logs.container.unfinished import PARTIAL
@@ -104,7 +104,7 @@ class Part:
         self._publish_shift_ns = head.run.publish_shift_ns
         self._is_finished = False
         self._said: dict[str, str] = {}
-        self._file = LogWriter(path, compressor=ThriftyCompressor())
+        self._file = LogWriter(path, compressor=_compressor_of(head.run))
         self._sync_due_s = time.monotonic() + self._period_s
         try:
             head.write(self._file, part or {})
@@ -263,3 +263,9 @@ def next_path(first: Path, number: int) -> tuple[Path, int] | None:
         if not (path.is_symlink() or path.exists() or partial.exists()):
             return path, candidate
     return None
+
+
+def _compressor_of(run: RunInfo) -> Compressor:
+    """What may take only so much time beside a loop in real time; else the same bytes each time."""
+    is_beside_a_loop = run.clock != "lockstep" and run.recorded_by != "decide"
+    return ThriftyCompressor() if is_beside_a_loop else FixedCompressor()

@@ -43,18 +43,20 @@ class Scribe:
         self._destination = destination
         self._intake = Intake(run.robot)
         self._log_key = LOG.key(run.robot)
+        self._flush_period_s = NEVER_S if run.recorded_by == "decide" else FLUSH_PERIOD_S
+        """A log that is decided anew is whole or not there, and the same bytes each time."""
         self._wall_clock = None if run.clock == "lockstep" else WallClock()
         self._last_ns: int | None = None
         self._notes = self._dropped = 0
 
     def run(self) -> None:
         """Write to the end."""
-        due_s = time.monotonic() + FLUSH_PERIOD_S
+        due_s = time.monotonic() + self._flush_period_s
         while not self._account.backlog.ended:
             self._trying(partial(self._take, due_s - time.monotonic()))
             if time.monotonic() >= due_s:
                 self._trying(self._look)
-                due_s = time.monotonic() + FLUSH_PERIOD_S
+                due_s = time.monotonic() + self._flush_period_s
         self._trying(self._destination.finish)
 
     def _trying(self, act: Callable[[], None]) -> None:
