@@ -22,6 +22,7 @@ from reflexarc_runtime.messages.topics import LOG
 FLUSH_PERIOD_S = 0.8
 """What a kill costs: less than a second, with a fifth of one for a machine that is busy. Each flush
 ends a chunk, and longer chunks are smaller."""
+NEVER_S = 1e6
 NAME = "recorder"
 """Of who speaks, in the log's messages."""
 
