@@ -74,6 +74,8 @@ def test_a_message_that_takes_in_the_next_one_is_not_believed(tmp_path: Path):
     assert "23 messages, but by its own statistics 24" in look(path).damage
     saved = recover(path, tmp_path / "saved.mcap")
     assert (saved.messages, saved.exit_status) == (23, 1)
+    kept = [piece for piece in pieces(saved.path.read_bytes()) if piece.kind == Opcode.MESSAGE]
+    assert {piece.end - piece.start for piece in kept} == {64}
 
 
 def test_what_an_index_says_of_a_channel_counts_more_than_the_channel(tmp_path: Path):
