@@ -40,7 +40,7 @@ class Proofs:
 
     def proves(self, frame: Frame) -> bool:
         """Whether what stands in a frame is a record of its kind."""
-        if frame.end > self._data.size:
+        if frame.end > self._data.size or self.left_bytes < 0:
             return False
         try:
             if frame.opcode == Opcode.ATTACHMENT:
