@@ -20,6 +20,8 @@ class FileBytes:
 
     def at(self, offset: int, count: int) -> bytes:
         """The bytes at a place; fewer at the end of the file."""
+        if offset >= self.size:
+            return b""
         self.file.seek(offset)
         data = self.file.read(max(min(count, self.size - offset, _MOST_AT_ONCE_BYTES), 0))
         self.bytes_read += len(data)
@@ -29,10 +31,12 @@ class FileBytes:
         """What can be read from a place on."""
         return ForwardBytes(self, offset)
 
-    def search(self, pattern: re.Pattern[bytes], start: int, length: int) -> Iterator[int]:
-        """Offsets at which a pattern matches that is at most `length` bytes long, in order."""
-        for offset in range(start, self.size, _BLOCK_BYTES):
-            block = self.at(offset, _BLOCK_BYTES + length - 1)
+    def search(
+        self, pattern: re.Pattern[bytes], start: int, end: int, length: int
+    ) -> Iterator[int]:
+        """Offsets before `end` at which a pattern of at most `length` bytes matches, in order."""
+        for offset in range(start, end, _BLOCK_BYTES):
+            block = self.at(offset, min(_BLOCK_BYTES, end - offset) + length - 1)
             if block.count(0) == len(block):
                 continue  # a hole, where nothing begins
             for match in pattern.finditer(block):

@@ -11,6 +11,7 @@ from typing import BinaryIO
 from mcap.opcode import Opcode
 from mcap.records import DataEnd, Header, Metadata
 
+from reflexarc_logs.container.agreement import Passed, disagreement
 from reflexarc_logs.container.attachments import (
     MOST_OF_A_NAME,
     Attached,
@@ -32,6 +33,7 @@ from reflexarc_logs.container.frames import (
     blocks,
     check_footer,
 )
+from reflexarc_logs.container.index import likely_index_in
 from reflexarc_logs.container.remedy import recovery
 from reflexarc_logs.container.run_info import RUN, RunInfo
 from reflexarc_logs.container.writing import END, PROFILE
@@ -205,9 +207,12 @@ def _look(found: Survey, file: BinaryIO) -> None:
     reader = FrameReader(file, found.size)
     reader.magic()
     found.intact_size = reader.position
+    passed = Passed()
     while True:
         crc = reader.crc
         frame = _frame(reader, file)
+        if not found.data_ended:
+            passed.note(frame)
         fields = _passed(found, reader, file, frame)
         if frame.opcode == Opcode.DATA_END:
             _end_data(found, frame, crc, fields)
@@ -217,6 +222,8 @@ def _look(found: Survey, file: BinaryIO) -> None:
             _note(found, decoded(frame.opcode, fields))
         found.intact_size = reader.position
     _end(found, file, reader, frame)
+    if found.data_ended and not found.has_data_crc:
+        _compare_with_index(found, file, passed)
 
 
 def _frame(reader: FrameReader, file: BinaryIO) -> Frame:
@@ -302,6 +309,13 @@ def _end(found: Survey, file: BinaryIO, reader: FrameReader, footer: Frame) -> N
         found.behind = reader.left
         found.is_log_behind = file.read(len(MAGIC)) == MAGIC
         raise DamagedError(f"there are {reader.left} bytes after its end")
+
+
+def _compare_with_index(found: Survey, file: BinaryIO, passed: Passed) -> None:
+    """Check the data by its index, where it has no CRC of its own."""
+    index = likely_index_in(file, found.size)
+    if index is not None and (why := disagreement(file, index, passed)):
+        raise DamagedError(why)
 
 
 def _count(text: str) -> int:

@@ -7,12 +7,20 @@ from pathlib import Path
 from typing import BinaryIO
 
 from mcap.opcode import Opcode
-from mcap.records import Channel, ChunkIndex, McapRecord, MessageIndex, Schema, Statistics
+from mcap.records import (
+    AttachmentIndex,
+    Channel,
+    ChunkIndex,
+    McapRecord,
+    MessageIndex,
+    MetadataIndex,
+    Schema,
+    Statistics,
+)
 
 from reflexarc_logs.container.fields import decoded
 from reflexarc_logs.container.frames import (
     CRC_BYTES,
-    DATA_END_BYTES,
     FOOTER_BYTES,
     HEAD,
     MAGIC,
@@ -25,7 +33,14 @@ from reflexarc_logs.container.frames import (
 )
 
 MAX_INDEX_BYTES = 64 << 20
-_INDEXED = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.CHUNK_INDEX, Opcode.STATISTICS)
+_INDEXED = (
+    Opcode.SCHEMA,
+    Opcode.CHANNEL,
+    Opcode.CHUNK_INDEX,
+    Opcode.ATTACHMENT_INDEX,
+    Opcode.METADATA_INDEX,
+    Opcode.STATISTICS,
+)
 
 
 @dataclass
@@ -35,11 +50,17 @@ class Index:
     schemas: dict[int, Schema] = field(default_factory=dict)
     channels: dict[int, Channel] = field(default_factory=dict)
     chunks: list[ChunkIndex] = field(default_factory=list)
+    attachments: list[AttachmentIndex] = field(default_factory=list)
+    metadata: list[MetadataIndex] = field(default_factory=list)
     statistics: Statistics | None = None
     is_shifted: bool = False
     """Whether it stands elsewhere than its offsets were made for."""
     raw: dict[tuple[int, int], bytes] = field(default_factory=dict)
     """The fields of schemas and channels as they stand there, by kind and number."""
+    is_proven: bool = True
+    """Whether it has a CRC; one that has none may be damaged itself."""
+    start: int = 0
+    """Where it stands in the file; the end of the data is right before it."""
 
     @property
     def totals(self) -> tuple[int, int, int] | None:
@@ -58,6 +79,20 @@ class Index:
         return counts if sum(counts.values()) == self.statistics.message_count else None
 
 
+def likely_index(path: Path) -> Index | None:
+    """The index of a file; of one that has no CRC as well, if its records are whole."""
+    try:
+        with path.open("rb") as file:
+            return likely_index_in(file, path.stat().st_size)
+    except OSError:
+        return None
+
+
+def likely_index_in(file: BinaryIO, size: int) -> Index | None:
+    """The index of an open file of this size; see `likely_index`."""
+    return index_in(file, size) or index_in(file, size, is_proven=False)
+
+
 def read_index(path: Path, data_end: int | None = None) -> Index | None:
     """The index of a file; None if it has none that is intact and has a CRC.
 
@@ -73,11 +108,16 @@ def read_index(path: Path, data_end: int | None = None) -> Index | None:
         return None
 
 
-def index_in(file: BinaryIO, size: int, data_end: int | None = None) -> Index | None:
-    """The index of an open file of this size; see `read_index`."""
+def index_in(
+    file: BinaryIO, size: int, data_end: int | None = None, *, is_proven: bool = True
+) -> Index | None:
+    """The index of an open file of this size; see `read_index`.
+
+    `is_proven`: whether it must have a CRC; else it must have none.
+    """
     try:
-        start, end = _place(file, size, data_end)
-        index = Index(is_shifted=data_end is not None)
+        start, end = _place(file, size, data_end, is_proven)
+        index = Index(is_shifted=data_end is not None, start=start, is_proven=is_proven)
         for record, fields in _records(file, start, end):
             _note(index, record, fields)
     except (DamagedError, TruncatedError, NotReadHereError, struct.error):
@@ -101,7 +141,7 @@ def message_index_at(file: BinaryIO, offset: int, size: int) -> MessageIndex:
     return record
 
 
-def _place(file: BinaryIO, size: int, data_end: int | None) -> tuple[int, int]:
+def _place(file: BinaryIO, size: int, data_end: int | None, is_proven: bool) -> tuple[int, int]:
     """Where the index begins and ends, if it is whole and stands behind the end of the data."""
     footer = Frame(Opcode.FOOTER, size - len(MAGIC) - HEAD.size - FOOTER_BYTES, FOOTER_BYTES)
     if footer.start < len(MAGIC):
@@ -111,15 +151,12 @@ def _place(file: BinaryIO, size: int, data_end: int | None) -> tuple[int, int]:
     if tail[: HEAD.size] != HEAD.pack(Opcode.FOOTER, FOOTER_BYTES) or not tail.endswith(MAGIC):
         raise TruncatedError
     start, _, crc = struct.unpack_from("<QQI", tail, HEAD.size)
-    has_index = start and crc
+    has_index = start and bool(crc) == is_proven
     start = start if data_end is None else data_end
     if not has_index or not 0 < footer.start - start <= MAX_INDEX_BYTES:
         raise DamagedError("no index that can be relied on")
-    if crc != crc_of(file, start, footer.end - CRC_BYTES):
+    if crc and crc != crc_of(file, start, footer.end - CRC_BYTES):
         raise DamagedError("the CRC of its index does not fit")
-    file.seek(max(start - HEAD.size - DATA_END_BYTES, 0))
-    if file.read(HEAD.size) != HEAD.pack(Opcode.DATA_END, DATA_END_BYTES):
-        raise DamagedError("its index does not follow its data")
     return start, footer.start
 
 
@@ -146,5 +183,9 @@ def _note(index: Index, record: McapRecord, fields: bytes) -> None:
             index.raw[Opcode.CHANNEL, record.id] = fields
         case ChunkIndex():
             index.chunks.append(record)
+        case AttachmentIndex():
+            index.attachments.append(record)
+        case MetadataIndex():
+            index.metadata.append(record)
         case Statistics():
             index.statistics = record

@@ -9,7 +9,7 @@ from reflexarc_logs.container.file_bytes import FileBytes
 from reflexarc_logs.container.frames import HEAD, DamagedError, Frame, NotReadHereError
 from reflexarc_logs.container.index import index_in
 from reflexarc_logs.container.raw_log import bytes_of
-from reflexarc_logs.reading.salvage import Salvage, fields_of
+from reflexarc_logs.salvaging.salvage import Salvage, fields_of
 
 NAMELESS = "reflexarc.recovered"
 """Metadata of a channel that `recover` made up, because messages need one."""
@@ -23,11 +23,16 @@ def stand_in(number: int) -> tuple[Channel, bytes]:
     return channel, bytes_of(channel)[HEAD.size :]
 
 
+def nameless_schema(number: int) -> bytes:
+    """The fields of a schema of which nothing is known but its number."""
+    return bytes_of(Schema(number, b"", "", f"recovered/Schema{number}"))[HEAD.size :]
+
+
 def defined_later(data: FileBytes) -> dict[tuple[int, int], bytes]:
     """The fields of every schema and channel in a file, by kind and number; the first counts."""
     found: dict[tuple[int, int], bytes] = {}
     allowance = Allowance.of(data.size)
-    salvage = Salvage(data, is_whole=False, chunks=None)
+    salvage = Salvage(data, is_whole=False, index=None)
     for frame in salvage.walk():
         if isinstance(frame, Frame):
             try:

@@ -5,6 +5,7 @@ metadata, and what the format does not know. A chunk whose CRC does not fit is l
 the log says so, and replay at level `node` refuses it, because an input may be missing.
 """
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,12 +14,12 @@ from typing import BinaryIO
 from reflexarc_logs.container.file_bytes import FileBytes
 from reflexarc_logs.container.first_look import Survey, look
 from reflexarc_logs.container.frames import NotReadHereError
-from reflexarc_logs.container.index import Index, read_index
+from reflexarc_logs.container.index import Index, likely_index, read_index
 from reflexarc_logs.container.raw_log import RawLog
 from reflexarc_logs.container.writing import END
 from reflexarc_logs.reading.losses import LossAccount, LossPlace, LostPart, by_topic
 from reflexarc_logs.reading.rescue import Rescue
-from reflexarc_logs.reading.salvage import Salvage
+from reflexarc_logs.salvaging.salvage import Salvage
 from reflexarc_runtime.errors import LogError
 
 UNFINISHED = ".recovering"
@@ -67,7 +68,7 @@ def recover(path: Path | str, out: Path | str) -> Recovered:
         LogError: nothing in it can be saved, or `out` cannot be written.
     """
     source, found = Path(path), look(Path(path))
-    index = read_index(source)
+    index = likely_index(source)
     target = RawLog(Path(out), UNFINISHED)
     try:
         with source.open("rb") as file:
@@ -89,9 +90,8 @@ def recover(path: Path | str, out: Path | str) -> Recovered:
 def _recovered(file: BinaryIO, found: Survey, index: Index | None, target: RawLog) -> Recovered:
     data, account = FileBytes(file), LossAccount()
     whole = found.data_ended and found.has_data_crc
-    chunks = None if index is None else frozenset(c.chunk_start_offset for c in index.chunks)
-    salvage = Salvage(data, whole, chunks)
-    rescue = Rescue(data, target, account, index)
+    salvage = Salvage(data, whole, index)
+    rescue = Rescue(data, target, account, index, whole)
     for record in salvage.walk():
         rescue.take(record)
     if not rescue.records and not found.complete:
@@ -99,8 +99,8 @@ def _recovered(file: BinaryIO, found: Survey, index: Index | None, target: RawLo
     if index is None and salvage.has_ended:
         index = read_index(found.path, salvage.end)
     is_explained = account.first != "" or rescue.index_differs
-    counts = None
-    if index is not None and not (found.complete and account.first == ""):
+    counts, doubt = None, _contradiction(index, target, rescue) or _unknown(salvage)
+    if index is not None and index.is_proven and not (found.complete and account.first == ""):
         counts = index.counts
         if index.totals == target.totals:
             is_explained |= index.is_shifted
@@ -121,7 +121,7 @@ def _recovered(file: BinaryIO, found: Survey, index: Index | None, target: RawLo
         lost_bytes=sum(loss.bytes for loss in losses),
         damaged_chunks=missing,
         nameless_channels=len(rescue.nameless),
-        doubt="" if is_explained else _doubt(found, salvage),
+        doubt=doubt or ("" if is_explained else _doubt(found, salvage)),
         was_complete=found.complete and not losses,
     )
 
@@ -140,6 +140,23 @@ def _doubt(found: Survey, salvage: Salvage) -> str:
     if found.data_ended or not salvage.has_ended:
         return ""
     return f"{found.damage}: what stands outside of its chunks may have changed"
+
+
+def _contradiction(index: Index | None, target: RawLog, rescue: Rescue) -> str:
+    """What an index says otherwise than the data, if it has no CRC: one of both has changed."""
+    if index is None or index.is_proven:
+        return ""
+    counts = index.counts
+    differs = counts is not None and +Counter(counts) != target.counts
+    if not rescue.contradictions and not differs:
+        return ""
+    return "its index, which has no CRC, says other than its data: one of both has changed"
+
+
+def _unknown(salvage: Salvage) -> str:
+    if not salvage.in_doubt:
+        return ""
+    return f"{salvage.in_doubt} records of an unknown kind may be messages that were changed"
 
 
 def _nothing(found: Survey, account: LossAccount) -> str:

@@ -1,6 +1,7 @@
 """Copies the records of a salvaged file into a new one, and accounts for those that are lost."""
 
 import struct
+from collections.abc import Container, Iterable
 from dataclasses import dataclass, field
 
 from mcap.opcode import Opcode
@@ -23,10 +24,13 @@ from reflexarc_logs.container.raw_log import ChunkContent, RawLog, index_fields
 from reflexarc_logs.container.run_info import RUN
 from reflexarc_logs.container.writing import PROFILE
 from reflexarc_logs.reading.losses import LossAccount, LossPlace
-from reflexarc_logs.reading.nameless import defined_later, stand_in
-from reflexarc_logs.reading.salvage import Found, Hole, fields_of
+from reflexarc_logs.reading.nameless import defined_later, nameless_schema, stand_in
+from reflexarc_logs.salvaging.links import OF_INDEX
+from reflexarc_logs.salvaging.salvage import Found, Hole, fields_of
 
 _LIBRARY = "reflexarc recover"
+_INDEX_HEAD = struct.Struct("<HI")
+"""Channel of a message index, and the length of its entries."""
 
 
 @dataclass
@@ -44,6 +48,8 @@ class Rescue:
     file: RawLog
     account: LossAccount
     index: Index | None
+    is_whole: bool = False
+    """Whether the CRC of its data fits, so that nothing needs to be put right."""
     records: int = 0
     """How many were saved, the header aside."""
     is_ours: bool = False
@@ -51,6 +57,8 @@ class Rescue:
     """Whether the file does not end with a whole record."""
     index_differs: bool = False
     """Whether an index behind a chunk is not what it should be; it is made anew."""
+    contradictions: int = 0
+    """Schemas and channels that an index without a CRC repeats otherwise: one of both changed."""
     nameless: set[int] = field(default_factory=set)
     """Channels whose own record is lost."""
     topics: dict[int, str] = field(default_factory=dict)
@@ -133,18 +141,42 @@ class Rescue:
     def _copy_other(self, opcode: int, fields: bytes, record: McapRecord | None) -> None:
         match record:
             case Schema() | Channel():
-                self._learn(record, fields, is_written=True)
+                self._learn(*self._as_indexed(record, fields), is_written=True)
             case Metadata():
                 self.is_ours |= record.name == RUN
                 self.file.metadata(record.name, fields)
+            case _ if opcode in (*OF_INDEX, Opcode.FOOTER):
+                raise DamagedError("of the index, among the data")
             case _:
                 self.file.record(opcode, fields)
 
-    def _learn(self, record: Schema | Channel, fields: bytes, *, is_written: bool) -> None:
+    def _learn(
+        self,
+        record: Schema | Channel,
+        fields: bytes,
+        *,
+        is_written: bool,
+        beside: Iterable[McapRecord] = (),
+    ) -> None:
         opcode = Opcode.SCHEMA if isinstance(record, Schema) else Opcode.CHANNEL
         if isinstance(record, Channel):
             self.topics[record.id] = record.topic
+            self._provide_schema(record.schema_id, {r.id for r in beside if isinstance(r, Schema)})
         self.file.define(opcode, record.id, fields, is_written=is_written)
+
+    def _as_indexed(
+        self, record: Schema | Channel, fields: bytes
+    ) -> tuple[Schema | Channel, bytes]:
+        """A schema or a channel as the index repeats it: that has a CRC, the record itself none."""
+        opcode = Opcode.SCHEMA if isinstance(record, Schema) else Opcode.CHANNEL
+        raw = None if self.index is None else self.index.raw.get((opcode, record.id))
+        repeated = None if raw is None or self.is_whole else decoded(opcode, raw)
+        if raw is None or not isinstance(repeated, Schema | Channel) or raw == fields:
+            return record, fields
+        if self.index is not None and self.index.is_proven:
+            return repeated, raw
+        self.contradictions += 1
+        return record, fields
 
     def _copy_message(self, fields: bytes) -> None:
         if len(fields) < MESSAGE.size:
@@ -190,7 +222,7 @@ class Rescue:
         for channel in sorted(used):
             self._provide(channel)
         for record, fields in learnt:
-            self._learn(record, fields, is_written=False)
+            self._learn(record, fields, is_written=False, beside=[r for r, _ in learnt])
         return held
 
     def _copy_attachment(self, frame: Frame) -> None:
@@ -208,8 +240,10 @@ class Rescue:
         if not self.account.waits and not self._expected:
             return
         fields = fields_of(self.data, frame)
-        channel, size = struct.unpack_from("<HI", fields)
-        if self.account.waits:
+        channel, size = _index_head(fields)
+        if size + _INDEX_HEAD.size != len(fields):
+            self.index_differs = True
+        elif self.account.waits:
             self.account.count(channel, size // 16)
         elif self._expected.pop(channel, fields) != fields:
             self.index_differs = True
@@ -234,14 +268,15 @@ class Rescue:
         if fields is None or not isinstance(record, Channel):
             self.nameless.add(channel)
             record, fields = stand_in(channel)
-        self._provide_schema(record.schema_id)
         self._learn(record, fields, is_written=True)
 
-    def _provide_schema(self, number: int) -> None:
-        if number and not self.file.knows(Opcode.SCHEMA, number):
+    def _provide_schema(self, number: int, beside: Container[int]) -> None:
+        """Write the schema of a channel, if it is lost; a nameless one, if it is nowhere else."""
+        if number and number not in beside and not self.file.knows(Opcode.SCHEMA, number):
             fields = self._defined(Opcode.SCHEMA, number)
-            if fields is not None:
-                self.file.define(Opcode.SCHEMA, number, fields)
+            if fields is None:
+                fields = nameless_schema(number)
+            self.file.define(Opcode.SCHEMA, number, fields)
 
     def _defined(self, opcode: int, number: int) -> bytes | None:
         """The fields of a schema or a channel as they stand elsewhere in the file."""
@@ -250,6 +285,11 @@ class Rescue:
         if self._later is None:
             self._later = defined_later(self.data)
         return self._later.get((opcode, number))
+
+
+def _index_head(fields: bytes) -> tuple[int, int]:
+    """Channel and length of a message index; a length of −1, where there is none."""
+    return _INDEX_HEAD.unpack_from(fields) if len(fields) >= _INDEX_HEAD.size else (0, -1)
 
 
 def _mended(chunk: Chunk, fields: bytes, content: ChunkContent) -> bytes:
