@@ -1,11 +1,11 @@
 """How often `evaluate --against` is wrong, and what it finds: two hundred comparisons, resampled.
 
-    python benchmarks/gate.py runs/reflex-0/policy.onnx [--comparisons 200] [--jobs 2] [--json]
+    python benchmarks/gate.py runs/reflex-0/policy.onnx [--family outlines body] [--keep FOLDER]
 
 One comparison takes half a minute, two hundred an hour and more. Here a policy drives the ways of
 one comparison twice, from other places in the same validation worlds; so does the same policy made
-worse (`gate_drives.py`). Every comparison then draws the worlds anew, with
-replacement, and is judged by the gate's own code, look after look.
+worse (`gate_drives.py`). Every comparison then draws the worlds anew, with replacement, and is
+judged by the gate's own code, look after look.
 
 - *alike*: of each world one drive is the new policy and the other the old one, by a toss. Nothing
   but chance tells them apart, so every "loses" is a false alarm. (The very same file from the same
@@ -26,7 +26,11 @@ import numpy as np
 import numpy.typing as npt
 from gate_drives import Driven, drive_all, judged_cells
 
-from reflexarc_sim_bridge.evaluation.driving.paired_drive import FIRST_LOOK_M, PAIRED_WORLDS
+from reflexarc_sim_bridge.evaluation.driving.paired_drive import (
+    FIRST_LOOK_M,
+    MOST_M,
+    PAIRED_WORLDS,
+)
 from reflexarc_sim_bridge.evaluation.metrics.track import Floats
 from reflexarc_sim_bridge.evaluation.scoring.regression import (
     Claim,
@@ -58,7 +62,9 @@ class Found:
     """Share of comparisons in which this family keeps: wrongly."""
     smallest: float
     """Median of the smallest loss that the gate itself says it would have found four times in
-    five."""
+    five, of the comparisons with the most looks."""
+    way_m: float
+    """Mean way of an agent in a comparison."""
 
 
 def looks_of(new: Floats, old: Floats, families: int) -> list[Look]:
@@ -153,21 +159,22 @@ def found_in(
     verdicts = [
         compare_worse(families, family, loss, seed, together) for seed in range(comparisons)
     ]
-    last = [v for v in verdicts if v.looks == len(driven.as_it_is[0])]
+    most = max(v.looks for v in verdicts)
     return Found(
         family,
         round(float(driven.as_it_is[:, -1].sum() / 2.0)),
         driven.loss,
         sum(v.claim is Claim.LOSES for v in verdicts) / comparisons,
         sum(v.claim is Claim.KEEPS for v in verdicts) / comparisons,
-        float(np.median([v.smallest for v in last or verdicts])),
+        float(np.median([v.smallest for v in verdicts if v.looks == most])),
+        float(np.mean([FIRST_LOOK_M * 2 ** (v.looks - 1) for v in verdicts])),
     )
 
 
 def main() -> None:
     """Drive, compare and print."""
     given = _arguments()
-    families = drive_all(str(given.policy), given.worlds, given.jobs, given.family)
+    families = drive_all(given.policy, given.worlds, given.jobs, given.family, given.keep)
     said = [overall(compare_alike(families, seed)) for seed in range(given.comparisons)]
     together = judged_cells().keys()
     rows = {
@@ -179,12 +186,11 @@ def main() -> None:
         found = {name: row and asdict(row) for name, row in rows.items()}
         print(json.dumps({"alike": counted, "worse": given.worse, "families": found}))
         return
-    metres = FIRST_LOOK_M * 8
-    print(f"{given.policy}: {given.worlds} validation worlds, at most {metres:.0f} m in each")
+    print(f"{given.policy}: {given.worlds} validation worlds, at most {MOST_M:.0f} m in each")
     print(f"\nalike, {given.comparisons} comparisons of {len(families)} families: ", end="")
     print(", ".join(f"{said.count(claim)} {claim}" for claim in Claim))
     print(f"\n{given.worse:.0%} worse in one family, {given.comparisons} comparisons each")
-    print("  family        contacts  driven worse   found  undecided   kept  smallest found")
+    print("  family        contacts  driven worse   found  undecided   kept  smallest found    way")
     for name, row in rows.items():
         if row is None:
             contacts = round(float(families[name].as_it_is[:, -1].sum() / 2.0))
@@ -193,7 +199,7 @@ def main() -> None:
         undecided = 1.0 - row.found - row.kept
         print(
             f"  {name:12} {row.contacts:9} {row.loss:12.1%} {row.found:7.0%} {undecided:10.0%}"
-            f" {row.kept:6.0%} {row.smallest:14.1%}"
+            f" {row.kept:6.0%} {row.smallest:14.1%} {row.way_m:6.0f}"
         )
 
 
@@ -205,6 +211,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--worlds", type=int, default=PAIRED_WORLDS)
     parser.add_argument("--family", nargs="*", default=[])
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--keep", type=Path, help="a folder for what was driven, to go on with")
     parser.add_argument("--json", action="store_true")
     return parser.parse_args()
 

@@ -1,11 +1,16 @@
 """The gate's own error rates are found as they are: on contacts whose loss is known."""
 
+from collections.abc import Callable
+from pathlib import Path
+
 import gate
+import gate_drives
 import numpy as np
 import pytest
-from gate_drives import Careless, Driven
+from gate_drives import NEAR_ENOUGH, Careless, Driven, share_for
 
 from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
+from reflexarc_sim_bridge.evaluation.driving.paired_drive import LOOKS
 from reflexarc_sim_bridge.evaluation.scoring.regression import Claim, overall
 
 WORLDS = 1000
@@ -21,11 +26,11 @@ class Left:
 
 
 def driven(mean: float, ratio: float, seed: int = 0) -> Driven:
-    """Contacts after four looks, each with twice as much behind it; the worse `ratio` times."""
+    """Contacts after all looks, each with twice as much behind it; the worse `ratio` times."""
     generator = np.random.default_rng(seed)
-    means = mean * np.array([1.0, 1.0, 2.0, 4.0])[:, np.newaxis]
+    means = mean * np.diff([0.0, *2.0 ** np.arange(LOOKS)])[:, np.newaxis]
     drawn = [
-        generator.poisson(factor * means, (2, 4, WORLDS)).cumsum(axis=1).astype(float)
+        generator.poisson(factor * means, (2, LOOKS, WORLDS)).cumsum(axis=1).astype(float)
         for factor in (1.0, ratio)
     ]
     return Driven(*drawn)
@@ -36,6 +41,44 @@ def test_a_careless_policy_looks_away_as_often_as_it_is_told() -> None:
     away = (q_values == 0.0).all(axis=1)
     assert away.mean() == pytest.approx(0.3, abs=0.015)
     assert (actions == np.where(away, 0, 1)).all()
+
+
+@pytest.mark.parametrize(
+    "loss_of",
+    [
+        lambda share: 2.0 * share,
+        lambda share: 30.0 * share**2,
+        lambda share: 60.0 * share**3,
+        lambda share: 2000.0 * share**6 - 0.1 * share,
+        lambda share: 1.1 * share**0.5,
+    ],
+)
+def test_a_share_is_tried_until_the_copy_loses_what_is_aimed_at(
+    loss_of: Callable[[float], float],
+) -> None:
+    tried: list[float] = []
+
+    def noted(share: float) -> float:
+        tried.append(share)
+        return loss_of(share)
+
+    assert NEAR_ENOUGH[0] <= loss_of(share_for(noted)) <= NEAR_ENOUGH[1]
+    assert len(tried) <= 8
+
+
+def test_a_copy_that_carelessness_helps_looks_away_always() -> None:
+    assert share_for(lambda share: -0.1 * share) == 1.0
+
+
+def test_what_was_driven_is_kept_and_not_driven_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drives = [driven(1.0, 1.2)]
+    monkeypatch.setattr(gate_drives, "drive_family", lambda *_: drives.pop())
+    file = tmp_path / "kept" / "discs.npz"
+    first, again = (gate_drives.driven_before("p.onnx", (), WORLDS, file) for _ in range(2))
+    assert (first.as_it_is == again.as_it_is).all()
+    assert (first.worse == again.worse).all()
 
 
 def test_two_drives_of_one_policy_are_swapped_world_by_world() -> None:
