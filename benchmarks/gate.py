@@ -24,7 +24,7 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-from gate_drives import Driven, drive_all, judged_cells
+from gate_drives import ALPHA, MARGIN, Driven, drive_all, judged_cells
 
 from reflexarc_sim_bridge.evaluation.driving.paired_drive import (
     FIRST_LOOK_M,
@@ -42,8 +42,6 @@ from reflexarc_sim_bridge.evaluation.scoring.regression import (
     overall,
 )
 
-MARGIN, ALPHA = 0.1, 0.05
-"""The gate's own."""
 Worlds = npt.NDArray[np.int64]
 
 

@@ -10,8 +10,8 @@ import pytest
 from gate_drives import NEAR_ENOUGH, Careless, Driven, share_for
 
 from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
-from reflexarc_sim_bridge.evaluation.driving.paired_drive import LOOKS
-from reflexarc_sim_bridge.evaluation.scoring.regression import Claim, overall
+from reflexarc_sim_bridge.evaluation.driving.paired_drive import LOOKS, Pair
+from reflexarc_sim_bridge.evaluation.scoring.regression import Claim, Look, look_at, overall
 
 WORLDS = 1000
 
@@ -79,6 +79,21 @@ def test_what_was_driven_is_kept_and_not_driven_again(
     first, again = (gate_drives.driven_before("p.onnx", (), WORLDS, file) for _ in range(2))
     assert (first.as_it_is == again.as_it_is).all()
     assert (first.worse == again.worse).all()
+
+
+def test_a_family_is_driven_no_farther_than_the_gate_would_look() -> None:
+    """Enough is 1.13 % after two looks (ln(1.15/1.1) over 2.645 + 1.282); a tenth less is asked."""
+    start = Look(0.0, 0.1)
+    assert gate_drives.is_far_enough([start, Look(0.1, 0.0101)])
+    assert not gate_drives.is_far_enough([start, Look(0.1, 0.0103)])
+
+
+def test_a_pair_counts_no_better_than_two_drives_from_different_places() -> None:
+    """1 % from 20,000 contacts of each, however alike the two are."""
+    counts = np.full(WORLDS, 20.0)
+    look = gate_drives.unpaired(look_at(counts, counts), Pair(counts, counts))
+    assert look.error == pytest.approx(0.01, rel=1e-3)
+    assert gate_drives.unpaired(Look(0.0, 0.3), Pair(counts, counts)).error == 0.3
 
 
 def test_two_drives_of_one_policy_are_swapped_world_by_world() -> None:
