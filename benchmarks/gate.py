@@ -95,11 +95,12 @@ def worse(
         driven: of both.
         drawn: worlds.
         toss: from which of the two places.
-        share: uniform in [0, 1): below loss ÷ the worse one's loss a world has the worse one.
+        share: uniform in [0, 1): below loss ÷ the worse one's loss so far a world has the worse
+            one, so that after each look's way just that is lost.
         loss: what is asked for; at most the worse one's.
     """
     old = driven.as_it_is[toss, :, drawn].T
-    is_worse = share < loss / driven.loss
+    is_worse = share < loss / np.maximum(loss, driven.losses)[:, np.newaxis]
     return np.where(is_worse, driven.worse[toss, :, drawn].T, old), old
 
 

@@ -74,6 +74,13 @@ class Driven:
     worse: Floats
 
     @property
+    def losses(self) -> Floats:
+        """Of the worse one, after each look's way: (looks,)."""
+        old = np.maximum(1.0, self.as_it_is.sum(axis=(0, 2)))
+        losses: Floats = self.worse.sum(axis=(0, 2)) / old - 1.0
+        return losses
+
+    @property
     def loss(self) -> float:
         """Of the worse one, over all the way."""
         return float(self.worse[:, -1].sum()) / max(1.0, float(self.as_it_is[:, -1].sum())) - 1.0
