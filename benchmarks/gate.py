@@ -1,11 +1,11 @@
 """How often `evaluate --against` is wrong, and what it finds: two hundred comparisons, resampled.
 
-    python benchmarks/gate.py runs/reflex-0/policy.onnx [--comparisons 200] [--jobs 2] [--json]
+    python benchmarks/gate.py runs/reflex-0/policy.onnx [--family outlines body] [--keep FOLDER]
 
 One comparison takes half a minute, two hundred an hour and more. Here a policy drives the ways of
 one comparison twice, from other places in the same validation worlds; so does the same policy made
-worse (`gate_drives.py`). Every comparison then draws the worlds anew, with
-replacement, and is judged by the gate's own code, look after look.
+worse (`gate_drives.py`). Every comparison then draws the worlds anew, with replacement, and is
+judged by the gate's own code, look after look.
 
 - *alike*: of each world one drive is the new policy and the other the old one, by a toss. Nothing
   but chance tells them apart, so every "loses" is a false alarm. (The very same file from the same
@@ -24,9 +24,13 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-from gate_drives import Driven, drive_all, judged_cells
+from gate_drives import ALPHA, MARGIN, Driven, drive_all, judged_cells
 
-from reflexarc_sim_bridge.evaluation.driving.paired_drive import FIRST_LOOK_M, PAIRED_WORLDS
+from reflexarc_sim_bridge.evaluation.driving.paired_drive import (
+    FIRST_LOOK_M,
+    MOST_M,
+    PAIRED_WORLDS,
+)
 from reflexarc_sim_bridge.evaluation.metrics.track import Floats
 from reflexarc_sim_bridge.evaluation.scoring.regression import (
     Claim,
@@ -38,8 +42,6 @@ from reflexarc_sim_bridge.evaluation.scoring.regression import (
     overall,
 )
 
-MARGIN, ALPHA = 0.1, 0.05
-"""The gate's own."""
 Worlds = npt.NDArray[np.int64]
 
 
@@ -58,7 +60,9 @@ class Found:
     """Share of comparisons in which this family keeps: wrongly."""
     smallest: float
     """Median of the smallest loss that the gate itself says it would have found four times in
-    five."""
+    five, of the comparisons with the most looks."""
+    way_m: float
+    """Mean way of an agent in a comparison."""
 
 
 def looks_of(new: Floats, old: Floats, families: int) -> list[Look]:
@@ -91,11 +95,12 @@ def worse(
         driven: of both.
         drawn: worlds.
         toss: from which of the two places.
-        share: uniform in [0, 1): below loss ÷ the worse one's loss a world has the worse one.
+        share: uniform in [0, 1): below loss ÷ the worse one's loss so far a world has the worse
+            one, so that after each look's way just that is lost.
         loss: what is asked for; at most the worse one's.
     """
     old = driven.as_it_is[toss, :, drawn].T
-    is_worse = share < loss / driven.loss
+    is_worse = share < loss / np.maximum(loss, driven.losses)[:, np.newaxis]
     return np.where(is_worse, driven.worse[toss, :, drawn].T, old), old
 
 
@@ -153,21 +158,22 @@ def found_in(
     verdicts = [
         compare_worse(families, family, loss, seed, together) for seed in range(comparisons)
     ]
-    last = [v for v in verdicts if v.looks == len(driven.as_it_is[0])]
+    most = max(v.looks for v in verdicts)
     return Found(
         family,
         round(float(driven.as_it_is[:, -1].sum() / 2.0)),
         driven.loss,
         sum(v.claim is Claim.LOSES for v in verdicts) / comparisons,
         sum(v.claim is Claim.KEEPS for v in verdicts) / comparisons,
-        float(np.median([v.smallest for v in last or verdicts])),
+        float(np.median([v.smallest for v in verdicts if v.looks == most])),
+        float(np.mean([FIRST_LOOK_M * 2 ** (v.looks - 1) for v in verdicts])),
     )
 
 
 def main() -> None:
     """Drive, compare and print."""
     given = _arguments()
-    families = drive_all(str(given.policy), given.worlds, given.jobs, given.family)
+    families = drive_all(given.policy, given.worlds, given.jobs, given.family, given.keep)
     said = [overall(compare_alike(families, seed)) for seed in range(given.comparisons)]
     together = judged_cells().keys()
     rows = {
@@ -179,12 +185,11 @@ def main() -> None:
         found = {name: row and asdict(row) for name, row in rows.items()}
         print(json.dumps({"alike": counted, "worse": given.worse, "families": found}))
         return
-    metres = FIRST_LOOK_M * 8
-    print(f"{given.policy}: {given.worlds} validation worlds, at most {metres:.0f} m in each")
+    print(f"{given.policy}: {given.worlds} validation worlds, at most {MOST_M:.0f} m in each")
     print(f"\nalike, {given.comparisons} comparisons of {len(families)} families: ", end="")
     print(", ".join(f"{said.count(claim)} {claim}" for claim in Claim))
     print(f"\n{given.worse:.0%} worse in one family, {given.comparisons} comparisons each")
-    print("  family        contacts  driven worse   found  undecided   kept  smallest found")
+    print("  family        contacts  driven worse   found  undecided   kept  smallest found    way")
     for name, row in rows.items():
         if row is None:
             contacts = round(float(families[name].as_it_is[:, -1].sum() / 2.0))
@@ -193,7 +198,7 @@ def main() -> None:
         undecided = 1.0 - row.found - row.kept
         print(
             f"  {name:12} {row.contacts:9} {row.loss:12.1%} {row.found:7.0%} {undecided:10.0%}"
-            f" {row.kept:6.0%} {row.smallest:14.1%}"
+            f" {row.kept:6.0%} {row.smallest:14.1%} {row.way_m:6.0f}"
         )
 
 
@@ -205,6 +210,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--worlds", type=int, default=PAIRED_WORLDS)
     parser.add_argument("--family", nargs="*", default=[])
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--keep", type=Path, help="a folder for what was driven, to go on with")
     parser.add_argument("--json", action="store_true")
     return parser.parse_args()
 

@@ -10,18 +10,19 @@ standing` trains, measures and writes all of it, `make standing-flow` the sectio
 
 import argparse
 import json
-import math
 from collections.abc import Sequence
 from pathlib import Path
+
+from equal_eyes import equal_eyes
+from standing_words import best_of_ours, eye_of, name_of, score_of, short_name
 
 from reflexarc_pictures.rendering import render_results
 from reflexarc_sim_bridge.evaluation.metrics.figures import figures_of
 from reflexarc_sim_bridge.evaluation.protocol.contender import BLIND
-from reflexarc_sim_bridge.evaluation.protocol.results import Agent, ResultRow, Results
+from reflexarc_sim_bridge.evaluation.protocol.results import ResultRow, Results
 from reflexarc_sim_bridge.evaluation.protocol.setting import Setting
 from reflexarc_sim_bridge.evaluation.scoring.score_card import ScoreCard
 from reflexarc_sim_bridge.evaluation.scoring.suite_scores import score_cards
-from reflexarc_trainer.config.presets import PRESETS
 
 PAGE = Path(__file__).parent / "standing.md"
 PICTURE = "figures/suite.png"
@@ -90,7 +91,7 @@ def _flow_standings(results: Results, cards: Sequence[ScoreCard], setting: Setti
         rows = [r for r in results.rows if r.contender in card.members and r.setting == setting]
         figures = figures_of([row for row in rows if row.family != HOME])
         at_home = [_at_home(results, row) for row in rows if row.family == HOME]
-        words = [str(place), f"`{_name(card)}`", _score(card)]
+        words = [str(place), f"`{name_of(card)}`", score_of(card)]
         words += [f"{figures[name]:.2f}" for name in ("contacts_per_100m", "switches_per_s")]
         lines.append(f"| {' | '.join([*words, *at_home])} |")
     return "\n".join(lines) + "\n"
@@ -109,6 +110,7 @@ def _page(results: Results, cards: Sequence[ScoreCard]) -> str:
     for setting in settings:
         chosen = [card for card in cards if card.setting == setting]
         parts += [_standings(results, chosen, setting), _answer(chosen), _families(chosen)]
+        parts += [section] if (section := equal_eyes(results, chosen)) else []
     return "\n".join(parts)
 
 
@@ -138,24 +140,25 @@ def _standings(results: Results, cards: Sequence[ScoreCard], setting: Setting) -
         area = "–" if card.robustness_area is None else f"{card.robustness_area:.2f}"
         contacts = "–" if own.turns else f"{figures['contacts_per_100m']:.2f}"
         lines.append(
-            f"| {place} | `{_name(card)}` | {_score(card)} | {card.worst_family} {worst:.2f} "
-            f"| {contacts} | {figures['switches_per_s']:.2f} | {area} | {_eye(own)} | {own.tuned} |"
+            f"| {place} | `{name_of(card)}` | {score_of(card)} | {card.worst_family} {worst:.2f} "
+            f"| {contacts} | {figures['switches_per_s']:.2f} | {area} | {eye_of(own)} "
+            f"| {own.tuned} |"
         )
     return "\n".join(lines) + "\n"
 
 
 def _answer(cards: Sequence[ScoreCard]) -> str:
     """Who is first, where our best preset stands, and both without what ranges need not fear."""
-    names = [_short(card) for card in cards]
-    ours = next((c for c in cards if _short(c).split("@")[0].rpartition("-")[0] in PRESETS), None)
-    ours = ours or next((c for c in cards if _short(c).split("@")[0] in PRESETS), None)
+    names = [short_name(card) for card in cards]
+    ours = best_of_ours(cards)
     if ours is None:
         return ""
-    first, place = cards[0], names.index(_short(ours)) + 1
+    first, place = cards[0], names.index(short_name(ours)) + 1
+    without = " and ".join(f"{_without(card):.3f}" for card in (first, ours))
     return (
-        f"First is `{names[0]}`; the best of our presets is `{_short(ours)}`, in place {place} of "
-        f"{len(cards)}. Who sees ranges sees no colours, so that `{COLOURS}` asks nothing of it: "
-        f"without that family they have {_without(first):.3f} and {_without(ours):.3f}.\n"
+        f"First is `{names[0]}`; the best of our presets is `{short_name(ours)}`, in place "
+        f"{place} of {len(cards)}. Who sees ranges sees no colours, so that `{COLOURS}` asks "
+        f"nothing of it: without that family they have {without}.\n"
     )
 
 
@@ -171,34 +174,8 @@ def _families(cards: Sequence[ScoreCard]) -> str:
     for card in cards:
         scores = [card.families.get(name) for name in families]
         words = ("–" if score is None else f"{score.value:.2f}" for score in scores)
-        lines.append(f"| `{_short(card)}` | {' | '.join(words)} |")
+        lines.append(f"| `{short_name(card)}` | {' | '.join(words)} |")
     return "\n".join(lines) + "\n"
-
-
-def _eye(agent: Agent) -> str:
-    """Of the words of a contract's eye those that tell eyes apart."""
-    told = dict(word.split("=") for word in agent.eye.replace(",", "").split() if "=" in word)
-    degrees = math.degrees(float(told["fov_rad"]))
-    eyes = f"{told['eyes']} × {told['rays']}" if told["eyes"] != "1" else told["rays"]
-    words = f"{eyes} rays, {degrees:.0f}°, {float(told['range_m']):g} m, {told['shading']}"
-    return f"{words}, as ranges" if agent.eye.endswith("ranges") else words
-
-
-def _name(card: ScoreCard) -> str:
-    seeds = f", {len(card.members)} seeds" if len(card.members) > 1 else ""
-    return f"{_short(card)}{seeds}"
-
-
-def _short(card: ScoreCard) -> str:
-    if len(card.members) > 1:
-        return card.name.partition(",")[0]
-    return card.name.replace("/policy.onnx", "").rpartition("/")[2]
-
-
-def _score(card: ScoreCard) -> str:
-    low, high = card.headline.low, card.headline.high
-    interval = "" if low is None or high is None else f" [{low:.3f}, {high:.3f}]"
-    return f"{card.headline.value:.3f}{interval}"
 
 
 def _arguments() -> argparse.Namespace:

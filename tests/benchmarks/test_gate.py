@@ -1,12 +1,17 @@
 """The gate's own error rates are found as they are: on contacts whose loss is known."""
 
+from collections.abc import Callable
+from pathlib import Path
+
 import gate
+import gate_drives
 import numpy as np
 import pytest
-from gate_drives import Careless, Driven
+from gate_drives import NEAR_ENOUGH, Careless, Driven, share_for
 
 from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
-from reflexarc_sim_bridge.evaluation.scoring.regression import Claim, overall
+from reflexarc_sim_bridge.evaluation.driving.paired_drive import LOOKS, Pair
+from reflexarc_sim_bridge.evaluation.scoring.regression import Claim, Look, look_at, overall
 
 WORLDS = 1000
 
@@ -21,11 +26,11 @@ class Left:
 
 
 def driven(mean: float, ratio: float, seed: int = 0) -> Driven:
-    """Contacts after four looks, each with twice as much behind it; the worse `ratio` times."""
+    """Contacts after all looks, each with twice as much behind it; the worse `ratio` times."""
     generator = np.random.default_rng(seed)
-    means = mean * np.array([1.0, 1.0, 2.0, 4.0])[:, np.newaxis]
+    means = mean * np.diff([0.0, *2.0 ** np.arange(LOOKS)])[:, np.newaxis]
     drawn = [
-        generator.poisson(factor * means, (2, 4, WORLDS)).cumsum(axis=1).astype(float)
+        generator.poisson(factor * means, (2, LOOKS, WORLDS)).cumsum(axis=1).astype(float)
         for factor in (1.0, ratio)
     ]
     return Driven(*drawn)
@@ -36,6 +41,59 @@ def test_a_careless_policy_looks_away_as_often_as_it_is_told() -> None:
     away = (q_values == 0.0).all(axis=1)
     assert away.mean() == pytest.approx(0.3, abs=0.015)
     assert (actions == np.where(away, 0, 1)).all()
+
+
+@pytest.mark.parametrize(
+    "loss_of",
+    [
+        lambda share: 2.0 * share,
+        lambda share: 30.0 * share**2,
+        lambda share: 60.0 * share**3,
+        lambda share: 2000.0 * share**6 - 0.1 * share,
+        lambda share: 1.1 * share**0.5,
+    ],
+)
+def test_a_share_is_tried_until_the_copy_loses_what_is_aimed_at(
+    loss_of: Callable[[float], float],
+) -> None:
+    tried: list[float] = []
+
+    def noted(share: float) -> float:
+        tried.append(share)
+        return loss_of(share)
+
+    assert NEAR_ENOUGH[0] <= loss_of(share_for(noted)) <= NEAR_ENOUGH[1]
+    assert len(tried) <= 8
+
+
+def test_a_copy_that_carelessness_helps_looks_away_always() -> None:
+    assert share_for(lambda share: -0.1 * share) == 1.0
+
+
+def test_what_was_driven_is_kept_and_not_driven_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drives = [driven(1.0, 1.2)]
+    monkeypatch.setattr(gate_drives, "drive_family", lambda *_: drives.pop())
+    file = tmp_path / "kept" / "discs.npz"
+    first, again = (gate_drives.driven_before("p.onnx", (), WORLDS, file) for _ in range(2))
+    assert (first.as_it_is == again.as_it_is).all()
+    assert (first.worse == again.worse).all()
+
+
+def test_a_family_is_driven_no_farther_than_the_gate_would_look() -> None:
+    """Enough is 1.13 % after two looks (ln(1.15/1.1) over 2.645 + 1.282); a tenth less is asked."""
+    start = Look(0.0, 0.1)
+    assert gate_drives.is_far_enough([start, Look(0.1, 0.0101)])
+    assert not gate_drives.is_far_enough([start, Look(0.1, 0.0103)])
+
+
+def test_a_pair_counts_no_better_than_two_drives_from_different_places() -> None:
+    """1 % from 20,000 contacts of each, however alike the two are."""
+    counts = np.full(WORLDS, 20.0)
+    look = gate_drives.unpaired(look_at(counts, counts), Pair(counts, counts))
+    assert look.error == pytest.approx(0.01, rel=1e-3)
+    assert gate_drives.unpaired(Look(0.0, 0.3), Pair(counts, counts)).error == 0.3
 
 
 def test_two_drives_of_one_policy_are_swapped_world_by_world() -> None:
@@ -55,7 +113,7 @@ def test_the_mixture_loses_just_what_is_asked_for() -> None:
         generator.random(40 * WORLDS),
         0.15,
     )
-    assert new[-1].sum() / old[-1].sum() - 1.0 == pytest.approx(0.15, abs=0.01)
+    assert new.sum(axis=1) / old.sum(axis=1) - 1.0 == pytest.approx(0.15, abs=0.01)
 
 
 def test_alike_is_hardly_ever_an_alarm_and_a_plain_loss_is_found() -> None:

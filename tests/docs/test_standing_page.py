@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 
+import numpy as np
 import pytest
 
 from reflexarc_sim_bridge.evaluation.metrics.sums import sums_of
@@ -15,6 +16,7 @@ from reflexarc_sim_bridge.evaluation.protocol.results import (
     Results,
     plain_sums,
 )
+from reflexarc_sim_bridge.evaluation.protocol.setting import Setting
 from support.hand_tracks import track_of
 from support.page_results import WORLDS, page_results
 
@@ -27,6 +29,7 @@ def script(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     spec = importlib.util.spec_from_file_location("standing_page", SCRIPT)
     assert spec is not None
     assert spec.loader is not None
+    monkeypatch.syspath_prepend(str(SCRIPT.parent))
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     (tmp_path / "figures").mkdir()
@@ -88,3 +91,24 @@ def test_at_home_stand_its_own_contacts_and_those_of_who_never_steers(
     script.main(saved(tmp_path / "flow.json", results), is_flow=True)
     rows = [line for line in script.PAGE.read_text().splitlines() if line.startswith("| 1 |")]
     assert sum(row.endswith("| 3.00, 5.00 |") for row in rows) == 1  # the field's, which was there
+
+
+def test_at_equal_eyes_each_kind_is_ranked_by_itself_and_ours_is_compared_with_its_best(
+    script: ModuleType, tmp_path: Path
+) -> None:
+    """Made-up contenders: each makes more contacts than the one before, in every world."""
+    names = ["metres", "ppo-0", "reflex-0", "dqn-0", "far"]
+    results = page_results(names, settings=[Setting.FIELD])
+    metres, *others, far = results.agents
+    agents = [replace(metres, eye=f"{metres.eye}, ranges"), *others]
+    agents.append(replace(far, eye=far.eye.replace("range_m=5", "range_m=9")))
+    script.main(saved(tmp_path / "results.json", replace(results, agents=agents)))
+    section = script.PAGE.read_text().partition("### At equal eyes")[2]
+    ranked = [line.split("`")[1] for line in section.splitlines() if line.count("`") == 2]
+    assert ranked == ["ppo-0", "reflex-0", "dqn-0", "metres"]
+    [everything] = [line.split(" | ") for line in section.splitlines() if line[:5] == "| all"]
+    contacts = np.linspace(0.05, 1.1, len(names))[:3]  # shares of blind's; the oracle has 0.02
+    expected = (contacts[:2] - contacts[2]) / (1.0 - 0.02)
+    shown = [float(words.split()[0]) for words in everything[2:]]
+    assert shown == pytest.approx(expected[::-1], abs=0.02)  # contacts are whole numbers
+    assert "Against `ppo-0` it is better in none and worse in discs, motion" in section

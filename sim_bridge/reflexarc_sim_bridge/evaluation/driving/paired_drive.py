@@ -22,7 +22,8 @@ PAIRED_WORLDS = 1000
 """All validation worlds."""
 FIRST_LOOK_M = 40.0
 """Way of each agent before the first look; each later look has twice as much behind it."""
-LOOKS = 4
+LOOKS = 5
+MOST_M = FIRST_LOOK_M * 2 ** (LOOKS - 1)
 MOST_TRIALS = 2 ** (LOOKS - 1)
 TRIAL_S = 60.0
 """For how long a body that turns is watched."""

@@ -17,6 +17,10 @@ Two claims are tested in each family, at some looks after more and more driving:
 
 What is shown by neither is undecided. Each look has its part of the level (`SPENT`), and the
 p-value over all looks is the smallest of the p-values, each weighted by its part (Bonferroni).
+The last look is the one at which the error is small enough, so that a family is driven as far as
+its dispersion needs; it has all of the level that is left. The error says nothing of the loss, so
+ending by it raises no alarms (Mehta, Tsiatis, *Flexible sample size considerations using
+information-based interim monitoring*, 2001).
 """
 
 import math
@@ -29,10 +33,15 @@ import numpy as np
 
 from reflexarc_sim_bridge.evaluation.metrics.track import Floats
 
-SPENT = (0.1, 0.1, 0.2, 0.6)
-"""Share of the level that each look may use; the last one has most of the driving behind it."""
+SPENT = (0.02, 0.03, 0.05, 0.1, 0.8)
+"""Share of the level that each look may use. What is plain is so at any level, and what is not has
+all of the driving behind it at the last look: there a share that is small would cost the most."""
 POWER = 0.8
 """Probability with which the smallest loss that is named would have been found."""
+PLAIN = 1.5
+"""A loss of so many margins should be found …"""
+PLAIN_POWER = 0.9
+"""… with this probability: an error with which it is needs no further look."""
 
 _NORMAL = NormalDist()
 
@@ -104,10 +113,25 @@ _FEW_CONTACTS = 50
 """Below it an error is at least that of two independent Poisson counts."""
 
 
-def p_over_looks(p_values: Sequence[float]) -> float:
+def is_last(looks: Sequence[Look], margin: float, alpha: float, families: int) -> bool:
+    """Whether no look need follow: the error is small enough, or there are no more looks."""
+    if len(looks) == len(SPENT):
+        return True
+    plain = math.log1p(PLAIN * margin) - math.log1p(margin)
+    level = alpha * shares(len(looks), is_last=True)[-1] / families
+    return looks[-1].error <= plain / _errors_away(level, PLAIN_POWER)
+
+
+def shares(looks: int, *, is_last: bool) -> tuple[float, ...]:
+    """Share of the level of each look so far; the last one has all that is left."""
+    before = SPENT[: looks - 1]
+    return (*before, 1.0 - sum(before) if is_last else SPENT[looks - 1])
+
+
+def p_over_looks(p_values: Sequence[float], *, is_last: bool) -> float:
     """The p-value of all looks together: no smaller than 1 level in a share of that level."""
-    weighted = (p / share for p, share in zip(p_values, SPENT, strict=False))
-    return min(1.0, min(weighted))
+    parts = shares(len(p_values), is_last=is_last)
+    return min(1.0, min(p / share for p, share in zip(p_values, parts, strict=True)))
 
 
 def holm(p_values: Mapping[str, float]) -> dict[str, float]:
@@ -120,10 +144,11 @@ def holm(p_values: Mapping[str, float]) -> dict[str, float]:
 
 
 def is_decided(looks: Sequence[Look], margin: float, alpha: float, families: int) -> bool:
-    """Whether more driving could not change what is said of a family."""
-    keeps = p_over_looks([look.p_keeps(margin) for look in looks])
-    loses = p_over_looks([look.p_loses(margin) for look in looks])
-    return keeps <= alpha or loses <= alpha / families
+    """Whether more driving could not, or need not, change what is said of a family."""
+    ends = is_last(looks, margin, alpha, families)
+    keeps = p_over_looks([look.p_keeps(margin) for look in looks], is_last=ends)
+    loses = p_over_looks([look.p_loses(margin) for look in looks], is_last=ends)
+    return ends or keeps <= alpha or loses <= alpha / families
 
 
 def judge(
@@ -136,9 +161,10 @@ def judge(
         margin: largest loss that is still borne, as a share: 0.1 for a tenth more contacts.
         alpha: family-wise level, 0.05 for 5 %.
     """
+    ends = {name: is_last(found, margin, alpha, len(looks)) for name, found in looks.items()}
     loses = holm(
         {
-            name: p_over_looks([look.p_loses(margin) for look in found])
+            name: p_over_looks([look.p_loses(margin) for look in found], is_last=ends[name])
             for name, found in looks.items()
         }
     )
@@ -159,20 +185,25 @@ def overall(verdicts: Sequence[FamilyVerdict]) -> Claim:
 def _verdict(
     name: str, looks: Sequence[Look], loses: float, margin: float, alpha: float, families: int
 ) -> FamilyVerdict:
-    last = looks[-1]
-    keeps = p_over_looks([look.p_keeps(margin) for look in looks])
+    last, ends = looks[-1], is_last(looks, margin, alpha, families)
+    keeps = p_over_looks([look.p_keeps(margin) for look in looks], is_last=ends)
     claim = Claim.LOSES if loses <= alpha else Claim.KEEPS if keeps <= alpha else Claim.UNDECIDED
     half = _NORMAL.inv_cdf(0.975) * last.error
-    needed = _NORMAL.inv_cdf(1.0 - alpha * SPENT[-1] / families) + _NORMAL.inv_cdf(POWER)
+    level = alpha * shares(len(looks), is_last=ends)[-1] / families
     return FamilyVerdict(
         family=name,
         claim=claim,
         loss=math.expm1(last.log_ratio),
         low=math.expm1(last.log_ratio - half),
         high=math.expm1(last.log_ratio + half),
-        smallest=math.expm1(math.log1p(margin) + needed * last.error),
+        smallest=math.expm1(math.log1p(margin) + _errors_away(level, POWER) * last.error),
         looks=len(looks),
     )
+
+
+def _errors_away(level: float, power: float) -> float:
+    """So many errors above the margin a loss is found at that level, with that probability."""
+    return _NORMAL.inv_cdf(1.0 - level) + _NORMAL.inv_cdf(power)
 
 
 def _above(value: float, error: float) -> float:

@@ -64,15 +64,11 @@ def score_card(
     Raises:
         UsageError: no cell that counts tells anything.
     """
-    families = {
-        family: np.stack([each.family_scores(family) for each in scored])
-        for family in scored[0].families
-        if all(family in each.families for each in scored)
-    }
+    families = scores_of_seeds(scored)
     if not families:
         raise UsageError(f"{name}: expected a cell that counts, and where blind fails; got none")
-    drawn = {family: _over_seeds(scores) for family, scores in families.items()}
-    count = _drawn_from(scored)
+    drawn = {family: over_seeds(scores) for family, scores in families.items()}
+    count = drawn_from(scored)
     tables = np.stack(list(drawn.values()))
     values = {family: percentile_interval(scores, count) for family, scores in drawn.items()}
     return ScoreCard(
@@ -97,17 +93,30 @@ def middle_means(values: Floats) -> Floats:
     return means
 
 
-def _over_seeds(scores: Floats) -> Floats:
+def scores_of_seeds(scored: Sequence[ScoredCells]) -> dict[str, Floats]:
+    """Scores by family, of those that all seeds have: (seeds, 1 + draws) each."""
+    return {
+        family: np.stack([each.family_scores(family) for each in scored])
+        for family in scored[0].families
+        if all(family in each.families for each in scored)
+    }
+
+
+def over_seeds(scores: Floats, stream: int = 0) -> Floats:
     """Interquartile means over drawn seeds, each draw with its worlds: (seeds, draws) → (draws,).
 
     Seeds and worlds are crossed: all seeds of a draw are measured in the same drawn worlds.
+
+    Args:
+        scores: of each seed, in each draw of worlds.
+        stream: another one draws other seeds.
     """
     seeds, draws = scores.shape
-    chosen = seed_draws(seeds, draws - 1)
+    chosen = seed_draws(seeds, draws - 1, stream)
     return middle_means(scores[chosen.T, np.arange(draws)])
 
 
-def _drawn_from(scored: Sequence[ScoredCells]) -> int:
+def drawn_from(scored: Sequence[ScoredCells]) -> int:
     """How many things the interval is drawn from; 0 where there shall be none."""
     if len(scored) == 1:
         return scored[0].worlds

@@ -20,8 +20,13 @@ def world_draws(worlds: int, draws: int = DRAWS) -> Floats:
     return np.concatenate([np.ones((1, worlds)), drawn.astype(np.float64)])
 
 
-def seed_draws(seeds: int, draws: int = DRAWS) -> "np.ndarray[tuple[int, int], np.dtype[np.int64]]":
-    """Indices of training seeds: (1 + draws, seeds); the first row is every seed once."""
-    generator = np.random.default_rng(_SEED + 1)
+def seed_draws(
+    seeds: int, draws: int = DRAWS, stream: int = 0
+) -> "np.ndarray[tuple[int, int], np.dtype[np.int64]]":
+    """Indices of training seeds: (1 + draws, seeds); the first row is every seed once.
+
+    Seeds of two presets have nothing to do with each other: each preset has a stream of its own.
+    """
+    generator = np.random.default_rng(_SEED + 1 + stream)
     drawn = generator.integers(0, seeds, (draws, seeds))
     return np.concatenate([np.arange(seeds)[np.newaxis], drawn])

@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 from reflexarc_runtime.errors import ReflexarcError
+from reflexarc_sim_bridge.evaluation.driving.paired_drive import LOOKS
 from reflexarc_sim_bridge.evaluation.protocol.entrant import Entrant
 from reflexarc_sim_bridge.evaluation.protocol.setting import Setting
 from reflexarc_sim_bridge.evaluation.protocol.suite import Suite, SuiteCell, SuiteFamily
@@ -53,8 +54,8 @@ def test_a_family_with_more_driving_is_looked_at_again_until_it_is_decided() -> 
     near = replace(AWAY, name="at 5 Hz", rate_hz=5.0)
     terms = Terms(margin=0.01, worlds=8)
     looks = Comparison(near, AWAY, (SPARSE,), Setting.ROBOT, terms, 12).looks()
-    assert len(looks) == 4
-    assert looks[3].error < looks[0].error
+    assert len(looks) == LOOKS
+    assert looks[-1].error < looks[0].error
 
 
 def test_bodies_of_two_kinds_cannot_be_compared() -> None:

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from reflexarc_sim_bridge.evaluation.driving.paired_drive import LOOKS
 from reflexarc_sim_bridge.evaluation.metrics.track import Floats
 from reflexarc_sim_bridge.evaluation.scoring.regression import (
     SPENT,
@@ -12,15 +13,17 @@ from reflexarc_sim_bridge.evaluation.scoring.regression import (
     Look,
     holm,
     is_decided,
+    is_last,
     judge,
     look_at,
     overall,
     p_over_looks,
+    shares,
 )
 
 FAMILIES = 12
 WORLDS = 400
-MEANS = (2.0, 4.0, 8.0, 16.0)
+MEANS = (1.0, 2.0, 4.0, 8.0, 16.0)
 """Contacts of each world before each look: each look has twice as much behind it."""
 
 
@@ -77,9 +80,43 @@ def test_holm_by_hand() -> None:
 
 def test_the_looks_share_the_level() -> None:
     assert sum(SPENT) == pytest.approx(1.0)
-    assert p_over_looks([0.005]) == pytest.approx(0.05)
-    assert p_over_looks([1.0, 1.0, 1.0, 0.03]) == pytest.approx(0.05)
-    assert p_over_looks([0.9]) == 1.0
+    assert len(SPENT) == LOOKS
+    assert p_over_looks([0.001], is_last=False) == pytest.approx(0.05)
+    assert p_over_looks([1.0, 1.0, 1.0, 1.0, 0.04], is_last=True) == pytest.approx(0.05)
+    assert p_over_looks([0.9], is_last=False) == 1.0
+
+
+def test_the_last_look_has_all_of_the_level_that_is_left() -> None:
+    for looks in range(1, LOOKS + 1):
+        assert sum(shares(looks, is_last=True)) == pytest.approx(1.0)
+        assert shares(looks, is_last=False) == SPENT[:looks]
+    assert shares(LOOKS, is_last=True) == pytest.approx(SPENT)
+
+
+def test_no_look_follows_where_half_as_much_again_as_is_borne_would_be_found() -> None:
+    """At 0.98 of 5 % in twelve: 2.645 errors; found nine times in ten: 1.282 more."""
+    enough = math.log(1.15 / 1.1) / (2.645 + 1.282)
+    unsure = Look(0.0, 1.0)
+    assert is_last([unsure, Look(0.05, 0.999 * enough)], 0.1, 0.05, FAMILIES)
+    assert not is_last([unsure, Look(0.05, 1.001 * enough)], 0.1, 0.05, FAMILIES)
+    assert is_last([unsure] * LOOKS, 0.1, 0.05, FAMILIES)
+
+
+@pytest.mark.parametrize("mean", [0.5, 2.0, 6.0])
+def test_to_end_when_the_error_is_small_enough_raises_no_alarms(mean: float) -> None:
+    """A family that loses just what is borne, alone at 5 %: of 1500, and 3 sigma."""
+    generator, alarms, ended = np.random.default_rng(7), 0, set[int]()
+    for _ in range(1500):
+        new, old, looks = 0.0, 0.0, list[Look]()
+        while not looks or not is_decided(looks, 0.1, 0.05, 1):
+            length = 2.0 ** max(0, len(looks) - 1) * WORLDS * mean
+            new, old = new + generator.poisson(1.1 * length), old + generator.poisson(length)
+            looks.append(Look(math.log(new / old), math.sqrt(1.0 / new + 1.0 / old)))
+        [said] = judge({"a": looks}, 0.1, 0.05)
+        alarms += said.claim is Claim.LOSES
+        ended.add(len(looks))
+    assert alarms <= 75 + 26
+    assert len(ended) > 1
 
 
 def test_equal_policies_raise_a_false_alarm_in_at_most_one_case_in_twenty() -> None:
@@ -107,9 +144,9 @@ def test_a_loss_in_one_family_of_twelve_is_found_and_named() -> None:
 
 
 def test_the_smallest_loss_that_is_named_is_found_four_times_in_five() -> None:
-    generator, error = np.random.default_rng(6), 0.02
-    [named] = judge({"a": [Look(0.0, error)] * 4}, 0.1, 0.05)
+    generator, error, unsure = np.random.default_rng(6), 0.02, [Look(0.0, 9.0)] * (LOOKS - 1)
+    [named] = judge({"a": [Look(0.0, error)] * LOOKS}, 0.1, 0.05)
     drawn = generator.normal(math.log1p(named.smallest), error, 4000)
-    found = [judge({"a": [Look(0.0, 9.0)] * 3 + [Look(d, error)]}, 0.1, 0.05)[0] for d in drawn]
+    found = [judge({"a": [*unsure, Look(d, error)]}, 0.1, 0.05)[0] for d in drawn]
     share = np.mean([each.claim is Claim.LOSES for each in found])
     assert share == pytest.approx(0.8, abs=0.02)
