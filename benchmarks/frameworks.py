@@ -107,7 +107,7 @@ def _run(system: System, rate_hz: float, seconds: float) -> dict[str, float]:
         folder = Path(name)
         _write_policy(folder, rate_hz)
         with system.started(folder, rate_hz, free_port()) as told:
-            _wait_for_commands(folder, rate_hz)
+            _wait_for_commands(system, folder, rate_hz)
             begin_ns = time.monotonic_ns()
             time.sleep(seconds)
             end_ns = time.monotonic_ns()
@@ -148,7 +148,7 @@ def save_network(policy: bytes, folder: Path) -> None:
     np.savez(folder / "network.npz", w1=w1, b1=b1, w2=w2, b2=b2)
 
 
-def _wait_for_commands(folder: Path, rate_hz: float) -> None:
+def _wait_for_commands(system: System, folder: Path, rate_hz: float) -> None:
     """Wait until the body was told to drive for half a second."""
     until_s, enough = time.monotonic() + PATIENCE_S, max(5, round(rate_hz / 2))
     file = folder / "commands.npy"
@@ -160,7 +160,8 @@ def _wait_for_commands(folder: Path, rate_hz: float) -> None:
                 time.sleep(0.5)
                 return
     said = "".join(file.read_text()[-500:] for file in sorted(folder.glob("said-*.txt")))
-    raise SystemExit(f"frameworks.py: expected commands within {PATIENCE_S:g} s, got none: {said}")
+    what = f"{system.framework} {system.variant} at {rate_hz:g} Hz"
+    raise SystemExit(f"{what}: expected {enough} drive commands within {PATIENCE_S:g} s: {said}")
 
 
 def _own_lateness(system: System, told: subprocess.Popen[str]) -> dict[str, float]:
