@@ -69,7 +69,7 @@ class RunCommand:
     """One tick an input, on the input's own time."""
     record: Path | None = None
     """Record everything to this MCAP file; after a failure, or with --rotate-mb, --rotate-s or
-    --keep-mb, it goes on in NAME.part2.mcap. With these flags it may be a folder."""
+    --keep-mb, it goes on in NAME.part2.mcap. A folder, made with these flags, takes many runs."""
     recording: tyro.conf.OmitArgPrefixes[RecordingFlags] = field(default_factory=RecordingFlags)
     box: tyro.conf.OmitArgPrefixes[BlackBoxFlags] = field(default_factory=BlackBoxFlags)
     ticks: int | None = None
