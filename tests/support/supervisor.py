@@ -1,8 +1,10 @@
 """Follows the rules of a systemd unit, as far as they say when a process is started and ended.
 
 For machines on which no systemd runs. What it follows: Type=notify, WatchdogSec, TimeoutStartSec,
-TimeoutStopSec, KillMode=mixed, Restart=on-failure, RestartSec, RestartPreventExitStatus. Source:
-systemd.service(5), systemd.kill(5) and sd_notify(3). What a unit says of rights it does not follow.
+TimeoutStopSec, KillMode=mixed, Restart=on-failure, RestartSec, RestartSteps, RestartMaxDelaySec,
+RestartPreventExitStatus, and an ExecStartPost that resets the count of restarts. Source:
+systemd.service(5), systemd.kill(5), systemctl(1) and sd_notify(3). What a unit says of rights it
+does not follow.
 """
 
 import contextlib
@@ -59,6 +61,7 @@ class Supervisor:
     def __post_init__(self) -> None:
         self._settings = settings_of_unit(self.unit)
         self._stopping = threading.Event()
+        self._restarts = 0
         self._thread = threading.Thread(target=self._supervise, name="supervisor")
 
     def __enter__(self) -> Self:
@@ -88,11 +91,22 @@ class Supervisor:
                 life = self._live(Path(place) / f"notify{len(self.lives)}")
                 if not self._starts_again(life):
                     return
-                self._stopping.wait(self._seconds("RestartSec"))
+                self._stopping.wait(self._pause_s(life))
 
     def _starts_again(self, life: Life) -> bool:
-        refused = self._settings["RestartPreventExitStatus"].split()
+        refused = self._settings.get("RestartPreventExitStatus", "").split()
         return life.status not in CLEAN and str(life.status) not in refused
+
+    def _pause_s(self, life: Life) -> float:
+        """From the first to the longest in equal ratios, by how often it was started again."""
+        first_s = self._seconds("RestartSec")
+        if life.ready_s is not None and "reset-failed" in self._settings.get("ExecStartPost", ""):
+            self._restarts = 0
+        self._restarts += 1
+        if "RestartSteps" not in self._settings:
+            return first_s
+        done = min(1.0, (self._restarts - 1) / self._seconds("RestartSteps"))
+        return float(first_s * (self._seconds("RestartMaxDelaySec") / first_s) ** done)
 
     def _live(self, place: Path) -> Life:
         with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as ours:
