@@ -41,6 +41,8 @@ class Life:
     ready_s: float | None = None
     fed_s: float = 0.0
     said: str = ""
+    stopping_s: float | None = None
+    """When it said that it ends."""
     asked_s: float | None = None
     """When it was asked to end."""
     cause: str = ""
@@ -142,6 +144,8 @@ class Supervisor:
             life.ready_s = life.fed_s = now_s
         if "WATCHDOG=1" in lines:
             life.fed_s = now_s
+        if "STOPPING=1" in lines:
+            life.stopping_s = now_s
         life.said = next((one for one in lines if one.startswith("STATUS=")), life.said)
 
     def _look(self, life: Life, now_s: float) -> None:

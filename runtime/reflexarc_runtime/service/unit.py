@@ -19,7 +19,7 @@ SYSTEMCTL = "/usr/bin/systemctl"
 START_S = 60
 """A policy is tried in a process of its own before the loop begins, on a slow machine for long."""
 WRONG_USE = 2
-"""Exit status of a wrong flag or a bad policy; of a disk that is full, or not there yet, as well."""
+"""Exit status of a wrong flag or a bad policy; also of a disk that is full, or not there yet."""
 
 
 @dataclass(frozen=True)

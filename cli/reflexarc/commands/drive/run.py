@@ -97,7 +97,7 @@ class RunCommand:
         from reflexarc_runtime.guard import asks_the_input
         from reflexarc_runtime.messages.topics import RUNTIME_NODE
         from reflexarc_runtime.sensing.senses import sense_for
-        from reflexarc_runtime.service.manager import manager_of
+        from reflexarc_runtime.service.manager import manager_of, say_where_it_dies
 
         if self.show_config:
             from reflexarc.config_file.printing import as_toml
@@ -106,6 +106,7 @@ class RunCommand:
             return 0
         self._check_flags()
         manager = manager_of()  # before other processes start: they are no service
+        say_where_it_dies(manager)
         policy = self._tried_policy()
         for note in policy.notes:
             aside.print(f"reflexarc run: {note}", soft_wrap=True)

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
 
+from reflexarc_logs.container.file_lock import FileLock
 from reflexarc_logs.container.manifest import MANIFEST, Manifest, manifest_of, read_head
 from reflexarc_logs.container.unfinished import PARTIAL
-from reflexarc_logs.recording.shelves.lock import FileLock
 from reflexarc_runtime.errors import LogError
 
 _SUFFIX = ".mcap"

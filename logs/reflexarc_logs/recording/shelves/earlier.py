@@ -14,6 +14,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from reflexarc_logs.container.file_lock import FileLock
 from reflexarc_logs.container.manifest import (
     MANIFEST,
     ListedPart,
@@ -24,7 +25,6 @@ from reflexarc_logs.container.manifest import (
     say_in,
 )
 from reflexarc_logs.container.unfinished import PARTIAL
-from reflexarc_logs.recording.shelves.lock import FileLock
 from reflexarc_logs.recording.shelves.part_head import says_it_is
 from reflexarc_logs.recording.shelves.shelved import Shelved, removed, shelved
 from reflexarc_runtime.errors import LogError

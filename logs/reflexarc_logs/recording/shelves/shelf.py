@@ -10,12 +10,12 @@ from collections import deque
 from collections.abc import Callable
 from pathlib import Path
 
+from reflexarc_logs.container.file_lock import FileLock
 from reflexarc_logs.container.first_look import is_folder
 from reflexarc_logs.container.manifest import Manifest, PartEvent
 from reflexarc_logs.recording.keeping import Keeping
 from reflexarc_logs.recording.shelves.claim import claimed
 from reflexarc_logs.recording.shelves.earlier import EarlierRecordings
-from reflexarc_logs.recording.shelves.lock import FileLock
 from reflexarc_logs.recording.shelves.shelved import BYTES_IN_MB, Shelved, removed, shelved
 from reflexarc_runtime.errors import LogError
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from reflexarc_logs.container.file_lock import FileLock
 from reflexarc_logs.container.manifest import manifest_of, read_head, read_manifest
 from reflexarc_logs.cutting.join import join
 from reflexarc_logs.reading.log_paths import log_paths
@@ -19,7 +20,6 @@ from reflexarc_logs.recording.keeping import Keeping
 from reflexarc_logs.recording.recorder import Recorder
 from reflexarc_logs.recording.shelves import claim
 from reflexarc_logs.recording.shelves.claim import claimed
-from reflexarc_logs.recording.shelves.lock import FileLock
 from reflexarc_logs.replaying.replay import replay
 from reflexarc_runtime.errors import LogError
 from support.policies import exported

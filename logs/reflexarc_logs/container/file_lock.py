@@ -63,16 +63,41 @@ class FileLock:
         descriptor = os.open(path, flags | os.O_CLOEXEC, 0o666)
         lock = cls(descriptor, is_sure=True)
         try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            lock.is_sure = hold(descriptor)
         except BlockingIOError:
             lock.close()
             return None
-        except OSError:  # a file system without locks
-            lock.is_sure = False
         if not _is_still(path, descriptor):
             lock.close()  # between the two somebody removed it
             return None
         return lock
+
+
+def hold(descriptor: int) -> bool:
+    """Lock an open file for as long as it is open; whether its file system has locks.
+
+    Raises:
+        BlockingIOError: somebody else holds it.
+    """
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise
+    except OSError:
+        return False
+    return True
+
+
+def is_held(path: Path) -> bool:
+    """Whether a living process holds a lock on a file."""
+    try:
+        with path.open("rb") as file:
+            hold(file.fileno())
+    except BlockingIOError:
+        return True
+    except OSError:  # it is gone, or cannot be read
+        pass
+    return False
 
 
 def _is_still(path: Path, descriptor: int) -> bool:
