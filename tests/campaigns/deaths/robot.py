@@ -31,6 +31,7 @@ STILL_M = 1e-9
 SETTINGS = """\
 policy = "policy.onnx"
 port = {port}
+no-guard = true
 record = "logs"
 rotate-s = 60
 keep-mb = {keep_mb}
