@@ -28,13 +28,22 @@ class RecoveredFolder:
 
 
 def recover_folder(folder: Path) -> RecoveredFolder:
-    """Recover each log that no living process writes to its finished name, beside it."""
+    """Recover each log that no living process writes to its finished name, beside it.
+
+    One without a message is no log of anything: it would only fail whatever replays the folder.
+    """
     saved, refused = list[Recovered](), list[str]()
     for partial in unfinished_in(folder):
         try:
-            saved.append(recover(partial, partial.with_suffix("")))
+            recovered = recover(partial, partial.with_suffix(""))
         except LogError as error:
             refused.append(str(error))
+            continue
+        if recovered.messages:
+            saved.append(recovered)
+        else:
+            recovered.path.unlink()
+            refused.append(f"{partial}: nothing to save: it holds no message")
     return RecoveredFolder(folder, tuple(saved), tuple(refused))
 
 

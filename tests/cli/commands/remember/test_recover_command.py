@@ -27,7 +27,8 @@ def test_the_status_says_whether_something_was_lost(tmp_path: Path, capsys):
 def test_a_folder_is_recovered_at_once_but_for_what_is_being_written(tmp_path: Path, capsys):
     whole = GOLDEN.read_bytes()
     (tmp_path / "deep").mkdir()
-    for name, data in (("a", whole[:30_000]), ("deep/b", whole[:90_000]), ("c", b"no log")):
+    head = whole[:9_000]
+    for name, data in (("a", whole[:30_000]), ("deep/b", whole[:90_000]), ("c", head)):
         (tmp_path / f"{name}.mcap.partial").write_bytes(data)
     living = LogWriter(tmp_path / "living.mcap")
     (tmp_path / "done.mcap").write_bytes(whole)
