@@ -22,7 +22,7 @@ from support.policies import exported
 from support.processes import reflexarc, started
 from support.supervisor import Life, Supervisor
 
-PATIENCE_S = 60.0
+PATIENCE_S = 240.0
 MOST_DRIVEN_S = 1.0
 MOST_STARTING_S = 0.5
 STOOD_S = 0.2

@@ -17,6 +17,7 @@ from reflexarc_logs.reading.log_paths import log_paths
 from reflexarc_logs.reading.recover import recover
 from reflexarc_logs.recording.black_box import BoxSpan
 from reflexarc_logs.recording.keeping import Keeping
+from reflexarc_logs.recording.place import NoRoomError, Place
 from reflexarc_logs.recording.recorder import Recorder
 from reflexarc_logs.recording.shelves import claim
 from reflexarc_logs.recording.shelves.claim import claimed
@@ -104,7 +105,7 @@ def test_two_starts_in_one_millisecond_have_two_names(logs, monkeypatch):
     assert [read_head(one.manifest.path).number for one in held] == [1, 2, 3, 4]
 
 
-def test_ten_processes_at_once_have_ten_names(logs):
+def test_processes_that_start_at_once_have_different_names(logs):
     script = (
         "import sys; from pathlib import Path\n"
         "from reflexarc_logs.recording.shelves.claim import claimed\n"
@@ -113,7 +114,7 @@ def test_ten_processes_at_once_have_ten_names(logs):
     ready, go = os.pipe()
     words = [sys.executable, "-c", script, str(logs)]
     many = [
-        subprocess.Popen(words, stdin=ready, stdout=subprocess.PIPE, text=True) for _ in range(10)
+        subprocess.Popen(words, stdin=ready, stdout=subprocess.PIPE, text=True) for _ in range(4)
     ]
     os.close(ready)
     os.close(go)
@@ -248,3 +249,34 @@ def test_without_locks_nothing_of_others_is_removed(policy, logs, monkeypatch):
     everything_must_go(logs, policy)
     assert before <= names(logs)
     assert len([p for p in logs.glob("*.parts.jsonl") if read_head(p).folder]) == 1
+
+
+def test_what_is_not_ours_does_not_count_either(policy, logs):
+    partial = killed(logs, policy, "aaaa")
+    keep_bytes = size_of(logs)
+    partial.write_bytes(bytes(10 * keep_bytes))
+    with Recorder(logs, RUN, policy, {}, wall_offset_ns=0, keeping=Keeping(keep_bytes=keep_bytes)):
+        pass
+    assert (logs / "logs.mcap").exists()
+
+
+def test_a_recording_that_could_not_begin_leaves_no_name_behind(policy, logs, monkeypatch):
+    def full(place: Place) -> None:
+        raise NoRoomError("the disk is full")
+
+    monkeypatch.setattr(Place, "check_room", full)
+    with pytest.raises(LogError, match="the disk is full"):
+        Recorder(logs, RUN, policy, {}, wall_offset_ns=0, keeping=SECOND)
+    assert names(logs) == set()
+
+
+def test_room_is_made_before_the_first_part_is_begun(policy, logs, monkeypatch):
+    """Else a disk that earlier recordings filled refuses every start."""
+    record(logs, policy, "aaaa")
+
+    def full(place: Place) -> None:
+        if (logs / "logs.mcap").exists():
+            raise NoRoomError("the disk is full")
+
+    monkeypatch.setattr(Place, "check_room", full)
+    everything_must_go(logs, policy)
