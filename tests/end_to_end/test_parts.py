@@ -48,9 +48,12 @@ def test_parts_follow_each_other_and_a_mark_makes_the_box_write(
     assert all(replay(log).exit_status == 0 for log in (*parts, tmp_path / "box" / "box.mcap"))
     (box,) = read_manifest(tmp_path / "box" / "box.parts.jsonl")
     assert box.why.startswith("mark: look here (tick ")
-    folder = reflexarc("record", "-o", tmp_path / "whole", "--rotate-s", 1, "--port", port)
-    assert (folder.returncode, "exists already" in folder.stderr) == (2, False)
-    assert "parts of another recording are there" in folder.stderr
+    words = ["--rotate-s", 1, "--seconds", 0.2, "--port", port]
+    again = reflexarc("record", "-o", tmp_path / "whole", *words)
+    assert (again.returncode, len(list((tmp_path / "whole").glob("*.parts.jsonl")))) == (0, 2)
+    named = reflexarc("record", "-o", tmp_path / "whole" / "whole.mcap", *words)
+    assert (named.returncode, "exists already" in named.stderr) == (2, False)
+    assert "parts of another recording are there" in named.stderr
 
 
 @pytest.mark.long

@@ -1,8 +1,10 @@
 """Follows the rules of a systemd unit, as far as they say when a process is started and ended.
 
 For machines on which no systemd runs. What it follows: Type=notify, WatchdogSec, TimeoutStartSec,
-TimeoutStopSec, KillMode=mixed, Restart=on-failure, RestartSec, RestartPreventExitStatus. Source:
-systemd.service(5), systemd.kill(5) and sd_notify(3). What a unit says of rights it does not follow.
+TimeoutStopSec, KillMode=mixed, Restart=on-failure, RestartSec, RestartSteps, RestartMaxDelaySec,
+RestartPreventExitStatus, and an ExecStartPost that resets the count of restarts. Source:
+systemd.service(5), systemd.kill(5), systemctl(1) and sd_notify(3). What a unit says of rights it
+does not follow.
 """
 
 import contextlib
@@ -39,6 +41,8 @@ class Life:
     ready_s: float | None = None
     fed_s: float = 0.0
     said: str = ""
+    stopping_s: float | None = None
+    """When it said that it ends."""
     asked_s: float | None = None
     """When it was asked to end."""
     cause: str = ""
@@ -59,6 +63,7 @@ class Supervisor:
     def __post_init__(self) -> None:
         self._settings = settings_of_unit(self.unit)
         self._stopping = threading.Event()
+        self._restarts = 0
         self._thread = threading.Thread(target=self._supervise, name="supervisor")
 
     def __enter__(self) -> Self:
@@ -88,11 +93,22 @@ class Supervisor:
                 life = self._live(Path(place) / f"notify{len(self.lives)}")
                 if not self._starts_again(life):
                     return
-                self._stopping.wait(self._seconds("RestartSec"))
+                self._stopping.wait(self._pause_s(life))
 
     def _starts_again(self, life: Life) -> bool:
-        refused = self._settings["RestartPreventExitStatus"].split()
+        refused = self._settings.get("RestartPreventExitStatus", "").split()
         return life.status not in CLEAN and str(life.status) not in refused
+
+    def _pause_s(self, life: Life) -> float:
+        """From the first to the longest in equal ratios, by how often it was started again."""
+        first_s = self._seconds("RestartSec")
+        if life.ready_s is not None and "reset-failed" in self._settings.get("ExecStartPost", ""):
+            self._restarts = 0
+        self._restarts += 1
+        if "RestartSteps" not in self._settings:
+            return first_s
+        done = min(1.0, (self._restarts - 1) / self._seconds("RestartSteps"))
+        return float(first_s * (self._seconds("RestartMaxDelaySec") / first_s) ** done)
 
     def _live(self, place: Path) -> Life:
         with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as ours:
@@ -128,6 +144,8 @@ class Supervisor:
             life.ready_s = life.fed_s = now_s
         if "WATCHDOG=1" in lines:
             life.fed_s = now_s
+        if "STOPPING=1" in lines:
+            life.stopping_s = now_s
         life.said = next((one for one in lines if one.startswith("STATUS=")), life.said)
 
     def _look(self, life: Life, now_s: float) -> None:

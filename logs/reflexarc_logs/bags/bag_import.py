@@ -14,7 +14,7 @@ from pathlib import Path
 
 from reflexarc_logs.bags.bag_file import BagFile, BagMessage
 from reflexarc_logs.bags.bag_streams import STATIC, BagStream, BagWishes, streams_of
-from reflexarc_logs.container.compression import QUICK_LEVEL, FixedCompressor
+from reflexarc_logs.container.packing.compression import QUICK_LEVEL, FixedCompressor
 from reflexarc_logs.container.run_info import RUN, RunInfo, installed_versions
 from reflexarc_logs.container.writing import CONFIG_ATTACHMENT, LogWriter
 from reflexarc_runtime.errors import LogError

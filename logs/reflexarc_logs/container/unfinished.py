@@ -1,7 +1,7 @@
 """A file that bears another name until it is finished: `PATH.partial`, then `PATH`.
 
 A `.partial` without a process that writes it is what a killed recording left; `reflexarc recover`
-makes a log of it.
+makes a log of it. Whoever writes one holds a lock on it.
 """
 
 import contextlib
@@ -10,6 +10,7 @@ import os
 from pathlib import Path
 from typing import BinaryIO
 
+from reflexarc_logs.container.file_lock import hold
 from reflexarc_logs.container.remedy import recovery
 from reflexarc_runtime.errors import LogError
 
@@ -95,7 +96,10 @@ def _created(path: Path, partial: Path) -> BinaryIO:
     if os.path.lexists(path):
         raise LogError(f"{path}: exists already; choose another name or remove it")
     try:
-        return open_for_writing(partial)
+        file = open_for_writing(partial)
+        with contextlib.suppress(BlockingIOError, ValueError):  # somebody looks just now
+            hold(file.fileno())
+        return file
     except FileExistsError:
         advice = f"{recovery(partial)} saves what is in it; or remove it"
         if partial.suffix != PARTIAL:

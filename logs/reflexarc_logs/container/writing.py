@@ -14,11 +14,11 @@ from mcap.records import Attachment, Channel, Header, Schema
 from mcap.writer import LIBRARY_IDENTIFIER
 
 from reflexarc_logs.container.attachments import Attached
-from reflexarc_logs.container.compression import Compressor, FixedCompressor
 from reflexarc_logs.container.frames import HEAD
-from reflexarc_logs.container.open_chunk import OpenChunk
+from reflexarc_logs.container.packing.compression import Compressor, FixedCompressor
+from reflexarc_logs.container.packing.open_chunk import OpenChunk
+from reflexarc_logs.container.packing.schemas import NO_SCHEMA, PROTOBUF, schema_of
 from reflexarc_logs.container.raw_log import RawLog, bytes_of
-from reflexarc_logs.container.schemas import NO_SCHEMA, PROTOBUF, schema_of
 from reflexarc_logs.container.unfinished import PARTIAL
 from reflexarc_runtime.messages.wire import NO_SENDER
 

@@ -56,7 +56,7 @@ def manifest_in(place: Path) -> Path:
             f"{place}: expected a manifest (*{MANIFEST}) of a recording in parts, found none"
         )
     if len(found) > 1:
-        names = ", ".join(one.name for one in found[:5])
+        names = ", ".join(one.name for one in found[-5:])  # the newest
         raise LogError(f"{place}: expected one recording, found {len(found)}: name one of {names}")
     return found[0]
 

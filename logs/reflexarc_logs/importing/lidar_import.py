@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from contextlib import closing
 from pathlib import Path
 
-from reflexarc_logs.container.compression import QUICK_LEVEL, FixedCompressor
+from reflexarc_logs.container.packing.compression import QUICK_LEVEL, FixedCompressor
 from reflexarc_logs.container.run_info import RUN, RunInfo, installed_versions
 from reflexarc_logs.container.writing import CONFIG_ATTACHMENT, LogWriter
 from reflexarc_logs.importing.lidar_reading import (

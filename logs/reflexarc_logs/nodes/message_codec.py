@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from google.protobuf.message import Message as ProtobufMessage
 
-from reflexarc_logs.container.schemas import PROTOBUF, schema_of
+from reflexarc_logs.container.packing.schemas import PROTOBUF, schema_of
 from reflexarc_logs.diffing.message_file import Stream
 from reflexarc_logs.diffing.payloads import UnreadableError, protobuf_class, ros2_store
 from reflexarc_logs.nodes.node_class import NodeError

@@ -4,8 +4,10 @@ import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from reflexarc_logs.container.file_lock import is_held
 from reflexarc_logs.container.first_look import is_folder
 from reflexarc_logs.container.manifest import MANIFEST, read_manifest
+from reflexarc_logs.container.unfinished import PARTIAL
 from reflexarc_runtime.errors import LogError
 
 SUFFIX = ".mcap"
@@ -29,6 +31,16 @@ def log_paths(places: Iterable[Path | str]) -> tuple[Path, ...]:
     if not found:
         raise LogError("expected a log (.mcap) or a folder of logs, got nothing")
     return found
+
+
+def unfinished_in(folder: Path) -> tuple[Path, ...]:
+    """Logs in a folder that were never finished, and that no living process writes.
+
+    One that was recovered beside, under its finished name, is not among them.
+    """
+    found = (path for path in folder.rglob(f"*{SUFFIX}{PARTIAL}") if path.is_file())
+    left = (path for path in found if not path.with_suffix("").exists() and not is_held(path))
+    return tuple(sorted(left, key=_in_order))
 
 
 def _in(place: Path) -> Iterator[Path]:

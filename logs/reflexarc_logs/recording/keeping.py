@@ -23,7 +23,8 @@ class Keeping:
     rotate_s: float | None = None
     """The same by its length, in the log's own time."""
     keep_bytes: int | None = None
-    """What all parts may have together: beyond it the oldest are removed."""
+    """What all parts may have together: beyond it the oldest are removed. In a folder, those of
+    earlier recordings count, and go first."""
     who: str = ""
     """Who removes them, for the manifest."""
 

@@ -9,7 +9,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from reflexarc_logs.container.compression import Compressor, FixedCompressor, ThriftyCompressor
+from reflexarc_logs.container.packing.compression import (
+    Compressor,
+    FixedCompressor,
+    ThriftyCompressor,
+)
 from reflexarc_logs.container.rejected import LogEntry
 from reflexarc_logs.container.run_info import RUN, RunInfo
 from reflexarc_logs.container.unfinished import PARTIAL

@@ -88,7 +88,7 @@ class PartKeeper:
             self.fail(error)
         self._hear_of_settled(wait=True)
         self._series.make_room()
-        self._series.syncer.end()
+        self._series.close()
 
     def fail(self, error: Exception) -> None:
         """Close the part that failed, as well as it can be; whatever happens, the robot goes on."""

@@ -47,7 +47,8 @@ class Recorder:
     """A `Sink` that writes a log. A context manager; leaving it finishes the file.
 
     Args:
-        path: the log to be; it must not exist. Until it is finished it is `path` + `.partial`.
+        path: the log to be; it must not exist. Until it is finished it is `path` + `.partial`. Or
+            a folder, which takes many recordings: this one gets a name of its own in it.
         run: what the log says about the run; `policy_hash`, `wall_offset_ns` and `rules` are
             filled in.
         policy: the policy file, attached as `policy.onnx`; empty where none is known.

@@ -12,7 +12,7 @@ from reflexarc_logs.container.unfinished import PARTIAL
 from reflexarc_logs.recording.keeping import Keeping
 from reflexarc_logs.recording.part import PART_OF, Head, Part, next_path
 from reflexarc_logs.recording.place import LostPlaceError, NoRoomError, Place
-from reflexarc_logs.recording.shelf import Shelf
+from reflexarc_logs.recording.shelves.shelf import Shelf
 from reflexarc_logs.recording.syncer import DiskTask, Syncer
 from reflexarc_runtime.errors import LogError
 
@@ -27,7 +27,7 @@ class Series:
     """Begins one part after another.
 
     Args:
-        path: the first part.
+        place: the first part; or a folder, in which it gets a name of its own.
         head: what each begins with.
         keeping: how it is kept.
         at_once: whether the first part is begun now; a black box has none yet.
@@ -36,11 +36,12 @@ class Series:
         LogError: the first part exists, cannot be written, or there is no room.
     """
 
-    def __init__(self, path: Path, head: Head, keeping: Keeping, *, at_once: bool = True) -> None:
-        self.path = path
+    def __init__(self, place: Path, head: Head, keeping: Keeping, *, at_once: bool = True) -> None:
         self._head, self._keeping = head, keeping
-        self._place = Place(path, keeping.reserve_bytes)
-        self._shelf = Shelf(path, keeping, head.run.run_id)
+        kind = "whole run" if at_once else "black box"
+        self._shelf = Shelf(place, keeping, head.run.run_id, kind)
+        self.path = self._shelf.first
+        self._place = Place(self.path, keeping.reserve_bytes)
         self._number = 0
         self._retry_s = RETRY_S
         self._begun_s = time.monotonic()
@@ -51,10 +52,22 @@ class Series:
         self.current: Part | None = None
         self.refusal = ""
         """Why the last attempt to begin a part came to nothing."""
+        try:
+            self._start(at_once=at_once)
+        except BaseException:
+            self._shelf.close()
+            raise
+
+    def _start(self, *, at_once: bool) -> None:
         if at_once:
-            self._enter(self._part(path, None), 1, "")
+            self._enter(self._part(self.path, None), 1, "")
         else:
             self._check_free()
+
+    def close(self) -> None:
+        """No part will be begun any more, and none is open."""
+        self.syncer.end()
+        self._shelf.close()
 
     @property
     def paths(self) -> tuple[Path, ...]:

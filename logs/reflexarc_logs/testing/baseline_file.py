@@ -8,8 +8,8 @@ from google.protobuf.message import Message as ProtobufMessage
 from mcap.records import Channel, Message
 
 from reflexarc_logs.container.copying import MessageCopier
+from reflexarc_logs.container.packing.schemas import PROTOBUF, schema_of
 from reflexarc_logs.container.run_info import RUN, installed_versions
-from reflexarc_logs.container.schemas import PROTOBUF, schema_of
 from reflexarc_logs.container.writing import (
     CONFIG_ATTACHMENT,
     POLICY_ATTACHMENT,

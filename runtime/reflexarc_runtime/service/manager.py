@@ -8,6 +8,7 @@ loop that hangs is not fed, and the manager ends the process and starts it again
 """
 
 import contextlib
+import faulthandler
 import os
 import socket
 from collections.abc import Callable, MutableMapping
@@ -95,6 +96,16 @@ def manager_of(environment: MutableMapping[str, str] | None = None) -> Manager:
     is_meant = process in ("", str(os.getpid()))
     watched = is_meant and patience_us.isdecimal() and int(patience_us) > 0
     return ServiceManager(_sender(place), int(patience_us) * 1000 if watched else None)
+
+
+def say_where_it_dies(manager: Manager) -> None:
+    """Have a service that its manager ends (SIGABRT), or that breaks, write where its loop was.
+
+    Of one thread alone: others may run meanwhile, and their frames must not be looked at then.
+    """
+    if not isinstance(manager, NoManager):
+        with contextlib.suppress(OSError, ValueError, AttributeError, RuntimeError):  # no stderr
+            faulthandler.enable(all_threads=False)
 
 
 def _sender(place: str) -> Callable[[bytes], None]:

@@ -12,12 +12,14 @@ from reflexarc_runtime.config.checks import require
 
 BACK_OFF_SINCE = 254
 """The first version of systemd that waits longer after each failure (RestartSteps)."""
+BACK_OFF_STEPS = 8
 FIRST_RESTART_S = 0.2
 LONGEST_RESTART_S = 30
+SYSTEMCTL = "/usr/bin/systemctl"
 START_S = 60
 """A policy is tried in a process of its own before the loop begins, on a slow machine for long."""
 WRONG_USE = 2
-"""Exit status of a wrong flag or a bad policy: starting again helps nobody."""
+"""Exit status of a wrong flag or a bad policy; also of a disk that is full, or not there yet."""
 
 
 @dataclass(frozen=True)
@@ -84,12 +86,24 @@ class ServiceUnit:
         yield "KillMode=mixed"
         yield "Restart=on-failure"
         yield f"RestartSec={FIRST_RESTART_S:g}"
-        if self.systemd_version >= BACK_OFF_SINCE:
-            yield "RestartSteps=8"
-            yield f"RestartMaxDelaySec={LONGEST_RESTART_S}"
-        yield f"RestartPreventExitStatus={WRONG_USE}"
+        yield from self._back_off()
         yield ""
         yield from self._rights()
+
+    def _back_off(self) -> Iterator[str]:
+        """A start that fails is tried again later and later; once one is ready, as at first.
+
+        systemd by itself never counts anew: after eight deaths in as many years it would wait for
+        the longest time at each (its issue 43813), while the robot stands.
+        """
+        if self.systemd_version < BACK_OFF_SINCE:
+            yield "# Nobody waits longer each time here: a wrong flag is not tried again for ever."
+            yield f"RestartPreventExitStatus={WRONG_USE}"
+            return
+        yield f"RestartSteps={BACK_OFF_STEPS}"
+        yield f"RestartMaxDelaySec={LONGEST_RESTART_S}"
+        yield "# Its first tick ends the waiting: failures are counted from the last good start."
+        yield f"ExecStartPost=-+{SYSTEMCTL} reset-failed {self.name}"
 
     def _rights(self) -> Iterator[str]:
         yield "# What it may do: compute, speak on its sockets, write into its own folder."

@@ -11,7 +11,7 @@ from mcap.records import Schema
 from mcap.stream_reader import StreamReader
 from mcap.writer import CompressionType, Writer
 
-from reflexarc_logs.container.compression import (
+from reflexarc_logs.container.packing.compression import (
     QUICK_LEVEL,
     THOROUGH_LEVEL,
     Compressor,

@@ -19,7 +19,7 @@ from reflexarc_logs.recording import scribe as scribe_module
 from reflexarc_logs.recording.keeping import Keeping
 from reflexarc_logs.recording.part import PART
 from reflexarc_logs.recording.recorder import Recorder
-from reflexarc_logs.recording.shelf import Shelf
+from reflexarc_logs.recording.shelves.shelf import Shelf
 from reflexarc_logs.replaying.replay import replay
 from reflexarc_runtime.errors import LogError
 from support.bad_disks import Disks, full_after

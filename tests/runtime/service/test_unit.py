@@ -28,6 +28,7 @@ def analysed(unit: ServiceUnit, folder: Path, *words: str) -> "subprocess.Comple
     "unit",
     [
         UNIT,
+        replace(UNIT, robot="a-b.c"),
         replace(UNIT, networked=True, realtime_priority=50, user="root"),
         replace(UNIT, writes=(Path("/var/log/a robot"), Path("/srv/100%"))),
         replace(UNIT, command=("/usr/bin/true", "--config", '/etc/of mine/$HOME %n "x".toml')),
@@ -35,6 +36,17 @@ def analysed(unit: ServiceUnit, folder: Path, *words: str) -> "subprocess.Comple
 )
 def test_systemd_takes_it_without_a_word(unit, tmp_path):
     done = analysed(replace(unit, systemd_version=252), tmp_path, "verify")
+    assert (done.returncode, done.stderr + done.stdout) == (0, "")
+
+
+@needs_systemd
+def test_systemd_takes_what_ends_the_back_off(tmp_path):
+    """An older systemd here does not know the steps themselves; they are left out."""
+    path = tmp_path / UNIT.name
+    kept = [line for line in lines(UNIT) if not line.startswith(("RestartSteps", "RestartMax"))]
+    path.write_text("\n".join(kept))
+    words = ["systemd-analyze", "verify", str(path)]
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr + done.stdout) == (0, "")
 
 
@@ -57,8 +69,17 @@ def test_it_waits_longer_after_each_failure_where_systemd_can():
     assert "RestartSteps=8" not in lines(replace(UNIT, systemd_version=253))
 
 
-def test_wrong_use_is_not_started_again():
-    assert "RestartPreventExitStatus=2" in lines(UNIT)
+def test_wrong_use_is_tried_again_only_where_that_is_later_each_time():
+    assert "RestartPreventExitStatus=2" in lines(replace(UNIT, systemd_version=253))
+    assert not any("RestartPrevent" in line for line in lines(UNIT))
+
+
+def test_a_good_start_ends_the_back_off():
+    """Else a service that has died eight times in its life waits for half a minute at each death.
+
+    systemctl(1): reset-failed resets the restart counter of a unit, whatever its state.
+    """
+    assert "ExecStartPost=-+/usr/bin/systemctl reset-failed reflexarc-robot0.service" in lines(UNIT)
 
 
 def test_signs_that_systemd_reads_are_doubled():

@@ -78,7 +78,7 @@ class RunCommand:
     """One tick an input, on the input's own time."""
     record: Path | None = None
     """Record everything to this MCAP file; after a failure, or with --rotate-mb, --rotate-s or
-    --keep-mb, it goes on in NAME.part2.mcap. With these flags it may be a folder."""
+    --keep-mb, it goes on in NAME.part2.mcap. A folder, made with these flags, takes many runs."""
     recording: tyro.conf.OmitArgPrefixes[RecordingFlags] = field(default_factory=RecordingFlags)
     box: tyro.conf.OmitArgPrefixes[BlackBoxFlags] = field(default_factory=BlackBoxFlags)
     ticks: int | None = None
@@ -103,7 +103,7 @@ class RunCommand:
 
     def run(self) -> int:
         """Tick until the end, then say how it went."""
-        from reflexarc_runtime.service.manager import manager_of
+        from reflexarc_runtime.service.manager import manager_of, say_where_it_dies
 
         if self.show_config:
             from reflexarc.config_file.printing import as_toml
@@ -112,6 +112,7 @@ class RunCommand:
             return 0
         self._check_flags()
         manager = manager_of()  # before other processes start: they are no service
+        say_where_it_dies(manager)
         policy = self._tried_policy()
         from reflexarc.wiring.running.sense_act_loop import SenseActLoop
         from reflexarc_runtime.controller import Controller

@@ -38,6 +38,7 @@ class CheckCommand:
     def run(self) -> int:
         """Check, print the table, and answer with its exit status."""
         from reflexarc.terminal.late_progress import late_progress
+        from reflexarc.wiring.keeping_logs.unfinished_logs import say_what_is_left_out
         from reflexarc_logs.checking.check_logs import check_logs
         from reflexarc_logs.reading.log_paths import log_paths
         from reflexarc_runtime.crew.crew import MOST_JOBS
@@ -46,6 +47,7 @@ class CheckCommand:
         if not 0 <= self.jobs <= MOST_JOBS:
             raise UsageError(f"--jobs: expected 1 to {MOST_JOBS}, got {self.jobs}")
         paths = log_paths(self.logs)
+        say_what_is_left_out("check", self.logs)
         with late_progress("checking", len(paths)) as progress:
             report = check_logs(paths, self.jobs or len(os.sched_getaffinity(0)), progress)
         self._tell(report)

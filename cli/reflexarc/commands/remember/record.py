@@ -11,7 +11,11 @@ import tyro
 from reflexarc.terminal.output import aside, console, facts, print_json
 from reflexarc.terminal.signals import StopFlag
 from reflexarc.wiring.bus_flags import Joining
-from reflexarc.wiring.keeping_logs.recording_flags import RecordingFlags, first_part, now_in_name
+from reflexarc.wiring.keeping_logs.recording_flags import (
+    RecordingFlags,
+    now_in_name,
+    recording_place,
+)
 from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:
@@ -37,8 +41,8 @@ class RecordCommand:
     """
 
     out: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
-    """Where to write; runs/<date and time>.mcap by default. With --rotate-mb, --rotate-s or
-    --keep-mb it may be a folder."""
+    """Where to write; runs/<date and time>.mcap by default. A folder, made with --rotate-mb,
+    --rotate-s or --keep-mb, takes many recordings."""
     seconds: float | None = None
     """End after so many seconds; by default, at Ctrl-C."""
     recording: tyro.conf.OmitArgPrefixes[RecordingFlags] = field(default_factory=RecordingFlags)
@@ -56,23 +60,23 @@ class RecordCommand:
         if self.seconds is not None and not 0.0 < self.seconds < math.inf:
             raise UsageError(f"--seconds: expected a positive number, got {self.seconds}")
         keeping = self.recording.keeping("reflexarc record")
-        path = first_part(self.out or Path("runs") / f"{now_in_name()}.mcap", keeping)
+        place = recording_place(self.out or Path("runs") / f"{now_in_name()}.mcap", keeping)
         if self.out is None:
-            path.parent.mkdir(exist_ok=True)
+            place.parent.mkdir(exist_ok=True)
         with (
             StopFlag() as stop,
             self.joining.bus_in_time(RECORDER_NODE, stop, "reflexarc record") as bus,
         ):
             policy = bus.fetch_policy() or b""
-            with recorder_of_bus(path, policy, self.joining.robot, keeping) as recorder:
+            with recorder_of_bus(place, policy, self.joining.robot, keeping) as recorder:
                 came = Arrival(recorder.put)
                 bus.subscribe(ON_THE_BUS, came.hear)
-                aside.print(f"reflexarc record: {path} (Ctrl-C ends it)")
+                aside.print(f"reflexarc record: {recorder.path} (Ctrl-C ends it)")
                 wish = Wish("reflexarc record", "messages", f"{bus.robot}/…")
                 with Waiting(bus, wish, came):
                     self._wait(stop)
         recording = recording_of(recorder)
-        self._tell(path, recording)
+        self._tell(recorder.path, recording)
         return int(recording.failed)
 
     def _wait(self, stop: StopFlag) -> None:

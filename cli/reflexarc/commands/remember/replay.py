@@ -99,11 +99,13 @@ class ReplayCommand:
 
     def run(self) -> int:
         """Replay, print the report, and answer with its exit status."""
+        from reflexarc.wiring.keeping_logs.unfinished_logs import say_what_is_left_out
         from reflexarc_logs.judging.flip_limits import FlipLimits
         from reflexarc_logs.reading.log_paths import log_paths
 
         limits = FlipLimits(self.max_flips, self.max_reversals, self.margin, self.since, self.until)
         paths = log_paths(self.logs)
+        say_what_is_left_out("replay", self.logs)
         if limits.are_set and self.policy is None:
             raise UsageError("limits judge a candidate: give one with --policy")
         is_one = len(self.logs) == 1 and not self.logs[0].is_dir()

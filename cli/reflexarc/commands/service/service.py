@@ -63,9 +63,12 @@ class ServiceCommand:
         return 0
 
     def _install(self, unit: "ServiceUnit", path: Path) -> None:
+        from reflexarc.wiring.keeping_logs.service_places import check_places
         from reflexarc_runtime.files import write_atomically
 
-        check_policy(self._settings())
+        settings = self._settings()
+        check_policy(settings)
+        check_places(settings.record, settings.recording, settings.box, unit)
         if not self.units.is_dir():
             raise UsageError(f"--units: {self.units}: no such folder; is systemd installed here?")
         write_atomically(path, unit.text().encode())

@@ -8,8 +8,8 @@ import tyro
 
 from reflexarc.wiring.keeping_logs.recording_flags import (
     check_number,
-    first_part,
     now_in_name,
+    recording_place,
     size_bytes,
 )
 from reflexarc_runtime.errors import UsageError
@@ -34,9 +34,9 @@ class BlackBoxFlags:
     black_box_after: float = 5.0
     """Write so many seconds behind it as well."""
     black_box_keep_mb: float = 1024.0
-    """Remove the oldest of what the box wrote in this run beyond so many MB."""
+    """Remove the oldest of what boxes wrote into this folder beyond so many MB."""
     black_box_out: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
-    """Where the box writes, a folder or a log (.mcap) whose next ones stand beside it;
+    """Where the box writes, a folder, or a log (.mcap) whose next ones stand beside it;
     runs/<date and time>-box by default."""
 
     @property
@@ -62,11 +62,11 @@ class BlackBoxFlags:
         most = size_bytes(self.black_box_keep_mb)
         return replace(of_record, rotate_bytes=None, rotate_s=None, keep_bytes=most)
 
-    def first_part(self, keeping: "Keeping") -> Path:
-        """The first log that it will write; its folder is made.
+    def place(self, keeping: "Keeping") -> Path:
+        """The folder that it will write into, which is made; or its first log.
 
         Raises:
             UsageError: the folder cannot be made.
         """
         place = self.black_box_out or Path("runs") / f"{now_in_name()}-box"
-        return first_part(place, keeping)
+        return recording_place(place, keeping)

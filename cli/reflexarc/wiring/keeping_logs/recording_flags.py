@@ -39,8 +39,8 @@ class RecordingFlags:
     rotate_s: float | None = None
     """Begin a new part after so many seconds."""
     keep_mb: float | None = None
-    """Keep about so many MB: remove this recording's oldest parts. Without --rotate-mb a part is a
-    tenth of it."""
+    """Keep about so many MB: remove the oldest parts, in a folder first those that earlier
+    recordings left in it. Without --rotate-mb a part is a tenth of it."""
 
     def keeping(self, command: str) -> "Keeping":
         """The same for a recorder.
@@ -78,21 +78,27 @@ def size_bytes(size_mb: float | None) -> int | None:
     return None if size_mb is None else round(size_mb * (1 << 20))
 
 
-def first_part(place: Path, keeping: "Keeping") -> Path:
-    """The first log of a recording; where parts are to be expected, a name without `.mcap` is a
-    folder for them, which is made.
+def recording_place(place: Path, keeping: "Keeping") -> Path:
+    """Where a recording goes: a log, or a folder, which takes many and is made if need be.
+
+    A name without `.mcap` is a folder where it is one already, or where parts are to be expected.
 
     Raises:
         UsageError: it cannot be made.
     """
-    is_log = place.suffix.lower() == LOG_SUFFIX and not place.is_dir()
-    if is_log or not keeping.in_parts:
-        return place
-    try:
-        place.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UsageError(f"{place}: cannot be made: {error.strerror}") from None
-    return place / f"{place.resolve().name}{LOG_SUFFIX}"
+    if is_for_folder(place, keeping):
+        try:
+            place.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise UsageError(f"{place}: cannot be made: {error.strerror}") from None
+    return place
+
+
+def is_for_folder(place: Path, keeping: "Keeping") -> bool:
+    """Whether recordings go into a folder there: one more never finds its name taken."""
+    from reflexarc_logs.container.first_look import is_folder
+
+    return is_folder(place) or (keeping.in_parts and place.suffix.lower() != LOG_SUFFIX)
 
 
 def who_removes(command: str) -> str:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from reflexarc.wiring.keeping_logs.black_box_flags import BlackBoxFlags
 from reflexarc.wiring.keeping_logs.outcome import Recording, recording_of
-from reflexarc.wiring.keeping_logs.recording_flags import RecordingFlags, first_part
+from reflexarc.wiring.keeping_logs.recording_flags import RecordingFlags, recording_place
 from reflexarc_logs.recording.black_box import BoxSpan
 from reflexarc_logs.recording.keeping import Keeping
 from reflexarc_logs.recording.recorder import Recorder
@@ -75,7 +75,7 @@ def run_sinks(
     """Record as the flags say, until it is left.
 
     Args:
-        record: the log of the whole run; None: none.
+        record: the log of the whole run, or a folder for it; None: none.
         flags: how it is kept.
         box: of the black box.
         make: makes a recorder.
@@ -89,8 +89,8 @@ def run_sinks(
         whole: Sink = NoSink()
         boxed: Sink = NoSink()
         if record is not None:
-            whole = stack.enter_context(make(first_part(record, keeping), keeping, None))
+            whole = stack.enter_context(make(recording_place(record, keeping), keeping, None))
         if span is not None:
             of_box = box.keeping(keeping)
-            boxed = stack.enter_context(make(box.first_part(of_box), of_box, span))
+            boxed = stack.enter_context(make(box.place(of_box), of_box, span))
         yield RunSinks(whole, boxed)

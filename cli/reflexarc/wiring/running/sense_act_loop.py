@@ -29,6 +29,7 @@ from reflexarc_runtime.loop.notices.input_notices import Notices
 from reflexarc_runtime.loop.outlets import NoOutlet, Outlets
 from reflexarc_runtime.loop.pacing.pacer import Pacer
 from reflexarc_runtime.loop.rehearsal import Rehearsal
+from reflexarc_runtime.loop.warm_up import warm_up
 from reflexarc_runtime.loop.watch import Watch
 from reflexarc_runtime.messages.topics import (
     COMMAND,
@@ -139,7 +140,9 @@ class SenseActLoop:
         if flags.lockstep:
             wait_for_body(bus, command, stop)
         came = Arrival(inbox.put)
-        self._listen(inbox, came)
+        self._listen_to_people(inbox)
+        if flags.lockstep:  # its body waits for every answer, and no time passes
+            self._listen_to_senses(inbox, came)
         watching = self._watching(inbox, desk)
         said = "; ".join(realtime.prepare(flags.fifo))  # the watchdog's thread inherits it
         notices = Notices(self._say, self.controller.contract, flags.sensor)
@@ -149,7 +152,11 @@ class SenseActLoop:
         with notices, waiting, watching as watch:
             bus.take_requests(desk.ask)
             self._say(f"{flags.policy_name} on {flags.backend}; {said}; watchdog {watch.state}")
-            summary = self._node(candidates, inbox, outlets, watch, notices).run(stop, max_ticks)
+            node = self._node(candidates, inbox, outlets, watch, notices)
+            if not flags.lockstep:
+                warm_up(self.controller)
+                self._listen_to_senses(inbox, came)
+            summary = node.run(stop, max_ticks)
         self.manager.ending()
         return summary
 
@@ -158,12 +165,21 @@ class SenseActLoop:
         release = NoOutlet() if self.flags.lockstep else bus.publisher(RELEASE)
         return Outlets(command, bus.publisher(TICK), bus.publisher(STATUS), release)
 
-    def _listen(self, inbox: Inbox, came: Arrival) -> None:
-        """Hand the loop what it decides on; say whom the body obeys in place of this runtime."""
-        bus, controller = self.bus, self.controller
-        bus.subscribe([controller.sense.topic], came.hear)
-        ranges = [topic for topic in (controller.ranges_topic,) if topic is not None]
-        bus.subscribe([*ranges, STOP, RESET], inbox.put)
+    def _listen_to_senses(self, inbox: Inbox, came: Arrival) -> None:
+        """Hand the loop what it decides on, as the last thing before its first tick.
+
+        Who listens while the rest of a start keeps this process busy hears late what came in time:
+        the first delays go up and down as those of a sender whose clock steps do, and what follows
+        counts as a backlog for a minute or two.
+        """
+        self.bus.subscribe([self.controller.sense.topic], came.hear)
+        if self.controller.ranges_topic is not None:
+            self.bus.subscribe([self.controller.ranges_topic], inbox.put)
+
+    def _listen_to_people(self, inbox: Inbox) -> None:
+        """Hand the loop what stops it; say whom the body obeys in place of this runtime."""
+        bus = self.bus
+        bus.subscribe([STOP, RESET], inbox.put)
         if not self.flags.lockstep:  # where all have one name
             bus.subscribe([LEASE], Rivals(bus.sender, self._say, bus.robot).hear)
 

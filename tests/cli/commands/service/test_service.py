@@ -57,6 +57,35 @@ def test_what_cannot_run_is_not_installed(text, said, config, tmp_path, capsys):
     assert list(units.iterdir()) == []
 
 
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ('record = "drive.mcap"', "record: expected a folder"),
+        ('record = "drive"', "record: expected a folder"),
+        ('record = "logs"\nrotate-s = 60', "may write below /var/lib/reflexarc-rover1 only"),
+        ('record = "/var/lib/reflexarc-rover1/../x"\nrotate-s = 60', "may write below"),
+        ("black-box = 30", "expected black-box-out beside it"),
+        ('black-box = 30\nblack-box-out = "boxes"', "black-box-out: "),
+    ],
+)
+def test_a_service_records_into_folders_that_it_may_write_to(text, said, config, tmp_path, capsys):
+    config.write_text(f"{config.read_text()}{text}\n")
+    units = tmp_path / "units"
+    units.mkdir()
+    assert main(["service", "install", str(config), "--units", str(units)]) == 2
+    assert said in capsys.readouterr().err
+    assert list(units.iterdir()) == []
+
+
+def test_another_folder_is_allowed_by_name(config, tmp_path):
+    config.write_text(f'{config.read_text()}record = "logs"\nkeep-mb = 100\n')
+    units = tmp_path / "units"
+    units.mkdir()
+    words = ["service", "install", str(config), "--units", str(units)]
+    assert main([*words, "--writes", str(tmp_path)]) == 0
+    assert f"ReadWritePaths={tmp_path}" in next(units.iterdir()).read_text()
+
+
 def test_what_is_not_there_is_not_removed(config, tmp_path, capsys):
     assert main(["service", "remove", str(config), "--units", str(tmp_path)]) == 2
     assert "no such unit" in capsys.readouterr().err

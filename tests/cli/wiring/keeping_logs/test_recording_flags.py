@@ -6,7 +6,7 @@ import pytest
 
 from reflexarc.main import main
 from reflexarc.wiring.keeping_logs.black_box_flags import BlackBoxFlags
-from reflexarc.wiring.keeping_logs.recording_flags import RecordingFlags, first_part
+from reflexarc.wiring.keeping_logs.recording_flags import RecordingFlags, recording_place
 from reflexarc_logs.recording.keeping import Keeping
 from reflexarc_runtime.errors import UsageError
 
@@ -67,14 +67,14 @@ def test_a_limit_is_reached_by_size_or_by_time():
 
 def test_a_name_without_a_suffix_is_a_folder_for_parts_only(tmp_path: Path):
     parts = Keeping(rotate_s=1.0)
-    assert first_part(tmp_path / "monday", Keeping()) == tmp_path / "monday"
+    assert recording_place(tmp_path / "monday", Keeping()) == tmp_path / "monday"
     assert not (tmp_path / "monday").exists()
-    assert first_part(tmp_path / "a" / "monday", parts) == tmp_path / "a" / "monday" / "monday.mcap"
+    assert recording_place(tmp_path / "a" / "monday", parts) == tmp_path / "a" / "monday"
     assert (tmp_path / "a" / "monday").is_dir()
-    assert first_part(tmp_path / "b.mcap", parts) == tmp_path / "b.mcap"
+    assert recording_place(tmp_path / "b.mcap", parts) == tmp_path / "b.mcap"
     (tmp_path / "file").write_bytes(b"")
     with pytest.raises(UsageError, match="cannot be made"):
-        first_part(tmp_path / "file", parts)
+        recording_place(tmp_path / "file", parts)
 
 
 @pytest.mark.parametrize(
@@ -97,10 +97,9 @@ def test_a_box_without_a_place_gets_a_folder_of_its_own(tmp_path, monkeypatch):
     flags = BlackBoxFlags(black_box=5.0)
     keeping = flags.keeping(RecordingFlags(rotate_s=1.0, sync_s=3.0).keeping("test"))
     assert (keeping.rotate_s, keeping.sync_s, keeping.keep_bytes) == (None, 3.0, 1024 * MB)
-    path = flags.first_part(keeping)
-    assert path.parent.is_dir()
-    assert path.parent.parent.name == "runs"
-    assert path.name == f"{path.parent.name}.mcap"
+    place = flags.place(keeping)
+    assert place.is_dir()
+    assert (place.parent.name, place.name[-4:]) == ("runs", "-box")
 
 
 def test_limits_of_parts_without_a_recording_are_refused(tmp_path, capsys):

@@ -8,7 +8,7 @@ from mcap.records import Schema
 from mcap_protobuf.decoder import DecoderFactory
 from mcap_protobuf.schema import build_file_descriptor_set
 
-from reflexarc_logs.container.schemas import schema_of
+from reflexarc_logs.container.packing.schemas import schema_of
 from reflexarc_runtime.messages.topics import TOPICS
 from reflexarc_runtime.messages_pb2 import Keyframe, Stop, Tick
 

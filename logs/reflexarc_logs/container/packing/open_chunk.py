@@ -6,9 +6,9 @@ from array import array
 
 from mcap.opcode import Opcode
 
-from reflexarc_logs.container.compression import ZSTD, Compressor
 from reflexarc_logs.container.fields import MESSAGE
 from reflexarc_logs.container.frames import HEAD
+from reflexarc_logs.container.packing.compression import ZSTD, Compressor
 from reflexarc_logs.container.raw_log import ChunkContent
 
 _MESSAGE = struct.Struct(HEAD.format + MESSAGE.format.lstrip("<"))

@@ -1,0 +1,1 @@
+"""How messages become chunks: put together, compressed, with the schemas that explain them."""

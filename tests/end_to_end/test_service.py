@@ -1,0 +1,74 @@
+"""`reflexarc run` as a service, under a manager that follows its unit."""
+
+import os
+import re
+import signal
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from campaigns.deaths.replayed import replayed
+from campaigns.deaths.robot import Robot
+from reflexarc_logs.reading.log_paths import log_paths
+from reflexarc_logs.replaying.replay import replay
+from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.service.unit import ServiceUnit
+from support.plain_body import plain_body
+from support.processes import wait_until
+from support.supervisor import Supervisor
+
+
+@contextmanager
+def served(policy: Path, port: int, folder: Path) -> Iterator[Supervisor]:
+    """A body, and a service that drives and records it."""
+    words = ("run", policy, "--no-guard", "--port", port, "--record", "logs", "--rotate-s", 60)
+    command = (sys.executable, "-m", "reflexarc", *map(str, words))
+    unit = ServiceUnit("robot0", command, watchdog_s=5.0)
+    with plain_body(PolicyContract(), port), Supervisor(unit.text(), folder) as service:
+        wait_until(lambda: service.lives and service.lives[-1].ready_s, "the first tick")
+        yield service
+
+
+def test_it_is_ready_is_fed_by_its_ticks_and_says_that_it_ends(
+    policy: Path, port: int, tmp_path: Path
+):
+    with served(policy, port, tmp_path) as service:
+        (life,) = service.lives
+        wait_until(lambda: life.fed_s > (life.ready_s or 0.0), "a feeding")
+        wait_until(lambda: life.said == "STATUS=OK", "how it fares")
+    assert (life.cause, life.status) == ("stop", 0)
+    assert life.stopping_s is not None
+    (log,) = log_paths([tmp_path / "logs"])
+    assert replay(log).exit_status == 0
+
+
+@pytest.mark.long
+def test_one_that_the_manager_ends_says_where_it_was_and_records_again(
+    policy: Path, port: int, tmp_path: Path
+):
+    with served(policy, port, tmp_path) as service:
+        (life,) = service.lives
+        life.process.send_signal(signal.SIGABRT)
+        wait_until(lambda: len(service.lives) > 1 and service.lives[1].ready_s, "the next life")
+        time.sleep(0.2)
+    assert [one.status for one in service.lives] == [-signal.SIGABRT, 0]
+    said = (tmp_path / "said.txt").read_text()
+    assert re.search(r"Fatal Python error: Aborted\n+Stack .*\n +File ", said)
+    assert len(list((tmp_path / "logs").glob("*.parts.jsonl"))) == 2
+    assert len(list((tmp_path / "logs").glob("*.partial"))) == 1
+
+
+@pytest.mark.long
+def test_a_service_that_dies_comes_back_disarmed_and_leaves_logs(
+    port: int, tmp_path: Path, monkeypatch
+):
+    monkeypatch.setitem(os.environ, "PYTHONPATH", os.environ.get("PYTHONPATH", ""))
+    robot = Robot(tmp_path / "robot", port, seed=3, keep_mb=100.0)
+    robot.die(4, lambda death: None)
+    assert len(robot.deaths) == 4
+    assert [one for death in robot.deaths for one in death.failures] == []
+    assert replayed(robot.folder / "logs").bad == []
