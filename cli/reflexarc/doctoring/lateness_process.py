@@ -26,7 +26,6 @@ from reflexarc_runtime.loop.node import Node
 from reflexarc_runtime.loop.outlets import NoOutlet, Outlets
 from reflexarc_runtime.loop.pacing.rate_pacer import RatePacer
 from reflexarc_runtime.loop.realtime import Realtime, RealtimeSettings
-from reflexarc_runtime.loop.realtime.grant import require_all
 from reflexarc_runtime.messages.codec import encode_retina
 from reflexarc_runtime.messages.topics import DEFAULT_ROBOT, RETINA
 from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp, protobuf_encoding
@@ -43,8 +42,9 @@ def main(role: str, rate_hz: float, seconds: float, fifo: int, path: Path | None
     ticks = max(20, round(rate_hz * seconds))
     policy = None if path is None else load_policy(path)
     with Realtime(RealtimeSettings(fifo, whole_machine=fifo > 0)) as realtime:
-        if fifo:
-            require_all(grant for grant in realtime.grants if grant.asked.startswith("SCHED"))
+        asked = [grant for grant in realtime.grants if grant.asked.startswith("SCHED")]
+        if any(grant.refusal for grant in asked):
+            sys.exit("; ".join(grant.words for grant in asked))
         if role == "c":
             phases = _late(rate_hz, ticks, _sleep_in_c())
         elif policy is None:

@@ -54,7 +54,7 @@ def try_lateness(
     beside, by = cyclictest(rate_hz, seconds, fifo), "cyclictest"
     if beside is None:
         in_c = _try("c", rate_hz, seconds, fifo, None)
-        by = "clock_nanosleep (no cyclictest here: apt install rt-tests)"
+        by = "clock_nanosleep, as cyclictest is not here, or refused (apt install rt-tests)"
         beside = None if isinstance(in_c, str) else _spread(in_c["lateness"])
     return Punctuality(
         scheduling,

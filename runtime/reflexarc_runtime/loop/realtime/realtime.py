@@ -89,8 +89,10 @@ class Realtime:
             yield self._wake_latency()
             yield self._governor()
         if settings.priority:
-            yield self._fifo()
-            yield self._others()
+            own = self._fifo()
+            yield own
+            if not own.refusal:
+                yield self._others()
 
     def _timer_slack(self) -> Grant:
         asked = "timer slack 1 ns"
@@ -107,14 +109,14 @@ class Realtime:
         try:
             self._schedule(me, (os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, priority))
         except (OSError, AttributeError) as error:
-            return Grant(asked, "", _reason(error), _right_to(priority))
+            return Grant(asked, "", _reason(error), _right_to(self._settings.highest_priority))
         return Grant(asked, asked)
 
     def _others(self) -> Grant:
         """The process's other threads: see the head of this module."""
         watch = self._settings.highest_priority
         asked = f"watchdog {watch}, other threads {LEAST_PRIORITY}"
-        me, refused = self._kernel.this_thread(), ""
+        me, refused = self._kernel.this_thread(), self._why_not_above(watch)
         for thread, name in self._kernel.threads().items():
             priority = watch if name == WATCHDOG else LEAST_PRIORITY
             try:
@@ -127,6 +129,19 @@ class Realtime:
         if refused:
             return Grant(asked, "", refused, _right_to(watch))
         return Grant(asked, asked)
+
+    def _why_not_above(self, watch: int) -> str:
+        """Why the watchdog cannot have its priority, tried on this thread; empty: it can.
+
+        A run is tried before it begins, when it has no other thread yet.
+        """
+        me, policy = self._kernel.this_thread(), os.SCHED_FIFO | os.SCHED_RESET_ON_FORK
+        try:
+            self._kernel.schedule(me, (policy, watch))
+            self._kernel.schedule(me, (policy, self._settings.priority))
+        except OSError as error:
+            return _reason(error)
+        return ""
 
     def _schedule_again(self, thread: int, scheduling: Scheduling) -> None:
         """As before; who has no right to let a thread inherit again leaves that as it is."""

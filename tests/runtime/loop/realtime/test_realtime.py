@@ -166,6 +166,14 @@ def test_the_watchdog_is_never_below_the_loop():
         assert kernel.scheduled[WATCHDOG] == (os.SCHED_FIFO, 99)
 
 
+def test_a_right_that_is_too_small_for_the_watchdog_is_noticed_before_there_is_one():
+    kernel = FakeKernel(most_priority=50, threads_by_number={LOOP: "MainThread"})
+    with Realtime(EVERYTHING, kernel) as realtime:
+        with pytest.raises(UsageError, match="ulimit -r 51"):
+            require_all(realtime.grants)
+        assert kernel.scheduled[LOOP][1] == 50
+
+
 def test_the_kernel_of_this_machine_answers():
     with Realtime(EVERYTHING) as realtime:
         assert all(grant.obtained or grant.refusal for grant in realtime.grants)
