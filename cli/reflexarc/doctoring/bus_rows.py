@@ -1,6 +1,7 @@
 """The robot's bus: whether anybody is there already, and what its configuration lets in."""
 
 import ipaddress
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
 
     from reflexarc_runtime.bus import Bus
 
+HEARD_S = 2.0
+"""How long a runtime that is there may take to be heard of."""
 _LISTENING = "0A"
 """State of a socket in /proc/net/tcp."""
 
@@ -47,9 +50,18 @@ def check_bus(
         yield _doors(zenoh)
     try:
         with join() as bus:
-            yield judge_brains(robot, bus.is_alive(RUNTIME_NODE), bus.is_alive(BODY_NODE))
+            brain = _found(lambda: bus.is_alive(RUNTIME_NODE))
+            yield judge_brains(robot, brain, bus.is_alive(BODY_NODE))
     except ReflexarcError as error:
         yield unknown("second brain", first_line(error))
+
+
+def _found(is_there: "Callable[[], bool]") -> bool:
+    """Ask again for a while: a session hears of those behind its neighbours one after another."""
+    until_s = time.monotonic() + HEARD_S
+    while not (found := is_there()) and time.monotonic() < until_s:
+        time.sleep(0.1)
+    return found
 
 
 def judge_brains(robot: str, brain: bool, body: bool) -> CheckRow:
