@@ -9,7 +9,8 @@ asserted.
 
 The machine's evidence of the same minute stands beside the skipped slots: how long the loop's own
 thread was ready and got no processor (the kernel's `schedstat`), what the hypervisor took (`steal`
-in /proc/stat), and how late cyclictest was at most.
+in /proc/stat), how many threads of other programs had a real-time priority (they can take the
+processor from a thread that holds the interpreter's lock), and how late cyclictest was at most.
 """
 
 import argparse
@@ -36,6 +37,8 @@ LOOPS = {
     "the loop": ("--realtime", "warn"),
     "the loop, recording": ("--realtime", "warn", "--record"),
 }
+_OF_THE_KERNEL = 0x00200000
+"""PF_KTHREAD among a thread's flags (include/linux/sched.h)."""
 COLUMNS = ("p50", "p99", "p99.9", "max")
 
 
@@ -50,11 +53,10 @@ def main() -> None:
     if flags.json:
         print(json.dumps({"load": os.getloadavg()[0], "rounds": found}))
         return
-    print(f"load average {os.getloadavg()[0]:.1f}; medians over {flags.rounds} rounds, µs\n")
-    print(
-        "| 1 kHz | p50 | p99 | p99.9 | max | skipped, each round | ready, not run, ms | steal, ms |"
-    )
-    print("|---|---|---|---|---|---|---|---|")
+    load = f"load average {os.getloadavg()[0]:.1f}"
+    print(f"{load}; µs, medians over {flags.rounds} rounds, max of all; the rest each round\n")
+    print("| 1 kHz | p50 | p99 | p99.9 | max | skipped | ready, not run, ms | steal, ms | others |")
+    print("|---|---|---|---|---|---|---|---|---|")
     for name, rounds in found.items():
         print(_row(name, rounds))
 
@@ -65,7 +67,7 @@ def _row(name: str, rounds: list[dict[str, float]]) -> str:
 
     times = [f"{statistics.median(r[c] for r in rounds):.0f}" for c in ("p50", "p99", "p99.9")]
     most = f"{max(row['max'] for row in rounds):.0f}"
-    cells = [name, *times, most, each("skipped"), each("not run"), each("steal")]
+    cells = [name, *times, most, each("skipped"), each("not run"), each("steal"), each("others")]
     return f"| {' | '.join(cells)} |"
 
 
@@ -107,27 +109,47 @@ def _run(more: tuple[str, ...], flags: argparse.Namespace) -> dict[str, float]:
         with subprocess.Popen(
             words, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
         ) as run:
-            waited_ns = _waited_while(run)
+            waited_ns, others = _seen_while(run)
             assert run.stdout is not None
             said = json.loads(run.stdout.read())
     late = said["phases"]["lateness"]
     times = [late[f"{name}_ns"] / 1e3 for name in ("p50", "p99", "p999", "max")]
     figures = dict(zip(COLUMNS, times, strict=False))
-    account = {"skipped": said["skipped_slots"], "not run": round(waited_ns / 1e6, 1)}
+    account = {
+        "skipped": said["skipped_slots"],
+        "not run": round(waited_ns / 1e6, 1),
+        "others": others,
+    }
     return {**figures, **account, "steal": _steal_since(before)}
 
 
-def _waited_while(run: "subprocess.Popen[str]") -> int:
-    """How long the loop's thread was ready without a processor while it had its priority, ns."""
+def _seen_while(run: "subprocess.Popen[str]") -> tuple[int, int]:
+    """While the loop had its priority: how long it was ready without a processor, ns; others'
+    threads of a real-time priority, at most.
+    """
     first = last = None
+    others, looks = 0, 0
     folder = Path(f"/proc/{run.pid}/task/{run.pid}")
     while run.poll() is None:
         with suppress(OSError, ValueError, IndexError):
             if re.search(r"^policy\s*:\s*1$", (folder / "sched").read_text(), re.MULTILINE):
                 last = int((folder / "schedstat").read_text().split()[1])
                 first = last if first is None else first
+                looks += 1
+                others = max(others, _urgent_threads(run.pid) if looks % 20 == 1 else 0)
         time.sleep(0.05)
-    return 0 if first is None or last is None else last - first
+    return 0 if first is None or last is None else last - first, others
+
+
+def _urgent_threads(own: int) -> int:
+    """Threads of other programs with a real-time priority: field 40 of their stat, proc(5)."""
+    count = 0
+    for folder in Path("/proc").glob("[0-9]*/task/[0-9]*"):
+        with suppress(OSError, ValueError, IndexError):
+            fields = (folder / "stat").read_text().rpartition(")")[2].split()
+            is_kernels = int(fields[6]) & _OF_THE_KERNEL
+            count += int(fields[37]) > 0 and not is_kernels and folder.parts[2] != str(own)
+    return count
 
 
 def _steal_since(before: tuple[int, int] | None) -> float:

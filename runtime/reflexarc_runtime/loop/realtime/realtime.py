@@ -65,8 +65,10 @@ class Realtime:
     def give_back(self) -> None:
         """Schedule, lock and hold nothing any more; what was set without a right stays."""
         kernel = self._kernel
+        alive = kernel.threads() if self._before else {}  # the number of another may be anyone's
         for thread, scheduling in self._before.items():
-            self._schedule_again(thread, scheduling)
+            if thread in alive:
+                self._schedule_again(thread, scheduling)
         if self._processors_before is not None:
             with suppress(OSError):
                 kernel.use_processors(self._processors_before)
