@@ -106,12 +106,13 @@ def _run(more: tuple[str, ...], flags: argparse.Namespace) -> dict[str, float]:
         words += ["--ticks", str(_ticks(flags)), *more]
         words += [f"{folder}/log.mcap"] if more[-1] == "--record" else []
         before = stolen_ticks()
-        with subprocess.Popen(
-            words, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
-        ) as run:
+        with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as run:
             waited_ns, others = _seen_while(run)
             assert run.stdout is not None
-            said = json.loads(run.stdout.read())
+            out = run.stdout.read()
+        if run.returncode:
+            raise SystemExit(f"{' '.join(words)}: status {run.returncode}")
+    said = json.loads(out)
     late = said["phases"]["lateness"]
     times = [late[f"{name}_ns"] / 1e3 for name in ("p50", "p99", "p999", "max")]
     figures = dict(zip(COLUMNS, times, strict=False))
