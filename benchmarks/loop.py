@@ -89,7 +89,7 @@ def _measure(flags: argparse.Namespace) -> None:
     for _ in range(flags.rounds):
         for rate_hz in flags.rates:
             with tempfile.TemporaryDirectory() as folder:
-                policy = _policy_at(rate_hz, flags.policy, Path(folder))
+                policy = policy_at(rate_hz, flags.policy, Path(folder))
                 for name, phases in (
                     (f"bare loop, {rate_hz:g} Hz", _play_bare(policy, rate_hz, flags)),
                     (f"reflexarc run, {rate_hz:g} Hz", _run(policy, rate_hz, flags)),
@@ -111,7 +111,7 @@ def _in_words(table: dict[str, dict[str, float]]) -> str:
     return "\n".join(lines)
 
 
-def _policy_at(rate_hz: float, given: Path | None, folder: Path) -> Path:
+def policy_at(rate_hz: float, given: Path | None, folder: Path) -> Path:
     """A policy of this rate: a network of random weights, or a file as it is."""
     if given is not None:
         return given
@@ -121,7 +121,7 @@ def _policy_at(rate_hz: float, given: Path | None, folder: Path) -> Path:
 
 
 @contextmanager
-def _body_beside(rate_hz: float) -> Iterator[int]:
+def body_beside(rate_hz: float) -> Iterator[int]:
     """A body in a process of its own; its port."""
     port = free_port()
     words = [sys.executable, __file__, "--play", "body", "--port", str(port)]
@@ -139,7 +139,7 @@ def _run(policy: Path, rate_hz: float, flags: argparse.Namespace) -> dict[str, f
     log.unlink(missing_ok=True)
     ticks = str(round(rate_hz * flags.seconds))
     words = [sys.executable, "-m", "reflexarc", "run", str(policy), "--record", str(log)]
-    with _body_beside(rate_hz) as port:
+    with body_beside(rate_hz) as port:
         words += ["--ticks", ticks, "--port", str(port), "--fifo", str(flags.fifo)]
         subprocess.run(words, check=True, capture_output=True)
     ticks = [pb.Tick.FromString(record.payload) for record in read_log(log).records("/robot0/tick")]
@@ -153,7 +153,7 @@ def _run(policy: Path, rate_hz: float, flags: argparse.Namespace) -> dict[str, f
 def _play_bare(policy: Path, rate_hz: float, flags: argparse.Namespace) -> dict[str, float]:
     words = [sys.executable, __file__, "--play", "bare", "--rates", str(rate_hz)]
     words += ["--seconds", str(flags.seconds), "--fifo", str(flags.fifo), "--policy", str(policy)]
-    with _body_beside(rate_hz) as port:
+    with body_beside(rate_hz) as port:
         done = subprocess.run([*words, "--port", str(port)], check=True, capture_output=True)
     phases: dict[str, float] = json.loads(done.stdout)
     return phases

@@ -37,6 +37,7 @@ from reflexarc.commands.remember.recover import RecoverCommand
 from reflexarc.commands.remember.render import RenderCommand
 from reflexarc.commands.remember.replay import ReplayCommand
 from reflexarc.commands.remember.view import ViewCommand
+from reflexarc.commands.service.doctor import DoctorCommand
 from reflexarc.commands.service.secure import SecureCommand
 from reflexarc.commands.service.service import ServiceCommand
 from reflexarc.commands.service.swap import SwapCommand
@@ -66,7 +67,7 @@ GROUPS: dict[str, tuple[type[CliCommand], ...]] = {
         ResetCommand,
         ReleaseCommand,
     ),
-    "In service": (ServiceCommand, SecureCommand, SwapCommand),
+    "In service": (ServiceCommand, SecureCommand, SwapCommand, DoctorCommand),
     "Logs": (
         RecordCommand,
         MarkCommand,

@@ -455,7 +455,7 @@ class Tick(_message.Message):
     def __init__(self, decision: _Optional[_Union[Decision, _Mapping]] = ..., timing: _Optional[_Union[Timing, _Mapping]] = ...) -> None: ...
 
 class Status(_message.Message):
-    __slots__ = ("node", "run_id", "policy_hash", "ticks", "rate_hz", "lateness_p50_ns", "lateness_p99_ns", "lateness_max_ns", "skipped_slots", "inbox_overflows", "verdicts", "recording", "guard", "watchdog", "sensor", "phases", "shadow")
+    __slots__ = ("node", "run_id", "policy_hash", "ticks", "rate_hz", "lateness_p50_ns", "lateness_p99_ns", "lateness_max_ns", "skipped_slots", "inbox_overflows", "verdicts", "recording", "guard", "watchdog", "sensor", "phases", "shadow", "realtime")
     class VerdictsEntry(_message.Message):
         __slots__ = ("key", "value")
         KEY_FIELD_NUMBER: _ClassVar[int]
@@ -480,6 +480,7 @@ class Status(_message.Message):
     SENSOR_FIELD_NUMBER: _ClassVar[int]
     PHASES_FIELD_NUMBER: _ClassVar[int]
     SHADOW_FIELD_NUMBER: _ClassVar[int]
+    REALTIME_FIELD_NUMBER: _ClassVar[int]
     node: str
     run_id: str
     policy_hash: str
@@ -497,7 +498,8 @@ class Status(_message.Message):
     sensor: str
     phases: _containers.RepeatedCompositeFieldContainer[PhaseTimes]
     shadow: str
-    def __init__(self, node: _Optional[str] = ..., run_id: _Optional[str] = ..., policy_hash: _Optional[str] = ..., ticks: _Optional[int] = ..., rate_hz: _Optional[float] = ..., lateness_p50_ns: _Optional[int] = ..., lateness_p99_ns: _Optional[int] = ..., lateness_max_ns: _Optional[int] = ..., skipped_slots: _Optional[int] = ..., inbox_overflows: _Optional[int] = ..., verdicts: _Optional[_Mapping[str, int]] = ..., recording: _Optional[str] = ..., guard: _Optional[str] = ..., watchdog: _Optional[str] = ..., sensor: _Optional[str] = ..., phases: _Optional[_Iterable[_Union[PhaseTimes, _Mapping]]] = ..., shadow: _Optional[str] = ...) -> None: ...
+    realtime: str
+    def __init__(self, node: _Optional[str] = ..., run_id: _Optional[str] = ..., policy_hash: _Optional[str] = ..., ticks: _Optional[int] = ..., rate_hz: _Optional[float] = ..., lateness_p50_ns: _Optional[int] = ..., lateness_p99_ns: _Optional[int] = ..., lateness_max_ns: _Optional[int] = ..., skipped_slots: _Optional[int] = ..., inbox_overflows: _Optional[int] = ..., verdicts: _Optional[_Mapping[str, int]] = ..., recording: _Optional[str] = ..., guard: _Optional[str] = ..., watchdog: _Optional[str] = ..., sensor: _Optional[str] = ..., phases: _Optional[_Iterable[_Union[PhaseTimes, _Mapping]]] = ..., shadow: _Optional[str] = ..., realtime: _Optional[str] = ...) -> None: ...
 
 class PhaseTimes(_message.Message):
     __slots__ = ("phase", "count", "p50_ns", "p99_ns", "p999_ns", "max_ns", "least_bits", "octaves")

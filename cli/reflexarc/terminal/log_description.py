@@ -127,6 +127,7 @@ def _watched(summary: LogSummary) -> dict[str, str]:
     return {
         "guard": "none" if guard is None else _guard(guard),
         "watchdog": plain(summary.watchdog) or NOT_RECORDED,
+        **({"real time": plain(summary.realtime)} if summary.realtime else {}),
     }
 
 

@@ -53,6 +53,8 @@ class LogSummary:
     """What looked at each decision, and what it took for granted; None: nothing did."""
     watchdog: str
     """What the runtime said of its own watchdog first; empty: not recorded."""
+    realtime: str
+    """What it said then of what it had asked of the kernel; empty: nothing."""
     topics: tuple[TopicSummary, ...]
     """By name."""
     by_index: bool = False
@@ -150,6 +152,7 @@ def summarise(log: Log | Path | str) -> LogSummary:
         body=None if said.body is None else decode_body(said.body),
         guard=GuardSettings.from_json(source.run.guard) if source.run.guard else None,
         watchdog=said.watchdog,
+        realtime=said.realtime,
         topics=counts.topics,
         by_index=by_index,
         candidates=candidates_seen(source, [topic.topic for topic in counts.topics]),
@@ -166,6 +169,7 @@ class _Said:
     """The last message of a body. It may be built anew for the runtime whose log it is: what it
     said before is of another one."""
     watchdog: str = ""
+    realtime: str = ""
 
     @classmethod
     def of(cls, log: Log | None) -> "_Said":
@@ -175,7 +179,7 @@ class _Said:
         if topic == self.body_topic:
             self.body = payload if schema == BODY.schema else None
         elif topic == self.status_topic and schema == STATUS.schema and not self.watchdog:
-            self.watchdog = _watchdog(payload)
+            self.watchdog, self.realtime = _of_runtime(payload)
 
 
 def _counted(records: Iterable[McapRecord], log: Log | None = None) -> tuple[StreamCounts, _Said]:
@@ -242,10 +246,10 @@ def _tell(index: Index, said: _Said, record: McapRecord, channels: set[int]) -> 
         said.hear(channel.topic, "" if schema is None else schema.name, record.data)
 
 
-def _watchdog(payload: bytes) -> str:
-    """What a runtime says of its watchdog; empty in what anybody else says."""
+def _of_runtime(payload: bytes) -> tuple[str, str]:
+    """What a runtime says of its watchdog and its rights; empty in what anybody else says."""
     try:
         status = pb.Status.FromString(payload)
     except DecodeError:
-        return ""
-    return status.watchdog if status.node == RUNTIME_NODE else ""
+        return "", ""
+    return (status.watchdog, status.realtime) if status.node == RUNTIME_NODE else ("", "")

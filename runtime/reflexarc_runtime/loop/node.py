@@ -57,6 +57,7 @@ class Node:
         sensor: Callable[[int], str] = lambda now_ns: "",
         made_of: Callable[[State, Inputs, int], None] = lambda before, inputs, now_ns: None,
         shadow: Callable[[], str] = lambda: "",
+        realtime: str = "",
     ) -> None:
         self._controller = controller
         self._pacer = pacer
@@ -69,6 +70,7 @@ class Node:
         self._guard = guard or ("off" if controller.guard is None else "on")
         self._watch: Watch = watch or NoWatch()
         self._saw, self._sensor, self._made_of, self._shadow = saw, sensor, made_of, shadow
+        self._realtime = realtime
         self._flood = FloodNotice(f"the runtime of {robot}")
         self._monitor = Monitor()
         self._encoder = TickEncoder()
@@ -217,5 +219,6 @@ class Node:
             sensor=self._sensor(now_ns),
             phases=tuple(period.phases.items()),
             shadow=self._shadow(),
+            realtime=self._realtime,
         )
         self._outlets.status.put(encode_status(status), now_ns)

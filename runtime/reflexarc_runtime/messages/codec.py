@@ -45,6 +45,7 @@ class Status:
     sensor: str = ""
     phases: tuple[tuple[str, Spread], ...] = ()
     shadow: str = ""
+    realtime: str = ""
 
 
 def timestamp(time_ns: int) -> Timestamp:

@@ -1,7 +1,7 @@
 """`reflexarc run`: the sense–act loop with one policy."""
 
 import uuid
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -17,6 +17,7 @@ from reflexarc.wiring.keeping_logs.run_summary import summary_as_dict, summary_i
 from reflexarc.wiring.running.candidate_flags import CandidateFlags, others_of
 from reflexarc.wiring.running.candidate_summary import candidates_as_dict, candidates_in_words
 from reflexarc.wiring.running.pacing_flags import PacingFlags
+from reflexarc.wiring.running.realtime_flags import RealtimeFlags
 from reflexarc.wiring.running.trusted_policy_flags import TrustedPolicyFlags
 from reflexarc.wiring.scan_flags import ScanFlags
 from reflexarc.wiring.sense_flags import SenseFlags
@@ -60,6 +61,7 @@ class RunCommand:
       reflexarc run runs/reflex-0/policy.onnx --black-box 30 -o runs/incidents
       reflexarc run runs/reflex-0/policy.onnx --input scan --robot rover1
       reflexarc run runs/reflex-0/policy.onnx --pace input
+      reflexarc run runs/reflex-0/policy.onnx --realtime strict --cpu 1
       reflexarc run racer.onnx --max-speed-mps 30
       reflexarc run --config /etc/reflexarc/robot0.toml
       reflexarc run rover.onnx --input scan --mount 0.1 0 180 --no-return zero
@@ -83,8 +85,7 @@ class RunCommand:
     box: tyro.conf.OmitArgPrefixes[BlackBoxFlags] = field(default_factory=BlackBoxFlags)
     ticks: int | None = None
     """End after so many ticks; by default, at Ctrl-C."""
-    fifo: int = 0
-    """SCHED_FIFO priority, 1 to 99; 0: ordinary scheduling."""
+    punctuality: tyro.conf.OmitArgPrefixes[RealtimeFlags] = field(default_factory=RealtimeFlags)
     bounds: Bounds = field(default_factory=Bounds)
     sensing: SenseFlags = field(default_factory=SenseFlags)
     allow_fast: bool = False
@@ -178,8 +179,7 @@ class RunCommand:
         self.guarding.check(self.input, lockstep=self.lockstep)
         if self.ticks is not None and self.ticks < 1:
             raise UsageError(f"--ticks: expected 1 or more, got {self.ticks}")
-        if not 0 <= self.fifo <= 99:
-            raise UsageError(f"--fifo: expected 0 to 99, got {self.fifo}")
+        self.punctuality.check(lockstep=self.lockstep)
 
     def _loop_flags(self, watcher: "WatchingPolicy | None") -> "LoopFlags":
         from reflexarc.wiring.running.sense_act_loop import LoopFlags
@@ -198,7 +198,7 @@ class RunCommand:
             sensor=self.input,
             backend=self.backend,
             lockstep=self.lockstep,
-            fifo=self.fifo,
+            realtime=self.punctuality.settings,
             guard=self.guarding.state,
             watching=self.watching,
             pacing=self.pacing,
@@ -233,13 +233,16 @@ class RunCommand:
 
     def _tell(self, outcome: "LoopOutcome", recordings: "Mapping[str, Recording]") -> None:
         from reflexarc.terminal.cadence_table import cadence_table
+        from reflexarc_runtime.loop.realtime.grant import in_words
 
         summary, candidates = outcome.summary, (outcome.shadow, outcome.served)
         if self.json:
             said = summary_as_dict(summary, recordings)
+            said["realtime"] = [asdict(grant) for grant in outcome.granted]
             print_json({**said, **candidates_as_dict(*candidates)})
         else:
             words = summary_in_words(summary, recordings)
+            words["real time"] = in_words(outcome.granted)
             console.print(facts({**words, **candidates_in_words(*candidates)}))
             if summary.phases and not self.lockstep:
                 console.print(cadence_table(summary.phases))

@@ -99,7 +99,7 @@ class ServiceCommand:
             user=self.user,
             writes=self.writes,
             networked=settings.joining.zenoh is not None,
-            realtime_priority=settings.fifo,
+            realtime_priority=settings.punctuality.settings.highest_priority,
             systemd_version=systemd_version(),
         )
 

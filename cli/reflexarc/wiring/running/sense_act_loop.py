@@ -17,7 +17,6 @@ from reflexarc.wiring.waiting import Arrival
 from reflexarc.wiring.watching import Watching
 from reflexarc_runtime.controller import Controller
 from reflexarc_runtime.decision import Decision
-from reflexarc_runtime.loop import realtime
 from reflexarc_runtime.loop.cadence.monitor import Summary
 from reflexarc_runtime.loop.candidates.shadow import Shadow, ShadowAccount
 from reflexarc_runtime.loop.candidates.swap_desk import ServedSince, SwapDesk, SwapRules
@@ -28,6 +27,8 @@ from reflexarc_runtime.loop.node import Node
 from reflexarc_runtime.loop.notices.input_notices import Notices
 from reflexarc_runtime.loop.outlets import NoOutlet, Outlets
 from reflexarc_runtime.loop.pacing.pacer import Pacer
+from reflexarc_runtime.loop.realtime import Realtime, RealtimeSettings
+from reflexarc_runtime.loop.realtime.grant import Grant, require_all
 from reflexarc_runtime.loop.rehearsal import Rehearsal
 from reflexarc_runtime.loop.warm_up import warm_up
 from reflexarc_runtime.loop.watch import Watch
@@ -61,7 +62,8 @@ class LoopFlags:
     """`retina` or `scan`."""
     backend: str
     lockstep: bool
-    fifo: int
+    realtime: RealtimeSettings
+    """What is asked of the kernel."""
     guard: str
     """What the status says of the guard."""
     watching: Watching
@@ -81,6 +83,8 @@ class LoopOutcome:
     """What the policy did that watched; None: there was none."""
     served: tuple[ServedSince, ...]
     """Who took over, in order."""
+    granted: tuple[Grant, ...]
+    """What was asked of the kernel, and obtained."""
 
 
 @dataclass(frozen=True)
@@ -124,13 +128,20 @@ class SenseActLoop:
         helping = nullcontext() if flags.swaps.forbidden else helper
         put, is_lockstep = self.sinks.put, flags.lockstep
         shadowing = watching_policy(flags.watcher, bus, put, lockstep=is_lockstep)
-        with helping, shadowing as shadow:  # before this thread has any priority to pass on
-            controller = self._swapping(controllers)
-            summary = self._drive(stop, max_ticks, inbox, Candidates(controller, desk, shadow))
-        return LoopOutcome(summary, None if shadow is None else shadow.account, desk.served)
+        realtime = Realtime(flags.realtime)
+        with helping, shadowing as shadow:
+            candidates = Candidates(self._swapping(controllers), desk, shadow)
+            summary = self._drive(stop, max_ticks, inbox, candidates, realtime)
+        account = None if shadow is None else shadow.account
+        return LoopOutcome(summary, account, desk.served, realtime.grants)
 
     def _drive(
-        self, stop: StopFlag, max_ticks: int | None, inbox: Inbox, candidates: "Candidates"
+        self,
+        stop: StopFlag,
+        max_ticks: int | None,
+        inbox: Inbox,
+        candidates: Candidates,
+        realtime: Realtime,
     ) -> Summary:
         bus, flags, desk = self.bus, self.flags, candidates.desk
         command = bus.publisher(COMMAND)
@@ -144,15 +155,18 @@ class SenseActLoop:
         if flags.lockstep:  # its body waits for every answer, and no time passes
             self._listen_to_senses(inbox, came)
         watching = self._watching(inbox, desk)
-        said = "; ".join(realtime.prepare(flags.fifo))  # the watchdog's thread inherits it
         notices = Notices(self._say, self.controller.contract, flags.sensor)
         key = self.controller.sense.topic.key(bus.robot)
         waiting = awaiting_input(bus, flags.sensor, key, came)
         # The watchdog ends first: what it watches has ended, and the others take a moment to.
-        with notices, waiting, watching as watch:
+        # All threads have started when the kernel is asked for each of them.
+        with notices, waiting, watching as watch, realtime:
+            if flags.realtime.strict:
+                require_all(realtime.grants)
             bus.take_requests(desk.ask)
+            said = realtime.words
             self._say(f"{flags.policy_name} on {flags.backend}; {said}; watchdog {watch.state}")
-            node = self._node(candidates, inbox, outlets, watch, notices)
+            node = self._node(candidates, inbox, outlets, watch, notices, said)
             if not flags.lockstep:
                 warm_up(self.controller)
                 self._listen_to_senses(inbox, came)
@@ -244,6 +258,7 @@ class SenseActLoop:
         outlets: Outlets,
         watch: Watch,
         notices: Notices,
+        realtime: str,
     ) -> Node:
         """The loop, with all that it is connected to."""
 
@@ -268,6 +283,7 @@ class SenseActLoop:
             sensor=notices.sensor,
             made_of=rehearsal.note,
             shadow=candidates.state,
+            realtime=realtime,
         )
 
     def _pacer(self, inbox: Inbox, rehearsal: Rehearsal) -> Pacer:

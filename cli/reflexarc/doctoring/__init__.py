@@ -1,0 +1,1 @@
+"""What a machine can promise a loop: measured, then judged."""
