@@ -40,6 +40,7 @@ from reflexarc.commands.remember.view import ViewCommand
 from reflexarc.commands.service.secure import SecureCommand
 from reflexarc.commands.service.service import ServiceCommand
 from reflexarc.commands.service.swap import SwapCommand
+from reflexarc.commands.service.top import TopCommand
 from reflexarc.commands.worlds.worlds import WorldsCommand
 from reflexarc.one_command import CliCommand, description_of, name_of
 
@@ -66,7 +67,7 @@ GROUPS: dict[str, tuple[type[CliCommand], ...]] = {
         ResetCommand,
         ReleaseCommand,
     ),
-    "In service": (ServiceCommand, SecureCommand, SwapCommand),
+    "In service": (ServiceCommand, SecureCommand, SwapCommand, TopCommand),
     "Logs": (
         RecordCommand,
         MarkCommand,
