@@ -17,7 +17,7 @@ from prometheus_client.parser import text_string_to_metric_families
 from reflexarc_logs.reading.reader import read_log
 from reflexarc_runtime.bus import Bus
 from reflexarc_runtime.bus_config import BusConfig
-from reflexarc_runtime.messages.topics import BODY_NODE, LEASE, STATUS
+from reflexarc_runtime.messages.topics import LEASE, STATUS
 from support.fleet_words import lease, status
 from support.processes import finished, reflexarc, said_line, started, wait_for_records, wait_until
 
@@ -28,7 +28,6 @@ RUN = ("run", "--no-guard", "--no-watchdog", "--json")
 def body(port: int) -> Iterator[Bus]:
     """Somebody who listens at a port, as a body does."""
     with Bus(BusConfig("robot0", port, listens=True), time.monotonic_ns) as bus:
-        bus.announce(BODY_NODE)
         yield bus
 
 
@@ -55,7 +54,7 @@ def test_a_runtime_is_seen_as_its_log_says_and_its_metrics_agree(
             scraped = answer.read().decode()
         finished(runtime, signal.SIGINT)
     (shown,) = robot["runtimes"]
-    assert robot["nodes"] == ["body", "runtime"]
+    assert robot["nodes"] == ["runtime"]
     assert (shown["verdict"], shown["action"], shown["recording"]) == ("NO_INPUT", "", "on")
     assert (shown["pace"], shown["contract_rate_hz"]) == ("rate", 50.0)
     ticks = [tick.decision for tick in read_log(log).ticks()]

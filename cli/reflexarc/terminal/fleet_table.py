@@ -36,11 +36,10 @@ class FleetLine:
     runtime: RuntimeView | None
     body: BodyView | None
 
-    @property
-    def is_silent(self) -> bool:
-        """Whether nothing on it is heard any more."""
-        nodes = [node for node in (self.runtime, self.body) if node is not None]
-        return all(node.is_silent for node in nodes)
+    def is_silent(self, *, of_body: bool) -> bool:
+        """Whether the node that a cell is about is heard no more."""
+        node = self.body if of_body or self.runtime is None else self.runtime
+        return node is not None and node.is_silent
 
 
 @dataclass(frozen=True)
@@ -54,6 +53,8 @@ class FleetColumn:
     most: int
     """Characters that it takes at most."""
     justify: str = "left"
+    of_body: bool = False
+    """Whether the body says it, and not the runtime."""
 
 
 def fleet_screen(fleet: FleetView, width: int, height: int | None, head: str = "") -> Group:
@@ -111,17 +112,16 @@ def _table(lines: Sequence[FleetLine], width: int) -> Table:
     for column in chosen:
         needed = _width(column, cells[column.title])
         table.add_column(column.title, justify=column.justify, no_wrap=True, width=needed)  # type: ignore[arg-type]  # one of its words
-    for n, line in enumerate(lines):
-        style = _SILENT if line.is_silent else ""
-        table.add_row(*(cells[column.title][n] for column in chosen), style=style)
+    for n in range(len(lines)):
+        table.add_row(*(cells[column.title][n] for column in chosen))
     return table
 
 
 def _text(column: FleetColumn, line: FleetLine) -> Text:
     said = column.cell(line)
     text = said if isinstance(said, Text) else Text(plain(said))
-    if line.is_silent:
-        text = Text(text.plain)
+    if line.is_silent(of_body=column.of_body):
+        text = Text(text.plain, _SILENT)
     text.truncate(column.most, overflow="ellipsis")
     return text
 
@@ -221,7 +221,9 @@ def _lease(line: FleetLine) -> str | Text:
 
 def _guard(line: FleetLine) -> str | Text:
     said = line.runtime.said.guard if line.runtime else ""
-    return Text(said, "" if said in ("on", "off") else "yellow") if said else NOTHING
+    if said.startswith("off"):
+        return "off"  # as it was asked for; why, --json says
+    return Text(said, "" if said == "on" else "yellow") if said else NOTHING
 
 
 def _recording(line: FleetLine) -> str | Text:
@@ -251,8 +253,8 @@ COLUMNS = (
     FleetColumn("AGE 50 %", _phase("picture age", "p50_ns"), 75, 9, "right"),
     FleetColumn("99 %", _phase("picture age", "p99_ns"), 30, 9, "right"),
     FleetColumn("SKIPPED", _of_runtime("skipped_slots"), 45, 9, "right"),
-    FleetColumn("ARMED", _armed, 90, 7),
-    FleetColumn("LEASE", _lease, 70, 11),
+    FleetColumn("ARMED", _armed, 90, 7, of_body=True),
+    FleetColumn("LEASE", _lease, 70, 11, of_body=True),
     FleetColumn("GUARD", _guard, 55, 16),
     FleetColumn("REC", _recording, 60, 16),
     FleetColumn("POLICY", _policy, 50, 28),

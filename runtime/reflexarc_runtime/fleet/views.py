@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 from reflexarc_runtime.fleet.said import BodySaid, LeaseSaid, RuntimeSaid
 from reflexarc_runtime.fleet.tally import PhaseTally
+from reflexarc_runtime.messages.topics import BODY_NODE, RUNTIME_NODE
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +44,12 @@ class RobotView:
     """Who announces itself: runtime, body, recorder."""
     runtimes: tuple[RuntimeView, ...]
     bodies: tuple[BodyView, ...]
+
+    @property
+    def owes_a_word(self) -> bool:
+        """Whether a runtime or a body announces itself that has said nothing."""
+        owes_runtime = RUNTIME_NODE in self.nodes and not self.runtimes
+        return owes_runtime or (BODY_NODE in self.nodes and not self.bodies)
 
     @property
     def runtime(self) -> RuntimeView | None:

@@ -83,6 +83,14 @@ def test_verdicts_have_colours_and_the_silent_have_none():
     assert "9.0 s" in grey[2]
 
 
+def test_a_silent_runtime_is_grey_beside_its_body_that_is_not():
+    late = lease("r", holder=FIRST, armed=True, at_s=8.0)
+    line = shown([*said_of("r"), late], 80, seconds=9.0, colours=True)[2]
+    assert "\x1b[90mOK" in line
+    assert "\x1b[32marmed" in line
+    assert "free" not in shown([*said_of("r"), late], 80, seconds=2.0)[2]
+
+
 def test_two_runtimes_are_two_lines_and_one_of_them_is_not_obeyed():
     lines = shown([*said_of("r"), status("r", SECOND_RUNTIME, verdict=pb.OK)], 120)
     first, second = lines[2:4]

@@ -69,6 +69,19 @@ def test_new_names_without_an_end_end_it_all_the_same(scene: Scene):
 
 
 def test_tokens_and_leases_are_words_as_well(scene: Scene):
-    scene.bus.heard["*/alive/*"]("a/alive/body", True)
+    scene.bus.heard["*/alive/*"]("a/alive/recorder", True)
     scene.bus.heard["*/lease"](lease("b"))
     assert scene.waited(1.0) == ["a", "b"]
+
+
+def test_who_announces_itself_has_longer_to_say_something(scene: Scene):
+    scene.bus.heard["*/alive/*"]("a/alive/runtime", True)
+    scene.says(3.3, "a")
+    assert scene.waited(1.0) == ["a"]
+    assert scene.now_s == pytest.approx(4.5, abs=0.06)
+
+
+def test_who_announces_itself_and_says_nothing_is_not_waited_for_without_an_end(scene: Scene):
+    scene.bus.heard["*/alive/*"]("a/alive/body", True)
+    assert scene.waited(1.0) == ["a"]
+    assert scene.now_s == pytest.approx(6.0, abs=0.06)
