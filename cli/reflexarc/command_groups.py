@@ -41,6 +41,7 @@ from reflexarc.commands.service.doctor import DoctorCommand
 from reflexarc.commands.service.secure import SecureCommand
 from reflexarc.commands.service.service import ServiceCommand
 from reflexarc.commands.service.swap import SwapCommand
+from reflexarc.commands.service.top import TopCommand
 from reflexarc.commands.worlds.worlds import WorldsCommand
 from reflexarc.one_command import CliCommand, description_of, name_of
 
@@ -67,7 +68,7 @@ GROUPS: dict[str, tuple[type[CliCommand], ...]] = {
         ResetCommand,
         ReleaseCommand,
     ),
-    "In service": (ServiceCommand, SecureCommand, SwapCommand, DoctorCommand),
+    "In service": (ServiceCommand, SecureCommand, SwapCommand, DoctorCommand, TopCommand),
     "Logs": (
         RecordCommand,
         MarkCommand,

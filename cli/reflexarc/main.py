@@ -37,6 +37,7 @@ EXTRAS = {
     "parquet": ("pyarrow",),
     "view": ("rerun",),
     "secure": ("cryptography",),
+    "metrics": ("prometheus_client",),
 }
 """Extra → the modules that it brings, smaller extras first. `train --tensorboard` names its own."""
 

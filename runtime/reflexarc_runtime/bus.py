@@ -246,6 +246,18 @@ class Bus:
         found = (str(reply.ok.key_expr) for reply in replies if reply.ok is not None)
         return [key for key in islice(found, _MOST_OVERHEARD) if key not in self._announced]
 
+    def watch_tokens(self, expression: str, deliver: Callable[[str, bool], None]) -> None:
+        """Call `deliver` with every liveliness token that is there, comes or goes: key, is there.
+
+        On a thread of Zenoh's.
+        """
+
+        def on_sample(sample: zenoh.Sample) -> None:
+            deliver(str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT)
+
+        liveliness = self._session.liveliness()
+        self._kept.append(liveliness.declare_subscriber(expression, on_sample, history=True))
+
     @property
     def neighbours(self) -> int:
         """How many others this session is connected to: routers, peers, and clients of a router."""

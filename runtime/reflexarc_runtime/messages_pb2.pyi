@@ -455,7 +455,7 @@ class Tick(_message.Message):
     def __init__(self, decision: _Optional[_Union[Decision, _Mapping]] = ..., timing: _Optional[_Union[Timing, _Mapping]] = ...) -> None: ...
 
 class Status(_message.Message):
-    __slots__ = ("node", "run_id", "policy_hash", "ticks", "rate_hz", "lateness_p50_ns", "lateness_p99_ns", "lateness_max_ns", "skipped_slots", "inbox_overflows", "verdicts", "recording", "guard", "watchdog", "sensor", "phases", "shadow", "realtime")
+    __slots__ = ("node", "run_id", "policy_hash", "ticks", "rate_hz", "lateness_p50_ns", "lateness_p99_ns", "lateness_max_ns", "skipped_slots", "inbox_overflows", "verdicts", "recording", "guard", "watchdog", "sensor", "phases", "shadow", "action", "verdict", "policy", "pace", "contract_rate_hz", "is_stand_in", "realtime")
     class VerdictsEntry(_message.Message):
         __slots__ = ("key", "value")
         KEY_FIELD_NUMBER: _ClassVar[int]
@@ -480,6 +480,12 @@ class Status(_message.Message):
     SENSOR_FIELD_NUMBER: _ClassVar[int]
     PHASES_FIELD_NUMBER: _ClassVar[int]
     SHADOW_FIELD_NUMBER: _ClassVar[int]
+    ACTION_FIELD_NUMBER: _ClassVar[int]
+    VERDICT_FIELD_NUMBER: _ClassVar[int]
+    POLICY_FIELD_NUMBER: _ClassVar[int]
+    PACE_FIELD_NUMBER: _ClassVar[int]
+    CONTRACT_RATE_HZ_FIELD_NUMBER: _ClassVar[int]
+    IS_STAND_IN_FIELD_NUMBER: _ClassVar[int]
     REALTIME_FIELD_NUMBER: _ClassVar[int]
     node: str
     run_id: str
@@ -498,11 +504,17 @@ class Status(_message.Message):
     sensor: str
     phases: _containers.RepeatedCompositeFieldContainer[PhaseTimes]
     shadow: str
+    action: str
+    verdict: Verdict
+    policy: str
+    pace: str
+    contract_rate_hz: float
+    is_stand_in: bool
     realtime: str
-    def __init__(self, node: _Optional[str] = ..., run_id: _Optional[str] = ..., policy_hash: _Optional[str] = ..., ticks: _Optional[int] = ..., rate_hz: _Optional[float] = ..., lateness_p50_ns: _Optional[int] = ..., lateness_p99_ns: _Optional[int] = ..., lateness_max_ns: _Optional[int] = ..., skipped_slots: _Optional[int] = ..., inbox_overflows: _Optional[int] = ..., verdicts: _Optional[_Mapping[str, int]] = ..., recording: _Optional[str] = ..., guard: _Optional[str] = ..., watchdog: _Optional[str] = ..., sensor: _Optional[str] = ..., phases: _Optional[_Iterable[_Union[PhaseTimes, _Mapping]]] = ..., shadow: _Optional[str] = ..., realtime: _Optional[str] = ...) -> None: ...
+    def __init__(self, node: _Optional[str] = ..., run_id: _Optional[str] = ..., policy_hash: _Optional[str] = ..., ticks: _Optional[int] = ..., rate_hz: _Optional[float] = ..., lateness_p50_ns: _Optional[int] = ..., lateness_p99_ns: _Optional[int] = ..., lateness_max_ns: _Optional[int] = ..., skipped_slots: _Optional[int] = ..., inbox_overflows: _Optional[int] = ..., verdicts: _Optional[_Mapping[str, int]] = ..., recording: _Optional[str] = ..., guard: _Optional[str] = ..., watchdog: _Optional[str] = ..., sensor: _Optional[str] = ..., phases: _Optional[_Iterable[_Union[PhaseTimes, _Mapping]]] = ..., shadow: _Optional[str] = ..., action: _Optional[str] = ..., verdict: _Optional[_Union[Verdict, str]] = ..., policy: _Optional[str] = ..., pace: _Optional[str] = ..., contract_rate_hz: _Optional[float] = ..., is_stand_in: bool = ..., realtime: _Optional[str] = ...) -> None: ...
 
 class PhaseTimes(_message.Message):
-    __slots__ = ("phase", "count", "p50_ns", "p99_ns", "p999_ns", "max_ns", "least_bits", "octaves")
+    __slots__ = ("phase", "count", "p50_ns", "p99_ns", "p999_ns", "max_ns", "least_bits", "octaves", "sum_ns")
     PHASE_FIELD_NUMBER: _ClassVar[int]
     COUNT_FIELD_NUMBER: _ClassVar[int]
     P50_NS_FIELD_NUMBER: _ClassVar[int]
@@ -511,6 +523,7 @@ class PhaseTimes(_message.Message):
     MAX_NS_FIELD_NUMBER: _ClassVar[int]
     LEAST_BITS_FIELD_NUMBER: _ClassVar[int]
     OCTAVES_FIELD_NUMBER: _ClassVar[int]
+    SUM_NS_FIELD_NUMBER: _ClassVar[int]
     phase: str
     count: int
     p50_ns: int
@@ -519,7 +532,8 @@ class PhaseTimes(_message.Message):
     max_ns: int
     least_bits: int
     octaves: _containers.RepeatedScalarFieldContainer[int]
-    def __init__(self, phase: _Optional[str] = ..., count: _Optional[int] = ..., p50_ns: _Optional[int] = ..., p99_ns: _Optional[int] = ..., p999_ns: _Optional[int] = ..., max_ns: _Optional[int] = ..., least_bits: _Optional[int] = ..., octaves: _Optional[_Iterable[int]] = ...) -> None: ...
+    sum_ns: int
+    def __init__(self, phase: _Optional[str] = ..., count: _Optional[int] = ..., p50_ns: _Optional[int] = ..., p99_ns: _Optional[int] = ..., p999_ns: _Optional[int] = ..., max_ns: _Optional[int] = ..., least_bits: _Optional[int] = ..., octaves: _Optional[_Iterable[int]] = ..., sum_ns: _Optional[int] = ...) -> None: ...
 
 class Contact(_message.Message):
     __slots__ = ("count", "x_m", "y_m", "time_ns")

@@ -23,7 +23,7 @@ from reflexarc_runtime.loop.watch import NoWatch, Watch
 from reflexarc_runtime.messages.codec import Status, encode_command, encode_status
 from reflexarc_runtime.messages.controls import encode_own_release, encode_stop
 from reflexarc_runtime.messages.tick_encoder import TickEncoder
-from reflexarc_runtime.messages.topics import DEFAULT_ROBOT, STOP
+from reflexarc_runtime.messages.topics import DEFAULT_ROBOT, RUNTIME_NODE, STOP
 from reflexarc_runtime.messages.wire import (
     NO_SENDER,
     Message,
@@ -58,6 +58,8 @@ class Node:
         made_of: Callable[[State, Inputs, int], None] = lambda before, inputs, now_ns: None,
         shadow: Callable[[], str] = lambda: "",
         realtime: str = "",
+        policy_name: Callable[[str], str] = lambda policy_hash: "",
+        pace: str = "",
     ) -> None:
         self._controller = controller
         self._pacer = pacer
@@ -71,6 +73,7 @@ class Node:
         self._watch: Watch = watch or NoWatch()
         self._saw, self._sensor, self._made_of, self._shadow = saw, sensor, made_of, shadow
         self._realtime = realtime
+        self._policy_name, self._pace = policy_name, pace
         self._flood = FloodNotice(f"the runtime of {robot}")
         self._monitor = Monitor()
         self._encoder = TickEncoder()
@@ -165,7 +168,7 @@ class Node:
         self._count(decision, timing)
         self._saw(decision)
         self._made_of(before, inputs, wakeup.now_ns)
-        self._report(wakeup.now_ns, decision.policy_hash)
+        self._report(wakeup.now_ns, decision)
 
     def _publish(self, decision: Decision) -> bytes | None:
         """Send the command; None if it was not sent, as the watchdog spoke in its place."""
@@ -195,16 +198,19 @@ class Node:
         else:
             self._monitor.saw(decision, timing)
 
-    def _report(self, now_ns: int, policy_hash: str) -> None:
-        if not self._every_second.is_due(now_ns):
-            return
-        self._flood.look(self._overflows())
+    def _report(self, now_ns: int, decision: Decision) -> None:
+        if self._every_second.is_due(now_ns):
+            self._flood.look(self._overflows())
+            self._outlets.status.put(encode_status(self._status(now_ns, decision)), now_ns)
+
+    def _status(self, now_ns: int, decision: Decision) -> Status:
         period = self._monitor.period()
         lack = self._controller.lack_of_ranges(self._state, now_ns)
-        status = Status(
-            node="runtime",
+        contract, acted = self._controller.contract, decision.action
+        return Status(
+            node=RUNTIME_NODE,
             run_id=self._run_id,
-            policy_hash=policy_hash,
+            policy_hash=decision.policy_hash,
             ticks=period.ticks,
             rate_hz=period.rate_hz,
             lateness_p50_ns=period.lateness_p50_ns,
@@ -220,5 +226,9 @@ class Node:
             phases=tuple(period.phases.items()),
             shadow=self._shadow(),
             realtime=self._realtime,
+            action=contract.actions[acted].name if acted >= 0 else "",
+            verdict=int(decision.verdict),
+            policy=self._policy_name(decision.policy_hash),
+            pace=self._pace,
+            contract_rate_hz=contract.rate_hz,
         )
-        self._outlets.status.put(encode_status(status), now_ns)

@@ -76,5 +76,7 @@ class StandIn:
             run_id=self._run_id,
             policy_hash=self._policy_hash(),
             verdicts=((Verdict.OVERRUN.name, self._overruns + 1),),
+            verdict=int(Verdict.OVERRUN),
+            is_stand_in=True,
             watchdog=f"the loop is late: {late_ns / 1e6:.0f} ms",
         )

@@ -46,6 +46,16 @@ class Status:
     phases: tuple[tuple[str, Spread], ...] = ()
     shadow: str = ""
     realtime: str = ""
+    action: str = ""
+    """Of the last tick, by name; empty: the safe command."""
+    verdict: int = 0
+    """Of the last tick; 0: of no tick."""
+    policy: str = ""
+    """The file of the policy that decides, shortened; empty: not known."""
+    pace: str = ""
+    contract_rate_hz: float = 0.0
+    is_stand_in: bool = False
+    """Said in the place of a late loop, whose rate and counts are not known."""
 
 
 def timestamp(time_ns: int) -> Timestamp:

@@ -246,3 +246,23 @@ def test_a_robot_that_is_stopped_by_somebody_skips_no_slot():
     assert summary.verdicts["STOPPED"] == 16 + 1
     assert summary.skipped_slots == 0
     assert summary.phases["lateness"].count == 40
+
+
+def test_its_status_names_action_verdict_policy_pace_and_due_rate():
+    inbox = Inbox()
+    controller = Controller(ScriptedPolicy(), SMALL, RetinaSense(SMALL.retina), "hash")
+    said = Heard()
+    names = {"hash": "reflex-0/policy.onnx"}
+    node = Node(
+        controller,
+        RatePacer(50.0, FeedingClock(inbox, silent_from=60), inbox),
+        Outlets(Heard(), Heard(), said),
+        policy_name=lambda policy_hash: names[policy_hash],
+        pace="rate",
+    )
+    node.run(max_ticks=120)
+    driving, standing = (pb.Status.FromString(payload) for payload in said.payloads)
+    assert (driving.action, driving.verdict) == ("left", pb.OK)
+    assert (standing.action, standing.verdict) == ("", pb.STALE_INPUT)  # the safe command
+    assert (driving.policy, driving.pace) == ("reflex-0/policy.onnx", "rate")
+    assert (driving.contract_rate_hz, driving.is_stand_in) == (50.0, False)

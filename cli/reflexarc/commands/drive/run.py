@@ -21,6 +21,7 @@ from reflexarc.wiring.running.realtime_flags import RealtimeFlags
 from reflexarc.wiring.running.trusted_policy_flags import TrustedPolicyFlags
 from reflexarc.wiring.scan_flags import ScanFlags
 from reflexarc.wiring.sense_flags import SenseFlags
+from reflexarc.wiring.sight.metrics_flags import MetricsFlags
 from reflexarc.wiring.watching import Watching
 from reflexarc_runtime.contract.bounds import Bounds
 from reflexarc_runtime.contract.stopping import check_speed
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
     from reflexarc_logs.recording.black_box import BoxSpan
     from reflexarc_logs.recording.keeping import Keeping
     from reflexarc_logs.recording.recorder import Recorder
+    from reflexarc_runtime.metrics.feed import MetricsFeed
     from reflexarc_runtime.policy.policy import LoadedPolicy
 
 
@@ -94,6 +96,7 @@ class RunCommand:
     pacing: tyro.conf.OmitArgPrefixes[PacingFlags] = field(default_factory=PacingFlags)
     watching: Watching = field(default_factory=Watching)
     candidates: tyro.conf.OmitArgPrefixes[CandidateFlags] = field(default_factory=CandidateFlags)
+    metering: tyro.conf.OmitArgPrefixes[MetricsFlags] = field(default_factory=MetricsFlags)
     joining: Joining = field(default_factory=Joining)
     config: Path | None = None
     """TOML file with flags, named as here; what the command line says counts more."""
@@ -132,12 +135,13 @@ class RunCommand:
         run_id = uuid.uuid4().hex
         with (
             StopFlag() as stop,
+            self.metering.feed("reflexarc run") as metrics,
             self._sinks(policy, run_id, watcher) as sinks,
             self.joining.bus_in_time(
                 RUNTIME_NODE, stop, "reflexarc run", lockstep=self.lockstep
             ) as bus,
         ):
-            flags = self._loop_flags(watcher)
+            flags = self._loop_flags(watcher, metrics)
             loop = SenseActLoop(bus, controller, policy, sinks, run_id, flags, manager)
             outcome = loop.run(stop, self.ticks)
         self._tell(outcome, sinks.recordings)
@@ -165,6 +169,7 @@ class RunCommand:
     def _check_flags(self) -> None:
         self.watching.check()
         self.pacing.check(lockstep=self.lockstep)
+        self.metering.check()
         if self.recording.keeping("reflexarc run").in_parts and self.record is None:
             raise UsageError(
                 "--rotate-mb, --rotate-s, --keep-mb: expected --record PATH beside them"
@@ -181,7 +186,9 @@ class RunCommand:
             raise UsageError(f"--ticks: expected 1 or more, got {self.ticks}")
         self.punctuality.check(lockstep=self.lockstep)
 
-    def _loop_flags(self, watcher: "WatchingPolicy | None") -> "LoopFlags":
+    def _loop_flags(
+        self, watcher: "WatchingPolicy | None", metrics: "MetricsFeed | None"
+    ) -> "LoopFlags":
         from reflexarc.wiring.running.sense_act_loop import LoopFlags
         from reflexarc_runtime.loop.candidates.swap_desk import SwapRules
 
@@ -204,6 +211,7 @@ class RunCommand:
             pacing=self.pacing,
             swaps=swaps,
             watcher=watcher,
+            metrics=metrics,
         )
 
     def _sinks(

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from reflexarc.terminal.output import aside, plain
@@ -13,6 +14,7 @@ from reflexarc.wiring.rivals import Rivals
 from reflexarc.wiring.running.candidate_flags import WatchingPolicy, others_of
 from reflexarc.wiring.running.candidate_flags import watching as watching_policy
 from reflexarc.wiring.running.pacing_flags import PacingFlags
+from reflexarc.wiring.sight.metrics_flags import hear_metrics, said_to_metrics
 from reflexarc.wiring.waiting import Arrival
 from reflexarc.wiring.watching import Watching
 from reflexarc_runtime.controller import Controller
@@ -50,6 +52,7 @@ from reflexarc_runtime.serving.swapping import AnyController, SwappingController
 
 if TYPE_CHECKING:
     from reflexarc_runtime.bus import Bus, Publisher
+    from reflexarc_runtime.metrics.feed import MetricsFeed
 
 
 @dataclass(frozen=True)
@@ -72,6 +75,13 @@ class LoopFlags:
     """What is asked of a policy that shall take over."""
     watcher: WatchingPolicy | None = None
     """A policy that watches."""
+    metrics: "MetricsFeed | None" = None
+    """Who answers scrapes."""
+
+    @property
+    def short_name(self) -> str:
+        """The policy's file and its folder: many are called policy.onnx."""
+        return "/".join(Path(self.policy_name).parts[-2:])
 
 
 @dataclass(frozen=True)
@@ -177,7 +187,8 @@ class SenseActLoop:
     def _outlets(self, command: "Publisher") -> Outlets:
         bus = self.bus
         release = NoOutlet() if self.flags.lockstep else bus.publisher(RELEASE)
-        return Outlets(command, bus.publisher(TICK), bus.publisher(STATUS), release)
+        status = said_to_metrics(self.flags.metrics, bus.publisher(STATUS), bus)
+        return Outlets(command, bus.publisher(TICK), status, release)
 
     def _listen_to_senses(self, inbox: Inbox, came: Arrival) -> None:
         """Hand the loop what it decides on, as the last thing before its first tick.
@@ -194,6 +205,7 @@ class SenseActLoop:
         """Hand the loop what stops it; say whom the body obeys in place of this runtime."""
         bus = self.bus
         bus.subscribe([STOP, RESET], inbox.put)
+        hear_metrics(self.flags.metrics, bus)
         if not self.flags.lockstep:  # where all have one name
             bus.subscribe([LEASE], Rivals(bus.sender, self._say, bus.robot).hear)
 
@@ -284,7 +296,13 @@ class SenseActLoop:
             made_of=rehearsal.note,
             shadow=candidates.state,
             realtime=realtime,
+            policy_name=self._name_of,
+            pace=self.flags.pacing.name(lockstep=self.flags.lockstep),
         )
+
+    def _name_of(self, policy_hash: str) -> str:
+        """The file of the policy of the start; another one that took over has none here."""
+        return self.flags.short_name if policy_hash == self.policy.policy_hash else ""
 
     def _pacer(self, inbox: Inbox, rehearsal: Rehearsal) -> Pacer:
         flags, controller = self.flags, self.controller

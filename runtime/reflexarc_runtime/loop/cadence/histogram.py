@@ -45,7 +45,8 @@ class Histogram:
             return Spread()
         least_bits, octaves = _octaves(counts)
         p50_ns, p99_ns, p999_ns = _percentiles(counts, total, self.max_ns)
-        return Spread(total, p50_ns, p99_ns, p999_ns, self.max_ns, least_bits, octaves)
+        sum_ns = int(counts @ _MIDDLES_NS)
+        return Spread(total, p50_ns, p99_ns, p999_ns, self.max_ns, least_bits, octaves, sum_ns)
 
 
 def add_each(times_ns: Iterable[int], histograms: Iterable[Histogram]) -> None:
@@ -75,6 +76,9 @@ def _middle_ns(bucket: int) -> int:
         return bucket
     shift = (bucket >> BITS) - 1
     return ((bucket - (shift << BITS)) << shift) + (1 << shift >> 1)
+
+
+_MIDDLES_NS = np.array([_middle_ns(bucket) for bucket in range(BUCKETS)], np.int64)
 
 
 def _percentiles(counts: Counts, total: int, max_ns: int) -> list[int]:
