@@ -143,13 +143,15 @@ class RunCommand:
 
     def _tried_policy(self) -> "LoadedPolicy":
         """Load the policy, after a process of its own has."""
+        from reflexarc_runtime.loop.trials.forked_process import forked_if_alone
         from reflexarc_runtime.loop.trials.trial import Trial, check_fits
+        from reflexarc_runtime.policy.policy import load_policy
 
         accepted = self.trusting.check_file(self.policy)
-        with Trial(self.policy, self.backend) as trial:
-            # Meanwhile everything that the loop will need is loaded.
-            import reflexarc_runtime.bus  # noqa: F401
-            from reflexarc_runtime.policy.policy import load_policy
+        with Trial(self.policy, self.backend, begin=forked_if_alone) as trial:
+            # Meanwhile everything else that the loop will need is loaded.
+            import reflexarc_runtime.bus
+            import reflexarc_runtime.controller  # noqa: F401
 
             finding = trial.finding()
         policy = load_policy(self.policy, self.backend, bounds=self.bounds)
