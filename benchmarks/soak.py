@@ -94,7 +94,7 @@ def _soak(flags: argparse.Namespace, folder: Path) -> dict[str, object]:
     ):
         rss_mb = _watched(loop)
         assert loop.stdout is not None
-        said = json.loads(loop.stdout.read())
+        said = json.loads(loop.stdout.read() or '{"ticks": "ended before its time", "phases": {}}')
         alone.terminate()
         missed = [line.split() for line in (alone.stdout or []) if line.count(b" ") == 1]
     skipped, missed_s = _skipped(log), [int(due) // SECOND_NS for due, _ in missed]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 import tyro
 
+from reflexarc.loading import uncollected
 from reflexarc.terminal.output import aside, console, facts, print_json
 from reflexarc.terminal.signals import StopFlag
 from reflexarc.wiring.bus_flags import Joining
@@ -112,7 +113,8 @@ class RunCommand:
             return 0
         self._check_flags()
         manager = manager_of()  # before other processes start: they are no service
-        policy = self._tried_policy()
+        with uncollected():
+            policy = self._tried_policy()
         from reflexarc.wiring.running.sense_act_loop import SenseActLoop
         from reflexarc_runtime.controller import Controller
         from reflexarc_runtime.guard import asks_the_input

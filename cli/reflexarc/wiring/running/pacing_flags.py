@@ -75,8 +75,8 @@ class PacingFlags:
         from reflexarc_runtime.loop.clock import MonotonicClock
         from reflexarc_runtime.loop.pacing.input_pacer import InputPacer, may_leave_one_out
         from reflexarc_runtime.loop.pacing.lockstep_pacer import LockstepPacer
+        from reflexarc_runtime.loop.pacing.occasions import RehearsingClock
         from reflexarc_runtime.loop.pacing.rate_pacer import RatePacer
-        from reflexarc_runtime.loop.rehearsal import RehearsingClock
 
         if lockstep:
             return LockstepPacer(inbox)

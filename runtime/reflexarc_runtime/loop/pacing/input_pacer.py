@@ -34,8 +34,8 @@ from reflexarc_runtime.loop.bell import Bell
 from reflexarc_runtime.loop.clock import Clock
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.pacing.expected_arrival import ExpectedArrival
+from reflexarc_runtime.loop.pacing.occasions import Occasions
 from reflexarc_runtime.loop.pacing.pacer import PATIENCE_NS, Wakeup
-from reflexarc_runtime.loop.rehearsal import Occasions
 from reflexarc_runtime.messages.topics import Topic
 
 _PERIODS_AN_INPUT_MUST_LAST = 3
