@@ -43,6 +43,7 @@ class FedClock(MonotonicClock):
     """Puts a retina into the inbox whenever it has slept."""
 
     def __init__(self, inbox: Inbox, payload: bytes) -> None:
+        super().__init__()
         self.inbox, self.payload, self.count = inbox, payload, 0
 
     def sleep_until_ns(self, deadline_ns: int) -> None:

@@ -17,6 +17,7 @@ from typing import Annotated, Any
 import tyro
 
 from reflexarc.config_file.reading import config_in, settings_of
+from reflexarc.loading import uncollected
 from reflexarc.one_command import description_of, found_by_name, name_of
 from reflexarc.terminal.compilation import show_compilation
 from reflexarc.terminal.complaint import in_one_line
@@ -83,8 +84,10 @@ def _answer(words: list[str]) -> int:
 
         console.print(overview())
         return 0
+    with uncollected():
+        command = _parse(words)
     with show_compilation():
-        status: int = _parse(words).run()
+        status: int = command.run()
     return status
 
 

@@ -66,6 +66,11 @@ class Inbox:
         """Arrival of the message that rang the bell, since it was armed."""
         return self._rung_ns
 
+    @property
+    def was_rung(self) -> bool:
+        """Whether the bell was rung since it was armed."""
+        return self._rung_ns != sys.maxsize
+
     def ring_for(self, topic: Topic, bell: Bell) -> None:
         """Ring a bell, once it is armed, for this topic and for what stops a loop."""
         self._rings_for, self._bell = topic.name, bell

@@ -11,8 +11,9 @@ from reflexarc_runtime.loop.clock import ManualClock
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.node import Node
 from reflexarc_runtime.loop.outlets import NoOutlet, Outlets
+from reflexarc_runtime.loop.pacing.occasions import RehearsingClock
 from reflexarc_runtime.loop.pacing.rate_pacer import RatePacer
-from reflexarc_runtime.loop.rehearsal import Rehearsal, RehearsingClock
+from reflexarc_runtime.loop.rehearsal import Rehearsal
 from reflexarc_runtime.messages_pb2 import Command
 from reflexarc_runtime.policy.policy import load_policy
 from reflexarc_runtime.sensing.senses import RetinaSense

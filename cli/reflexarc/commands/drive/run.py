@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 import tyro
 
+from reflexarc.loading import uncollected
 from reflexarc.terminal.output import aside, console, facts, print_json
 from reflexarc.terminal.signals import StopFlag
 from reflexarc.wiring.bus_flags import Joining
@@ -117,7 +118,8 @@ class RunCommand:
         self._check_flags()
         manager = manager_of()  # before other processes start: they are no service
         say_where_it_dies(manager)
-        policy = self._tried_policy()
+        with uncollected():
+            policy = self._tried_policy()
         from reflexarc.wiring.running.sense_act_loop import SenseActLoop
         from reflexarc_runtime.controller import Controller
         from reflexarc_runtime.guard import asks_the_input
@@ -149,13 +151,15 @@ class RunCommand:
 
     def _tried_policy(self) -> "LoadedPolicy":
         """Load the policy, after a process of its own has."""
+        from reflexarc_runtime.loop.trials.forked_process import forked_if_alone
         from reflexarc_runtime.loop.trials.trial import Trial, check_fits
+        from reflexarc_runtime.policy.policy import load_policy
 
         accepted = self.trusting.check_file(self.policy)
-        with Trial(self.policy, self.backend) as trial:
-            # Meanwhile everything that the loop will need is loaded.
-            import reflexarc_runtime.bus  # noqa: F401
-            from reflexarc_runtime.policy.policy import load_policy
+        with Trial(self.policy, self.backend, begin=forked_if_alone) as trial:
+            # Meanwhile everything else that the loop will need is loaded.
+            import reflexarc_runtime.bus
+            import reflexarc_runtime.controller  # noqa: F401
 
             finding = trial.finding()
         policy = load_policy(self.policy, self.backend, bounds=self.bounds)

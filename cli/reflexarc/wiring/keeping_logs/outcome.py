@@ -3,8 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from reflexarc_logs.recording.recorder import Recorder
-from reflexarc_runtime.loop.sink import Sink
+from reflexarc_runtime.loop.sink import NoSink, Sink
 
 SHOWN_PARTS = 5
 
@@ -36,6 +35,10 @@ class Recording:
 
 def recording_of(sink: Sink) -> Recording:
     """What became of what a sink recorded; it has been closed."""
+    if isinstance(sink, NoSink):
+        return Recording(sink.state)
+    from reflexarc_logs.recording.recorder import Recorder  # has been loaded if it is one
+
     if isinstance(sink, Recorder):
         return Recording(sink.state, sink.parts, sink.failed)
     return Recording(sink.state)

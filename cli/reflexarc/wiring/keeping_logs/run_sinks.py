@@ -4,19 +4,22 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from reflexarc.wiring.keeping_logs.black_box_flags import BlackBoxFlags
 from reflexarc.wiring.keeping_logs.outcome import Recording, recording_of
 from reflexarc.wiring.keeping_logs.recording_flags import RecordingFlags, recording_place
-from reflexarc_logs.recording.black_box import BoxSpan
-from reflexarc_logs.recording.keeping import Keeping
-from reflexarc_logs.recording.recorder import Recorder
 from reflexarc_runtime.keyframe import Keyframe
 from reflexarc_runtime.loop.sink import NoSink, Sink
 from reflexarc_runtime.loop.tick_record import TickRecord
 from reflexarc_runtime.messages.wire import Message
 
-MakeRecorder = Callable[[Path, Keeping, BoxSpan | None], Recorder]
+if TYPE_CHECKING:  # a run that records nothing shall not load what records
+    from reflexarc_logs.recording.black_box import BoxSpan
+    from reflexarc_logs.recording.keeping import Keeping
+    from reflexarc_logs.recording.recorder import Recorder
+
+    MakeRecorder = Callable[[Path, Keeping, BoxSpan | None], Recorder]
 
 
 @dataclass(frozen=True)
@@ -29,7 +32,7 @@ class RunSinks:
     @property
     def takes_any(self) -> bool:
         """Whether anything is recorded at all."""
-        return any(isinstance(sink, Recorder) for sink in (self.whole, self.box))
+        return bool(self._recorders())
 
     @property
     def state(self) -> str:
@@ -42,7 +45,7 @@ class RunSinks:
     def recordings(self) -> dict[str, Recording]:
         """What became of them; they have been closed."""
         found = {"recording": recording_of(self.whole)}
-        if isinstance(self.box, Recorder):
+        if not isinstance(self.box, NoSink):
             found["black box"] = recording_of(self.box)
         return found
 
@@ -58,19 +61,27 @@ class RunSinks:
 
     def keep_policies(self, others: Mapping[str, bytes]) -> None:
         """Let what is begun from now on hold these policies as well, by their hashes."""
-        for sink in (self.whole, self.box):
-            if isinstance(sink, Recorder):
-                sink.keep_policies(others)
+        for recorder in self._recorders():
+            recorder.keep_policies(others)
 
     def put_keyframe(self, keyframe: Keyframe) -> None:
         """See `Sink.put_keyframe`."""
         self.whole.put_keyframe(keyframe)
         self.box.put_keyframe(keyframe)
 
+    def _recorders(self) -> list["Recorder"]:
+        """Those of the two that record."""
+        sinks = [sink for sink in (self.whole, self.box) if not isinstance(sink, NoSink)]
+        if not sinks:
+            return []
+        from reflexarc_logs.recording.recorder import Recorder
+
+        return [sink for sink in sinks if isinstance(sink, Recorder)]
+
 
 @contextmanager
 def run_sinks(
-    record: Path | None, flags: RecordingFlags, box: BlackBoxFlags, make: MakeRecorder
+    record: Path | None, flags: RecordingFlags, box: BlackBoxFlags, make: "MakeRecorder"
 ) -> Iterator[RunSinks]:
     """Record as the flags say, until it is left.
 

@@ -69,14 +69,14 @@ class PacingFlags:
             contract: of the policy.
             inbox: of the loop.
             topic: whose messages begin ticks, where inputs do.
-            rehearse: done shortly before a deadline.
+            rehearse: done shortly before a tick is expected.
             lockstep: whether every input is a tick.
         """
         from reflexarc_runtime.loop.clock import MonotonicClock
         from reflexarc_runtime.loop.pacing.input_pacer import InputPacer, may_leave_one_out
         from reflexarc_runtime.loop.pacing.lockstep_pacer import LockstepPacer
+        from reflexarc_runtime.loop.pacing.occasions import RehearsingClock
         from reflexarc_runtime.loop.pacing.rate_pacer import RatePacer
-        from reflexarc_runtime.loop.rehearsal import RehearsingClock
 
         if lockstep:
             return LockstepPacer(inbox)
@@ -84,4 +84,4 @@ class PacingFlags:
         if self.pace == "rate":
             return RatePacer(rate_hz, RehearsingClock(clock, rehearse), inbox)
         leaves_out = may_leave_one_out(contract)
-        return InputPacer(rate_hz, clock, inbox, topic, leaves_out=leaves_out)
+        return InputPacer(rate_hz, clock, inbox, topic, leaves_out=leaves_out, rehearse=rehearse)

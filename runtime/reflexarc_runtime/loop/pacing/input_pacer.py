@@ -33,6 +33,8 @@ from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.loop.bell import Bell
 from reflexarc_runtime.loop.clock import Clock
 from reflexarc_runtime.loop.inbox import Inbox
+from reflexarc_runtime.loop.pacing.expected_arrival import ExpectedArrival
+from reflexarc_runtime.loop.pacing.occasions import Occasions
 from reflexarc_runtime.loop.pacing.pacer import PATIENCE_NS, Wakeup
 from reflexarc_runtime.messages.topics import Topic
 
@@ -57,12 +59,22 @@ class InputPacer:
         inbox: where inputs arrive; nobody else may arm its bell.
         topic: what an input is.
         leaves_out: whether an input that came too early leaves the tick to its successor.
+        rehearse: done shortly before an input is expected, if none came meanwhile.
     """
 
     def __init__(
-        self, rate_hz: float, clock: Clock, inbox: Inbox, topic: Topic, *, leaves_out: bool = True
+        self,
+        rate_hz: float,
+        clock: Clock,
+        inbox: Inbox,
+        topic: Topic,
+        *,
+        leaves_out: bool = True,
+        rehearse: Callable[[], None] | None = None,
     ) -> None:
         self._clock = clock
+        self._expected = ExpectedArrival()
+        self._occasions = None if rehearse is None else Occasions(clock.now_ns, rehearse)
         self._inbox = inbox
         self._bell = Bell()
         inbox.ring_for(topic, self._bell)
@@ -79,9 +91,11 @@ class InputPacer:
         if self._start_ns is None:
             self._start_ns = self._clock.now_ns()
             self._nominal_ns = self._start_ns + self._period_ns
+        self._learn()
         earliest_ns = self._nominal_ns - self._half_ns
         self._inbox.arm(earliest_ns if self._leaves_out else 0)
-        is_rung = self._is_rung(self._nominal_ns + self._half_ns, should_stop)
+        deadline_ns = self._nominal_ns + self._half_ns
+        is_rung = self._is_rung_early(should_stop) or self._is_rung(deadline_ns, should_stop)
         if is_rung:
             self._clock.sleep_until_ns(earliest_ns)
         return None if should_stop() else self._begin(is_rung)
@@ -93,6 +107,22 @@ class InputPacer:
     def now_ns(self) -> int:
         """See `Pacer.now_ns`."""
         return self._clock.now_ns()
+
+    def _learn(self) -> None:
+        """Learn from the input that began the last tick; only now, as that one had no time."""
+        if self._occasions is not None and self._inbox.was_rung:
+            self._expected.came(self._inbox.rung_ns)
+
+    def _is_rung_early(self, should_stop: Callable[[], bool]) -> bool:
+        """Wait until an input is expected, and rehearse; whether the bell rang before."""
+        expected_ns, deadline_ns = self._expected.next_ns(), self._nominal_ns + self._half_ns
+        if self._occasions is None or expected_ns is None or expected_ns > deadline_ns:
+            return False
+
+        def is_rung(until_ns: int) -> bool:
+            return self._is_rung(until_ns, should_stop)
+
+        return self._occasions.before(expected_ns, is_rung)
 
     def _is_rung(self, deadline_ns: int, should_stop: Callable[[], bool]) -> bool:
         """Wait for the bell up to the deadline, or until asked to stop."""

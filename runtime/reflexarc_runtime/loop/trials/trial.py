@@ -14,7 +14,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Self
+from typing import IO, TYPE_CHECKING, Any, Protocol, Self
 
 from reflexarc_runtime.errors import PolicyError
 
@@ -47,6 +47,43 @@ class Finding:
     """Median time of a decision."""
 
 
+class TrialProcess(Protocol):
+    """The process of a trial, as far as whoever waits for it is concerned: see `subprocess`."""
+
+    @property
+    def stdout(self) -> IO[str] | None:
+        """What it prints."""
+        ...
+
+    @property
+    def returncode(self) -> int | None:
+        """Its status, once its end was seen."""
+        ...
+
+    def kill(self) -> None:
+        """End it."""
+        ...
+
+    def wait(self) -> int:
+        """Wait for its end."""
+        ...
+
+    def communicate(self) -> tuple[str, Any]:
+        """What it prints up to its end."""
+        ...
+
+
+def spawned(path: Path, backend: str) -> TrialProcess:
+    """Begin a trial in a new process."""
+    return subprocess.Popen(
+        [sys.executable, "-P", "-m", _PROCESS, str(path), backend],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+    )
+
+
 class Trial:
     """A trial that goes on in the background; a context manager, which ends its process.
 
@@ -54,19 +91,19 @@ class Trial:
         path: the policy file.
         backend: what shall compute it.
         loading_s: how long that may take.
+        begin: begins its process.
     """
 
-    def __init__(self, path: Path, backend: str, loading_s: float = LOADING_S) -> None:
+    def __init__(
+        self,
+        path: Path,
+        backend: str,
+        loading_s: float = LOADING_S,
+        begin: Callable[[Path, str], TrialProcess] = spawned,
+    ) -> None:
         self._path = path
         self._loading_s = loading_s
-        words = [sys.executable, "-P", "-m", _PROCESS, str(path), backend]
-        self._process = subprocess.Popen(
-            words,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            text=True,
-        )
+        self._process = begin(path, backend)
 
     def __enter__(self) -> Self:
         return self

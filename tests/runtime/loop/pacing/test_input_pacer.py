@@ -243,3 +243,44 @@ def test_an_input_is_left_out_only_where_commands_live_for_three_periods():
     assert may_leave_one_out(SMALL)  # 50 Hz, 100 ms
     assert may_leave_one_out(replace(SMALL, rate_hz=30.0))
     assert not may_leave_one_out(replace(SMALL, rate_hz=29.0))
+
+
+class Rehearsing(Loop):
+    """Notes when it is rehearsed, which takes a while."""
+
+    def __init__(self, takes_ns: int) -> None:
+        super().__init__()
+        self.takes_ns, self.began_ns = takes_ns, list[int]()
+        self.pacer = InputPacer(RATE_HZ, self.clock, self.inbox, RETINA, rehearse=self.rehearse)
+
+    def rehearse(self) -> None:
+        self.began_ns.append(self.clock.time_ns)
+        self.clock.advance_to_ns(self.clock.time_ns + self.takes_ns)
+
+
+US = 1000
+
+
+def test_it_is_rehearsed_shortly_before_an_input_is_expected_and_the_tick_is_as_punctual():
+    loop = Rehearsing(50 * US)
+    loop.arrive(range(P, 20 * P, P))
+    ticks = loop.ticks(12)
+    assert [tick.wake_ns for tick in ticks] == [n * P for n in range(1, 13)]
+    assert [12 * P - at_ns for at_ns in loop.began_ns[-2:]] == [350 * US, 130 * US]
+
+
+def test_where_no_input_was_foreseen_nothing_is_rehearsed():
+    loop = Rehearsing(50 * US)
+    loop.ticks(12)
+    assert loop.began_ns == []
+
+
+@settings(max_examples=100, deadline=None)
+@given(arrivals, st.integers(0, 2 * MS))
+def test_a_rehearsal_never_makes_a_tick_later_than_it_takes_itself(times: list[int], takes_ns: int):
+    loop = Rehearsing(takes_ns)
+    loop.arrive(times)
+    ticks = loop.ticks(30)
+    assert all(tick.wake_ns - tick.deadline_ns <= takes_ns for tick in ticks)
+    heard = [message.received_ns for tick in ticks for message in tick.messages]
+    assert heard == times[: len(heard)]

@@ -1,0 +1,110 @@
+"""When a tick is rehearsed: once in good time before it begins, and once again shortly before.
+
+What is done then, and why, says `rehearsal`.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from reflexarc_runtime.loop.bell import Bell
+from reflexarc_runtime.loop.clock import Clock
+
+LONGEST_NS = 1_000_000
+"""What takes longer is held up by its arithmetic, and not by cold caches."""
+TRIED_AGAIN_AFTER = 100
+"""Deadlines: once it may have taken long by chance."""
+
+
+@dataclass
+class Occasion:
+    """One time before each tick at which it is rehearsed.
+
+    Args:
+        margin_ns: how long before the tick it should have ended.
+        most_share: of the whole sleep that it may take; a large network is not computed twice.
+    """
+
+    margin_ns: int
+    most_share: float
+    took_ns: int | None = None
+    """Last time; None before the first."""
+    left_out: int = 0
+    """How often since, as it took too long."""
+
+    def begin_ns(self, tick_ns: int, now_ns: int, sleep_ns: int) -> int | None:
+        """When it should begin; None if there is no time for it.
+
+        Args:
+            tick_ns: when the next tick begins.
+            now_ns: now.
+            sleep_ns: how long before the tick the loop began to sleep.
+        """
+        takes_ns = sleep_ns // 2 if self.took_ns is None else self.took_ns
+        most_ns = min(LONGEST_NS, self.most_share * sleep_ns)
+        is_long = self.took_ns is not None and takes_ns > most_ns
+        if is_long and self.left_out < TRIED_AGAIN_AFTER:
+            self.left_out += 1
+            return None
+        self.left_out = 0
+        begin_ns = tick_ns - self.margin_ns - takes_ns
+        return begin_ns if begin_ns > now_ns else None
+
+
+class Occasions:
+    """Rehearses once in good time before a tick, and once shortly before.
+
+    Args:
+        now_ns: reads the time.
+        rehearse: what is done.
+    """
+
+    def __init__(self, now_ns: Callable[[], int], rehearse: Callable[[], None]) -> None:
+        self._now_ns, self._rehearse = now_ns, rehearse
+        self._occasions = Occasion(300_000, 0.03), Occasion(80_000, 0.3)
+
+    def before(self, tick_ns: int, is_called: Callable[[int], bool]) -> bool:
+        """Rehearse before a tick, unless the loop is called meanwhile; whether it was.
+
+        Args:
+            tick_ns: when it is due.
+            is_called: sleeps until a time, or until a tick must begin at once; whether it must.
+        """
+        sleep_ns = tick_ns - self._now_ns()
+        for occasion in self._occasions:
+            begin_ns = occasion.begin_ns(tick_ns, self._now_ns(), sleep_ns)
+            if begin_ns is None:
+                continue
+            if is_called(begin_ns):
+                return True
+            began_ns = self._now_ns()
+            if began_ns - begin_ns < occasion.margin_ns // 2:  # else it overslept: a tick is near
+                self._rehearse()
+                occasion.took_ns = self._now_ns() - began_ns
+        return False
+
+
+class RehearsingClock:
+    """A clock that rehearses before it returns from a sleep.
+
+    Args:
+        clock: by which it sleeps.
+        rehearse: what it does.
+    """
+
+    def __init__(self, clock: Clock, rehearse: Callable[[], None]) -> None:
+        self._clock = clock
+        self.now_ns = clock.now_ns  # asked at every phase of a tick
+        self._occasions = Occasions(clock.now_ns, rehearse)
+
+    def sleep_until_ns(self, deadline_ns: int) -> None:
+        """See `Clock.sleep_until_ns`."""
+        self._occasions.before(deadline_ns, self._slept)
+        self._clock.sleep_until_ns(deadline_ns)
+
+    def wait_until_ns(self, deadline_ns: int, bell: Bell) -> bool:
+        """See `Clock.wait_until_ns`; nothing is rehearsed, as a ring may come at any time."""
+        return self._clock.wait_until_ns(deadline_ns, bell)
+
+    def _slept(self, until_ns: int) -> bool:
+        self._clock.sleep_until_ns(until_ns)
+        return False
