@@ -86,7 +86,7 @@ def drive(folder: Path, swaps: int, seed: int) -> tuple[Operator, Path]:
     first.write_bytes(exported(contract, seed=11))
     shadow.write_bytes(exported(contract, seed=12))
     (folder / "faults.toml").write_text(FAULTS)
-    sim = ("sim", "--world", "crossing", "--seed", 7, "--policy", first, "--state", folder)
+    sim = ("sim", "--world", "swing", "--seed", 7, "--policy", first, "--state", folder)
     sim = (*sim, "--faults", folder / "faults.toml")
     run = ("run", first, "--allow-swap", "--shadow", shadow, "--record", log)
     with ExitStack() as stack:

@@ -17,6 +17,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
+from collections.abc import Callable, Collection
 from contextlib import ExitStack
 from dataclasses import dataclass
 from itertools import pairwise
@@ -70,8 +71,10 @@ class Measured:
     load: float
 
 
-def start_fleet(stack: ExitStack, robots: int, port: int, folder: Path) -> Fleet:
-    """Bodies in one process, a runtime each."""
+def start_fleet(
+    stack: ExitStack, robots: int, port: int, folder: Path, obeying: Callable[[], Collection[str]]
+) -> Fleet:
+    """Bodies in one process, a runtime each; `obeying` says which bodies obey somebody."""
     policy = folder / "policy.onnx"
     policy.write_bytes(exported(PolicyContract(), seed=5))
     many = ("--robots", robots) if robots > 1 else ()
@@ -80,10 +83,16 @@ def start_fleet(stack: ExitStack, robots: int, port: int, folder: Path) -> Fleet
     names = [f"robot{number}" for number in range(robots)]
     logs = {name: folder / f"{name}.mcap" for name in names}
     run = ("run", policy, "--no-guard", "--port", port, "--json", "--record")
-    runs = {
-        name: stack.enter_context(started(*run, log, "--robot", name)) for name, log in logs.items()
-    }
+    runs = {}
+    for name, log in logs.items():  # one behind the other, as a manager starts services in order
+        runs[name] = stack.enter_context(started(*run, log, "--robot", name))
+        wait_until(lambda: name in obeying() or ended(runs[name]), name, JOINS_WITHIN_S)  # noqa: B023
     return Fleet(body, runs, logs)
+
+
+def ended(process: Process) -> bool:
+    """Whether a process has ended."""
+    return process.poll() is not None
 
 
 def measure(fleet: Fleet, minutes: float, port: int) -> Measured:
@@ -115,15 +124,13 @@ def campaign(robots: int, minutes: float, folder: Path) -> dict[str, Any]:
     """Start, measure, end, judge."""
     (port,) = free_ports(1)
     with ExitStack() as stack:
-        fleet = start_fleet(stack, robots, port, folder)
         witness = stack.enter_context(fleet_witness(port))
-        every = set(fleet.logs)
-        wait_until(lambda: set(witness.obeyed) >= every, "ten bodies that obey", JOINS_WITHIN_S)
+        fleet = start_fleet(stack, robots, port, folder, witness.obeying)
         time.sleep(SETTLED_S)
         waits = Waits(fleet.pids)
         measured = measure(fleet, minutes, port)
         waits.end()
-        ended = [end_of(name, fleet, waits) for name in fleet.runs]
+        ends = [end_of(name, fleet, waits) for name in fleet.runs]
         journeys = finished(fleet.sim, signal.SIGINT)
     logged = {name: logged_robot(log) for name, log in fleet.logs.items()}
     contacts = {name: one["contacts"] for name, one in journeys.items()} if robots > 1 else journeys
@@ -132,7 +139,7 @@ def campaign(robots: int, minutes: float, folder: Path) -> dict[str, Any]:
         **_commands(witness, measured),
         **_costs(measured),
         "load, 5 minutes": measured.load,
-        "ended by itself": [words for words in ended if words],
+        "ended by itself": [words for words in ends if words],
         "contacts": contacts,
         **_truth(witness.seen_since(measured.from_ns), logged, "statuses"),
         **_truth(measured.top, logged, "top"),
@@ -146,11 +153,14 @@ def end_of(name: str, fleet: Fleet, waits: Waits) -> str:
     if run.poll() is None:
         finished(run, signal.SIGINT)
         return ""
-    _, complaint = run.communicate()
-    recover(log.with_name(log.name + ".partial"), log)
+    said, complaint = run.communicate()
+    partial = log.with_name(log.name + ".partial")
+    if partial.exists():
+        recover(partial, log)
     waited_ms = waits.last_of(name, TIMER_NS) / MS
     waited = f"its threads had waited {waited_ms:.0f} ms for a processor at last"
-    return f"{name}: status {run.returncode}, {waited}: {complaint.strip()[:900]}"
+    words = f"{said.strip()[-300:]} {complaint.strip()[:900]}"
+    return f"{name}: status {run.returncode}, {waited}: {words}"
 
 
 def _rates(logged: dict[str, LoggedRobot], measured: Measured, waits: Waits) -> dict[str, Any]:
@@ -162,6 +172,8 @@ def _rates(logged: dict[str, LoggedRobot], measured: Measured, waits: Waits) -> 
             for wake_ns, slot in zip(robot.wake_ns, robot.slots, strict=True)
             if measured.from_ns <= wake_ns <= measured.to_ns
         ]
+        if len(within) < 2:
+            continue
         seconds = (within[-1][0] - within[0][0]) / 1e9
         rates[name] = round((len(within) - 1) / seconds, 3)
         for (before_ns, before), (wake_ns, slot) in pairwise(within):

@@ -31,6 +31,10 @@ class FleetWitness:
         bus.subscribe_to_key("*/lease", self._lease)
         bus.subscribe_to_key("*/command", self._command)
 
+    def obeying(self) -> list[str]:
+        """The robots whose bodies have obeyed somebody."""
+        return [robot for robot, times in list(self.obeyed.items()) if times]
+
     def seen_since(self, from_ns: int) -> list[SeenRobot]:
         """What was seen from a moment on: before, not everybody has found everybody."""
         return [one for one in self.seen if one.at_ns >= from_ns]
