@@ -38,6 +38,7 @@ from support.fleet_judge import MS, spread
 from support.offered_policies import Offer, failing, fitting, refused
 from support.policies import exported
 from support.processes import Process, finished, said_line, started
+from support.processor_account import Waits
 from support.swap_operator import Operator, brightness
 
 FAULTS = """
@@ -60,6 +61,8 @@ begin_s = 9.0
 duration_s = 1.0
 share = 0.3
 """
+TIMER_NS = 650 * MS
+"""The kernel's timer ends a runtime whose loop was not there for so long."""
 CALM_NS = 500 * MS
 """For so long behind a SIGSTOP lateness is that of the SIGSTOP."""
 LEVELS = {"policy", "node", "shadow"}
@@ -96,23 +99,27 @@ def drive(folder: Path, swaps: int, seed: int) -> tuple[Operator, Path]:
         bus = stack.enter_context(Bus(BusConfig("robot0", port), time.monotonic_ns))
         operator = Operator(bus, runtime, np.random.default_rng(seed))
         listed = offers(contract, brightness(bus), swaps)
+        waits = Waits({"runtime": runtime.pid})
         operator.begin()
         for number, offer in enumerate(listed):
             if runtime.poll() is not None:
                 break
             operator.offer(offer, standing=number % 3 == 0)
         operator.end()
-        _end(operator, runtime, log)
+        waits.end()
+        _end(operator, runtime, log, waits)
         finished(body, signal.SIGINT)
     return operator, log
 
 
-def _end(operator: Operator, runtime: Process, log: Path) -> None:
+def _end(operator: Operator, runtime: Process, log: Path, waits: Waits) -> None:
     if runtime.poll() is None:
         finished(runtime, signal.SIGINT)
         return
     _, complaint = runtime.communicate()
-    operator.failures.append(f"the runtime ended, status {runtime.returncode}: {complaint[-900:]}")
+    waited = f"it had waited {waits.last_of('runtime', TIMER_NS) / MS:.0f} ms for a processor"
+    ended = f"the runtime ended, status {runtime.returncode}, {waited}"
+    operator.failures.append(f"{ended}: {complaint.strip()[:900]}")
     recover(log.with_name(log.name + ".partial"), log)
 
 
