@@ -36,7 +36,7 @@ def test_the_truth_is_not_held_against_anybody():
         ({"verdicts": {"OK": 100}}, "verdicts"),
         ({"verdicts": {"NO_INPUT": 10, "OK": 91}}, "verdicts"),
         ({"policy_hash": "a"}, "policy a"),
-        ({"rate_hz": 47.0}, "47.00 Hz, logged 50.00"),
+        ({"rate_hz": 47.0}, "47.00 Hz, logged 50.00 to 50.00"),
         ({"skipped": 1}, "1 slots skipped, logged 0"),
         ({"holder": "22"}, "lease of 22"),
         ({"holder": ""}, "lease of nobody"),
@@ -51,3 +51,14 @@ def test_each_untruth_is_one_line_and_says_where(lie: dict[str, object], words: 
 def test_a_lease_that_changes_just_then_may_be_seen_as_either():
     for holder in ("11", "22"):
         assert untrue(replace(SEEN, at_ns=2400 * MS, holder=holder), LOGGED) == []
+
+
+def test_a_second_with_a_hole_has_the_rate_of_the_period_that_the_runtime_chose():
+    hole_ns = 700 * MS
+    wake_ns = [n * PERIOD_NS + (hole_ns if n >= 60 else 0) for n in range(TICKS)]
+    holed = replace(LOGGED, wake_ns=wake_ns)
+    since_60 = replace(SEEN, ticks=90, verdicts={"NO_INPUT": 10, "OK": 80}, policy_hash="b")
+    for first in (55, 60, 40):  # the first tick of the period
+        hz = (89 - first) * 1e9 / (wake_ns[89] - wake_ns[first])
+        assert untrue(replace(since_60, rate_hz=hz), holed) == []
+    assert untrue(replace(since_60, rate_hz=60.0), holed) != []
