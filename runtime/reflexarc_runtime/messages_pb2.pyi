@@ -170,16 +170,18 @@ class Swap(_message.Message):
     def __init__(self, policy: _Optional[bytes] = ..., policy_hash: _Optional[str] = ..., reason: _Optional[str] = ..., while_moving: bool = ...) -> None: ...
 
 class SwapRequest(_message.Message):
-    __slots__ = ("policy", "reason", "while_moving", "patience_s")
+    __slots__ = ("policy", "reason", "while_moving", "patience_s", "signature")
     POLICY_FIELD_NUMBER: _ClassVar[int]
     REASON_FIELD_NUMBER: _ClassVar[int]
     WHILE_MOVING_FIELD_NUMBER: _ClassVar[int]
     PATIENCE_S_FIELD_NUMBER: _ClassVar[int]
+    SIGNATURE_FIELD_NUMBER: _ClassVar[int]
     policy: bytes
     reason: str
     while_moving: bool
     patience_s: float
-    def __init__(self, policy: _Optional[bytes] = ..., reason: _Optional[str] = ..., while_moving: bool = ..., patience_s: _Optional[float] = ...) -> None: ...
+    signature: bytes
+    def __init__(self, policy: _Optional[bytes] = ..., reason: _Optional[str] = ..., while_moving: bool = ..., patience_s: _Optional[float] = ..., signature: _Optional[bytes] = ...) -> None: ...
 
 class SwapAnswer(_message.Message):
     __slots__ = ("outcome", "words", "policy_hash", "tick")

@@ -5,7 +5,8 @@
 Two network namespaces stand for the machines, joined by a cable. What an owner types is counted,
 and is what the page says. Then strangers on the second machine's side try the robot's door. It
 takes two minutes, and needs root and `ip netns`: where that is not permitted it says so. Exit
-status 1: a door was open, or something did not work.
+status 1: a door was open, or something did not work. Exit status 2: the machine did not let the
+runtime run, which its own watchdog then ended; nothing is shown.
 """
 
 import argparse
@@ -29,11 +30,16 @@ from reflexarc.securing.secured_robot import SecuredRobot
 from reflexarc.securing.security_folder import make_folder
 from reflexarc_runtime.contract.contract import PolicyContract
 from support.policies import exported  # found by the line above
+from support.processor_account import Waits
 
 ROBOT, BRAIN = "reflexarc-body", "reflexarc-desk"
 ROBOT_IP, BRAIN_IP = "10.123.46.1", "10.123.46.2"
 PORT = 7447
 PATIENCE_S = 90.0
+TIMER_NS = 650_000_000
+"""The kernel's timer ends a runtime whose loop was not there for so long."""
+LET_WAIT_MS = 300.0
+"""Who waited longer than that for a processor, of those, was ended by the machine."""
 SCOUT = """
 import json, sys, time, zenoh
 config = zenoh.Config()
@@ -65,6 +71,8 @@ class Owner:
     failures: list[str] = field(default_factory=list)
     said: list[str] = field(default_factory=list)
     """What the commands that go on said, for whoever looks for a failure's cause."""
+    machine: list[str] = field(default_factory=list)
+    """Which of them were ended by their own watchdog, as no processor was given to them."""
 
     def runs(self, machine: str, *words: object) -> subprocess.CompletedProcess[str]:
         """A command to its end."""
@@ -82,9 +90,11 @@ class Owner:
             text=True,
             cwd=self.folder / machine,
         )
+        waits = Waits({"it": process.pid})
         try:
             yield process
         finally:
+            waits.end()
             if process.poll() is None:
                 process.send_signal(signal.SIGINT)
             try:
@@ -93,6 +103,12 @@ class Owner:
                 process.kill()
                 said, _ = process.communicate()
             self.said.append(f"{words[1]}, status {process.returncode}: {said.strip()}")
+            waited_ms = waits.last_of("it", TIMER_NS) / 1e6
+            if process.returncode == -signal.SIGALRM and waited_ms > LET_WAIT_MS:
+                self.machine.append(
+                    f"{words[1]} was ended by its own watchdog, whose timer in the kernel ran "
+                    f"out: it had waited {waited_ms:.0f} ms for a processor"
+                )
 
     def expect(self, what: str, holds: bool, seen: object) -> None:
         """Write down one thing that was to be seen."""
@@ -220,13 +236,15 @@ def main() -> int:
     except subprocess.CalledProcessError as error:
         sys.exit(f"secure: skipped: `ip netns` is not permitted here: {error.stderr.strip()}")
     if arguments.json:
-        print(json.dumps({"typed": owner.typed, "found": owner.found, "bad": owner.failures}))
+        bad = {"bad": owner.failures, "machine": owner.machine}
+        print(json.dumps({"typed": owner.typed, "found": owner.found, **bad}))
     else:
         print(*owner.typed, "", sep="\n")
         print(*(f"{what:<32}{seen}" for what, seen in owner.found.items()), sep="\n")
         if owner.failures:
             print(*(f"WRONG: {words}" for words in owner.failures), *owner.said, sep="\n")
-    return int(bool(owner.failures))
+            print(*(f"THE MACHINE: {words}" for words in owner.machine), sep="\n")
+    return (2 if owner.machine else 1) if owner.failures else 0
 
 
 if __name__ == "__main__":

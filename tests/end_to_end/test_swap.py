@@ -81,6 +81,29 @@ def test_a_runtime_that_was_not_told_so_takes_no_other_policy(
         finished(runtime, signal.SIGINT)
 
 
+def test_a_signed_policy_takes_over_where_signatures_are_asked_for_and_an_unsigned_one_does_not(
+    meeting: int, tmp_path: Path
+):
+    pytest.importorskip("cryptography")
+    paths = [tmp_path / f"p{seed}.onnx" for seed in range(3)]
+    for seed, path in enumerate(paths):
+        path.write_bytes(exported(PolicyContract(), seed=seed))
+    first, signed, unsigned = paths
+    assert reflexarc("secure", "key", tmp_path / "mine.key").returncode == 0
+    for path in (first, signed):
+        assert reflexarc("secure", "sign", path, "--key", tmp_path / "mine.key").returncode == 0
+    to = ("--port", meeting)
+    trust = ("--allow-swap", "--require-signature", tmp_path / "mine.pub")
+    with started(*RUN, first, *to, *trust) as runtime:
+        refused = reflexarc("swap", unsigned, *to, "--patience", 20)
+        assert refused.returncode == 1
+        assert "expected a signature" in refused.stderr
+        taken = reflexarc("swap", signed, *to, "--patience", 20)
+        assert taken.returncode == 0, taken.stderr
+        end = finished(runtime, signal.SIGINT)
+    assert [one["policy_hash"] for one in end["swaps"]] == [hash_of(signed)]
+
+
 @pytest.mark.long
 def test_killed_in_the_midst_of_a_swap_its_log_recovers_and_replays_and_nothing_is_left(
     files: list[Path], meeting: int, tmp_path: Path

@@ -76,7 +76,9 @@ def overrun_at(slot: int) -> Message:
     return message_at(slot, OVERRUN, encode_overrun(START_NS, 60 * MS), slot)
 
 
-def fails_in_the_light(contract: PolicyContract, seed: int = 0) -> bytes:
+def fails_in_the_light(
+    contract: PolicyContract, seed: int = 0, brightest: float = BRIGHTEST
+) -> bytes:
     """A policy of random weights that gives NaN where the mean of what it sees is beyond a limit.
 
     So it is intact by its golden vectors, which are dark.
@@ -87,7 +89,7 @@ def fails_in_the_light(contract: PolicyContract, seed: int = 0) -> bytes:
             if name == "q_values":
                 node.output[place] = "plain"
     choice = model.graph.node.pop()
-    limit = numpy_helper.from_array(np.array(BRIGHTEST, np.float32), "limit")
+    limit = numpy_helper.from_array(np.array(brightest, np.float32), "limit")
     nothing = numpy_helper.from_array(np.array(0.0, np.float32), "nothing")
     model.graph.initializer.extend([limit, nothing])
     model.graph.node.extend(
@@ -103,7 +105,7 @@ def fails_in_the_light(contract: PolicyContract, seed: int = 0) -> bytes:
         ]
     )
     dark = np.random.default_rng(seed).integers(0, 200, (8, *contract.retina.stack_shape), np.uint8)
-    dark = np.minimum(dark, 140)
+    dark = np.minimum(dark, int(brightest) - 10 if brightest > 20.0 else 0).astype(np.uint8)
     bare = load_policy(with_contract(model.SerializeToString(), contract), verify=False)
     q_values, actions = bare.decide(dark)
     golden = GoldenVectors(

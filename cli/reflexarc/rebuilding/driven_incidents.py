@@ -2,7 +2,9 @@
 
 A body of the same world and seed is led along the recorded drive: it moves as it was told, and is
 put where it was where that is not the same. Two controllers come along, that of the recorded policy
-and that of the candidate: they see, and remember, and what they want is not done. Some time before
+and that of the candidate: they see, and remember, and what they want is not done. Where policies
+took over from each other, the recorded one is at each look the one that decided there; a candidate
+decides everywhere. Some time before
 an incident each is let go from the same moment. The recorded policy is the control: where its way
 is not the recorded one up to the incident, the moment is not rebuilt to the bit, and that is said.
 """
@@ -16,6 +18,7 @@ from reflexarc.rebuilding.driven_findings import DrivenLog, Tried, WantedDrives
 from reflexarc.rebuilding.recorded_drive import RecordedDrive, recorded_drive
 from reflexarc_logs.reading.reader import Log, read_log
 from reflexarc_logs.replaying.asked_policy import asked_policy, attached_policy
+from reflexarc_logs.replaying.serving.served_policies import ServedPolicies
 from reflexarc_logs.replaying.stepping import controller_of
 from reflexarc_runtime.controller_state import State
 from reflexarc_runtime.errors import LogError
@@ -23,7 +26,7 @@ from reflexarc_runtime.messages.topics import RETINA
 from reflexarc_runtime.policy.policy import LoadedPolicy
 from reflexarc_sim_bridge.body.body import BodyPose, rebuild
 from reflexarc_sim_bridge.body.driving_on import DrivenWay, drive_on
-from reflexarc_sim_bridge.body.ride import Ride
+from reflexarc_sim_bridge.body.ride import HandOver, Ride
 
 LEAST_LEAD_S = 0.3
 """Who has less time before a contact was put in front of it by the contact before: not tried."""
@@ -68,7 +71,10 @@ def drive_incidents(path: Path, policy: Path | None, wanted: WantedDrives) -> Dr
     incidents = list(_incidents(drive, wanted))
     least = round(LEAST_LEAD_S / drive.info.step_s)
     late = [one for one in incidents if one.is_contact and one.pose - one.begins < least]
-    rides = [_ride(log, drive, loaded) for loaded in (recorded, candidate)]
+    rides = [
+        _ride(log, drive, recorded, is_followed=True),
+        _ride(log, drive, candidate, is_followed=policy is None),
+    ]
     led = _Led(drive, rides, wanted.driven_s)
     tried = tuple(led.along([one for one in incidents if one not in late]))
     return DrivenLog(
@@ -97,14 +103,22 @@ def _incidents(drive: RecordedDrive, wanted: WantedDrives) -> Iterator[DrivenMom
         yield DrivenMoment(pose, begins, pose in drive.contacts)
 
 
-def _ride(log: Log, drive: RecordedDrive, policy: LoadedPolicy) -> Ride:
-    """A body of the log's world, under a controller as the log's loop had one."""
+def _ride(log: Log, drive: RecordedDrive, policy: LoadedPolicy, *, is_followed: bool) -> Ride:
+    """A body of the log's world, under a controller as the log's loop had one.
+
+    With `is_followed` under those of all policies that decided, each where it did.
+    """
     if log.run.input != RETINA.name:
         raise LogError(
             f"{log.path}: its loop decided on {log.run.input!r}; a body is built again that sends "
             f"{RETINA.name!r}"
         )
-    controller = controller_of(log, policy).at(State())  # it hears no swap of the log
+    served = ServedPolicies(log, policy)
+    controller, hand_overs = controller_of(log, policy, served), list[HandOver]()
+    if is_followed:
+        hand_overs = _hand_overs(log, drive, served)
+    else:
+        controller = controller.at(State())
     if controller.ranges_topic is not None:
         raise LogError(f"{log.path}: its guard had ranges that no simulated body sends")
     rate_hz = 1.0 / drive.info.step_s
@@ -114,7 +128,23 @@ def _ride(log: Log, drive: RecordedDrive, policy: LoadedPolicy) -> Ride:
         loop_hz = policy.contract.rate_hz
     every = _every(rate_hz, loop_hz)
     body = rebuild(drive.info, policy.contract, checks=drive.checks, all_round=True)
-    return Ride(body, controller, every=every, resends=drive.is_lockstep)
+    return Ride(body, controller, every=every, resends=drive.is_lockstep, hand_overs=hand_overs)
+
+
+def _hand_overs(log: Log, drive: RecordedDrive, served: ServedPolicies) -> list[HandOver]:
+    """Who decided from which look on.
+
+    Raises:
+        LogError: one of them is not in the log.
+    """
+    found = drive.hand_overs(log.run.policy_hash)
+    for one in found:
+        if served.named(one.policy_hash) is None:
+            raise LogError(
+                f"{log.path}: expected the policy {one.policy_hash[:12]}, which decided from "
+                "there on, found none: its swap, and the file attached beside, are missing"
+            )
+    return found
 
 
 def _every(body_hz: float, loop_hz: float) -> int:

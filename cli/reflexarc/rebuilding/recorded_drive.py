@@ -17,7 +17,9 @@ from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.messages.body_info import BodyInfo, decode_body
 from reflexarc_runtime.messages.codec import decode_command
 from reflexarc_runtime.messages.topics import BODY, BODY_NODE, CONTACT, POSE, STATUS, TICK
+from reflexarc_runtime.serving.swapping import says_rolled_back
 from reflexarc_sim_bridge.body.body import BodyPose
+from reflexarc_sim_bridge.body.ride import HandOver
 
 FARTHEST_M = 1e6
 """No simulated body drives farther in a log; what is, is no place."""
@@ -31,6 +33,10 @@ class ToldThere:
     now_ns: int
     action: int
     command: Command | None
+    policy_hash: str
+    """Of the policy that decided it."""
+    began_anew: bool
+    """Whether one had just failed, and this one decided that same tick."""
 
 
 @dataclass
@@ -50,6 +56,20 @@ class RecordedDrive:
     """By the time of the look."""
     contacts: list[int] = field(default_factory=list)
     """Indices of the poses behind which a step ended in a contact, increasing."""
+
+    def hand_overs(self, first: str) -> list[HandOver]:
+        """Who decided from which look on, where it was another one than before.
+
+        Args:
+            first: hash of the policy that the log names.
+        """
+        found, before = list[HandOver](), first
+        for time_ns, told in sorted(self.told.items(), key=lambda each: each[1].tick):
+            if told.policy_hash != before or told.began_anew:
+                former = "" if told.began_anew else before
+                found.append(HandOver(time_ns, told.policy_hash, former))
+                before = told.policy_hash
+        return found
 
     def tick_at(self, pose: int) -> int:
         """The tick that decided there, or the last one before."""
@@ -160,7 +180,14 @@ class _Reading:
         decision = decode(self._log, record, pb.Tick).decision
         if decision.HasField("input"):
             command = decode_command(decision.command.SerializeToString())
-            told = ToldThere(decision.index, decision.now_ns, decision.action, command)
+            told = ToldThere(
+                decision.index,
+                decision.now_ns,
+                decision.action,
+                command,
+                decision.policy_hash,
+                says_rolled_back(decision.reason),
+            )
             self._told[decision.input.source_time_ns] = told
 
     def _contact(self, record: Record) -> None:

@@ -22,6 +22,27 @@ def signature_path(policy: Path) -> Path:
     return policy.with_name(f"{policy.name}.sig")
 
 
+def signature_beside(policy: Path) -> bytes:
+    """The signature that lies beside a file; empty where none does.
+
+    Raises:
+        PolicyError: what lies there is none.
+    """
+    path = signature_path(policy)
+    try:
+        with path.open("rb") as file:
+            signature = file.read(SIGNATURE_BYTES + 1)
+    except FileNotFoundError:
+        return b""
+    if len(signature) != SIGNATURE_BYTES:
+        got = "more" if len(signature) > SIGNATURE_BYTES else f"{len(signature)}"
+        raise PolicyError(
+            f"{path}: expected the {SIGNATURE_BYTES} raw bytes of a signature, got {got}; make it "
+            "anew: `reflexarc secure sign`"
+        )
+    return signature
+
+
 @dataclass(frozen=True)
 class Acceptance:
     """What a policy must fulfil before it is parsed."""
@@ -95,6 +116,11 @@ class Acceptance:
             ) from None
         if not isinstance(key, Ed25519PublicKey):
             raise UsageError("--require-signature: expected a public key of Ed25519")
+        if not signature:
+            raise PolicyError(
+                "expected a signature by the key of --require-signature, got none: "
+                "`reflexarc secure sign` writes one beside the file"
+            )
         try:
             key.verify(signature, policy)
         except InvalidSignature:

@@ -110,7 +110,7 @@ class SwappingController:
         serving = state.serving
         if serving.pending and (serving.while_moving or _stands(state)):
             former = self._hash_of(serving)
-            state = _anew(state, Serving(serving.pending, former))
+            state = handed_over(state, Serving(serving.pending, former))
         return state, words
 
     def _overran(self, state: State, inputs: Inputs, now_ns: int) -> tuple[str, State]:
@@ -136,7 +136,7 @@ class SwappingController:
         serving = state.serving
         failed, former = self._hash_of(serving)[:SHOWN], serving.former
         words = f"policy {failed} failed ({why}): {_ROLLED_BACK} {former[:SHOWN]}"
-        return words, _anew(state, Serving(former, "", serving.pending, serving.while_moving))
+        return words, handed_over(state, Serving(former, "", serving.pending, serving.while_moving))
 
     def _noted(self, following: State, decision: Decision) -> State:
         serving = following.serving
@@ -165,16 +165,17 @@ def controller_for(policy: LoadedPolicy, first: Controller) -> Controller:
     )
 
 
+def handed_over(state: State, serving: Serving) -> State:
+    """The state in which another policy decides: what the former remembered, and did, is gone."""
+    return replace(state, serving=serving, memory=None, following=None, hold=None)
+
+
 def says_rolled_back(reason: str) -> bool:
     """Whether the reason of a decision says that the former policy decides again, from here on."""
     return reason.startswith("policy ") and f" {_ROLLED_BACK} " in reason
 
 
 AnyController: TypeAlias = Controller | SwappingController
-
-
-def _anew(state: State, serving: Serving) -> State:
-    return replace(state, serving=serving, memory=None, following=None, hold=None)
 
 
 def _stands(state: State) -> bool:

@@ -9,17 +9,18 @@ controller sees and remembers what it would have, had it come along.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
-from reflexarc_runtime.controller import Controller
-from reflexarc_runtime.controller_state import Inputs, State
+from reflexarc_runtime.controller_state import Inputs, Serving, State
 from reflexarc_runtime.decision import Command, Decision
 from reflexarc_runtime.messages.codec import encode_retina
 from reflexarc_runtime.messages.topics import DEFAULT_ROBOT, RETINA
 from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp, protobuf_encoding
+from reflexarc_runtime.serving.swapping import AnyController, handed_over
 from reflexarc_sim_bridge.body.body import Body, BodyPose
 from reflexarc_sim_bridge.body.gate.limits import STANDSTILL, Motion, eased, slowed
 from reflexarc_sim_bridge.simulation.putting import put_at
@@ -32,6 +33,17 @@ _SENDER = b"a ride's body\0\0\0"
 
 
 @dataclass(frozen=True)
+class HandOver:
+    """From a look on another policy decides, or the same one anew."""
+
+    from_ns: int
+    """Time of that look, on the body's clock."""
+    policy_hash: str
+    former: str = ""
+    """Who decides if it fails; empty: nobody."""
+
+
+@dataclass(frozen=True)
 class Kept:
     """A ride at one moment, to be gone back to."""
 
@@ -41,6 +53,8 @@ class Kept:
     motion: Motion
     command: Command | None
     looks: int
+    handed_over: int
+    """How often another policy had taken over."""
 
 
 class Ride:
@@ -51,13 +65,21 @@ class Ride:
         controller: decides on retinas.
         every: steps of the body for one decision.
         resends: whether a retina comes at every step, however slow the sensor, as in lockstep.
+        hand_overs: who decides from when on, in order; the controller knows all of them.
     """
 
     def __init__(
-        self, body: Body, controller: Controller, *, every: int = 1, resends: bool = True
+        self,
+        body: Body,
+        controller: AnyController,
+        *,
+        every: int = 1,
+        resends: bool = True,
+        hand_overs: Sequence[HandOver] = (),
     ) -> None:
         self.body, self._controller = body, controller
         self._every, self._resends = every, resends
+        self._hand_overs, self._handed_over = hand_overs, 0
         self._state, self._motion, self._looks = State(), STANDSTILL, 0
         self._command: Command | None = None
         self._around = AgentSurroundings(body.simulation)
@@ -69,6 +91,7 @@ class Ride:
         number, self._looks = self._looks, self._looks + 1
         if number % self._every:
             return None
+        self._hand_over(now_ns)
         stamp = pack_stamp(Stamp(number, now_ns, _SENDER))
         encoding = protobuf_encoding(RETINA.schema)
         message = Message(RETINA.key(DEFAULT_ROBOT), payload, encoding, stamp, now_ns)
@@ -76,6 +99,15 @@ class Ride:
         self._state, decision = self._controller.step(self._state, inputs, now_ns)
         self._command = decision.command
         return decision
+
+    def _hand_over(self, now_ns: int) -> None:
+        """Let whoever decides from this look on decide."""
+        for next_one in self._hand_overs[self._handed_over :]:
+            if next_one.from_ns > now_ns:
+                return
+            serving = Serving(next_one.policy_hash, next_one.former)
+            self._state = handed_over(self._state, serving)
+            self._handed_over += 1
 
     def obey(self, now_ns: int) -> BodyPose | None:
         """Move for a step as the controller said last.
@@ -132,6 +164,7 @@ class Ride:
             self._motion,
             self._command,
             self._looks,
+            self._handed_over,
         )
 
     def go_back(self, kept: Kept) -> None:
@@ -140,6 +173,7 @@ class Ride:
         self.body.contacts = kept.contacts
         self._state, self._motion = kept.state, kept.motion
         self._command, self._looks = kept.command, kept.looks
+        self._handed_over = kept.handed_over
 
 
 def _is_valid(command: Command, now_ns: int, most_ns: int) -> bool:

@@ -12,9 +12,10 @@ from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.controller import Controller
 from reflexarc_runtime.messages.body_info import BodyInfo
 from reflexarc_runtime.sensing.senses import sense_for
+from reflexarc_runtime.serving.swapping import SwappingController
 from reflexarc_sim_bridge.body.body import BodyPose, rebuild
 from reflexarc_sim_bridge.body.driving_on import drive_on
-from reflexarc_sim_bridge.body.ride import Ride
+from reflexarc_sim_bridge.body.ride import HandOver, Ride
 from reflexarc_sim_bridge.simulation.simulation import Simulation
 from reflexarc_sim_bridge.worlds.files import world_named, world_text
 
@@ -47,14 +48,25 @@ def ride(policy: Darker | None = None, every: int = 1, info: BodyInfo = INFO) ->
     return Ride(rebuild(info, CONTRACT, all_round=True), controller, every=every)
 
 
-def plain_drive(steps: int) -> tuple[list[tuple[float, float]], int | None]:
+class Brighter(Darker):
+    """Steers to the brighter side."""
+
+    def decide(self, retinas: RetinaBatch) -> tuple[QValues, Actions]:
+        q_values, _ = super().decide(retinas)
+        return -q_values, (-q_values).argmax(axis=1)
+
+
+def plain_drive(
+    steps: int, brighter: range = range(0)
+) -> tuple[list[tuple[float, float]], int | None]:
     """The same in a plain loop: places, and the step that ended in a contact."""
     world = replace(world_named("tier-30").drawn(3), dt_s=0.02)
     simulation = Simulation(world, CONTRACT, np.array([3], np.uint64))
-    policy, places = Darker(), list[tuple[float, float]]()
+    darker, places = Darker(), list[tuple[float, float]]()
     for step in range(steps):
         places.append((float(simulation.x_m[0]), float(simulation.y_m[0])))
         simulation.sense()
+        policy = Brighter() if step in brighter else darker
         if simulation.step(policy.decide(simulation.stacks)[1])[0]:
             return places, step
     return places, None
@@ -129,3 +141,50 @@ def test_a_place_far_off_is_put_and_how_far_it_was_is_said():
     assert one.put(there, 150) == pytest.approx(3.0)
     assert one.body.place == there
     assert one.put(replace(there, heading_rad=2.0 * math.pi), 150) == pytest.approx(0.0, abs=1e-9)
+
+
+def turning_ride(*turns: HandOver, second: Darker) -> Ride:
+    """Under two policies that take turns."""
+    sense = sense_for("retina", CONTRACT.retina)
+    first = Controller(Darker(), CONTRACT, sense, "first")
+    controller = SwappingController(
+        first, {"second": replace(first, policy=second, policy_hash="second")}
+    )
+    return Ride(rebuild(INFO, CONTRACT, all_round=True), controller, hand_overs=turns)
+
+
+def test_policies_take_turns_at_the_looks_at_which_they_did():
+    places, contact = plain_drive(120, brighter=range(10, 20))
+    alone, _ = plain_drive(120)
+    assert places[:11] == alone[:11]
+    assert places[11] != alone[11]
+    turns = (
+        HandOver(10 * 20_000_000, "second", "first"),
+        HandOver(20 * 20_000_000, "first", "second"),
+    )
+    way = drive_on(turning_ride(*turns, second=Brighter()), 0, 120)
+    assert [(each.x_m, each.y_m) for each in way.places] == places
+    assert way.contact_step == contact == 31
+
+
+def test_who_has_its_turn_behind_a_moment_has_it_again_when_the_ride_goes_back():
+    one = turning_ride(HandOver(15 * 20_000_000, "second", "first"), second=Brighter())
+    for step in range(10):
+        one.look(step * 20_000_000)
+        one.obey(step * 20_000_000)
+    kept = one.keep()
+    first = drive_on(one, 200_000_000, 60)
+    one.go_back(kept)
+    assert drive_on(one, 200_000_000, 60) == first
+    whole = drive_on(
+        turning_ride(HandOver(300_000_000, "second", "first"), second=Brighter()), 0, 70
+    )
+    assert first.places == whole.places[10:]
+
+
+def test_who_fails_in_its_turn_is_followed_by_the_former_one():
+    turn = HandOver(10 * 20_000_000, "second", "first")
+    way = drive_on(turning_ride(turn, second=Darker(fails_from=5)), 0, 40)
+    alone, _ = plain_drive(40)
+    assert [(each.x_m, each.y_m) for each in way.places] == alone
+    assert way.not_asked == {}

@@ -133,6 +133,7 @@ class RunCommand:
         sense = sense_for(self.input, eye, settings, guarded=asks_the_input(guard))
         identity = policy.policy_hash
         controller = Controller(policy, policy.contract, sense, identity, guard=guard)
+        self.trusting.check_watching(self.candidates.shadow)
         watcher = self.candidates.watcher(policy.contract, self.backend)
         run_id = uuid.uuid4().hex
         with (
@@ -201,7 +202,7 @@ class RunCommand:
             self.backend,
             self.bounds,
             lambda contract: check_speed(contract, allow=self.allow_fast),
-            self.trusting.refusal_of,
+            self.trusting.refuses(),
         )
 
         return LoopFlags(

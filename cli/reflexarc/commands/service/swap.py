@@ -25,8 +25,9 @@ class SwapCommand:
     The file is tried here first, and then by the runtime, which believes nothing: in a process of
     its own, while the loop goes on. The policy must fit the running one: the same eye, body, rate,
     safe command, names of actions and size of memory. Should it fail, the former one decides the
-    same tick. The runtime must have been started with --allow-swap. Ends with 0 when the policy
-    decides, with 1 if it is refused, still waits for standstill, or was rolled back.
+    same tick. The runtime must have been started with --allow-swap. The signature beside the file,
+    POLICY.onnx.sig, is sent along, for a runtime with --require-signature. Ends with 0 when the
+    policy decides, with 1 if it is refused, still waits for standstill, or was rolled back.
 
     Examples:
       reflexarc swap runs/reflex-1/policy.onnx
@@ -46,11 +47,11 @@ class SwapCommand:
 
     def run(self) -> int:
         """Try the file, ask the runtime, and say what it answered."""
-        data = self._tried()
+        signature, data = self._signature(), self._tried()
         with self.speaking.bus() as bus:
             self._await_runtime(bus)
             self._check_fits(bus, data)
-            answers = self._ask(bus, data)
+            answers = self._ask(bus, data, signature)
         return self._tell(answers)
 
     def _tried(self) -> bytes:
@@ -74,6 +75,12 @@ class SwapCommand:
             raise PolicyError(f"{self.policy}: it changed while it was tried; try again")
         return data
 
+    def _signature(self) -> bytes:
+        """What lies beside the file, for a runtime that asks for it; empty: nothing does."""
+        from reflexarc_runtime.policy.acceptance import signature_beside
+
+        return signature_beside(self.policy)
+
     def _await_runtime(self, bus: "Bus") -> None:
         """Wait until a runtime is seen; this session has just joined."""
         import time
@@ -94,13 +101,14 @@ class SwapCommand:
             theirs = tried_contract(running, bounds=None)
             check_takes_over(tried_contract(data, bounds=None), theirs)
 
-    def _ask(self, bus: "Bus", data: bytes) -> "list[SwapAnswer]":
+    def _ask(self, bus: "Bus", data: bytes, signature: bytes) -> "list[SwapAnswer]":
         from google.protobuf.message import DecodeError
 
         from reflexarc_runtime.messages_pb2 import SwapAnswer, SwapRequest
 
         request = SwapRequest(
             policy=data,
+            signature=signature,
             reason=self.reason,
             while_moving=self.while_moving,
             patience_s=self.speaking.patience,

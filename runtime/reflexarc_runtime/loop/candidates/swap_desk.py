@@ -59,8 +59,9 @@ class SwapRules:
     bounds: Bounds = field(default_factory=Bounds)
     check: Callable[[PolicyContract], object] = lambda contract: None
     """Raises a `ReflexarcError` if its contract asks for too much in other respects."""
-    accept: Callable[[bytes], str] = lambda policy: ""
-    """Why the bytes of a file are not accepted, in words; empty if they are."""
+    accept: Callable[[bytes, bytes], str] = lambda policy, signature: ""
+    """Why the bytes of a file with this signature are not accepted, in words; empty if they are.
+    Asked before anything of the file is parsed."""
 
 
 class ServedSince(NamedTuple):
@@ -192,7 +193,7 @@ class SwapDesk:
         except DecodeError:
             raise PolicyError("expected a reflexarc.SwapRequest, got something else") from None
         check_size(asked.policy)
-        refusal = self._rules.accept(asked.policy)
+        refusal = self._rules.accept(asked.policy, asked.signature)
         if refusal:
             raise PolicyError(refusal)
         return asked
