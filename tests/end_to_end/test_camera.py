@@ -50,6 +50,7 @@ def switches():
     return switches + block.replace('robot="robot0"', f'robot="robot0", port={port}')
 
 
+@pytest.mark.long
 def test_a_camera_is_guarded_by_the_bumper_of_the_documentation(
     policy: Path, port: int, tmp_path: Path
 ):

@@ -120,6 +120,7 @@ def reason(message: Message) -> str:
     return decision.reason
 
 
+@pytest.mark.long
 def test_under_every_kind_of_fault_the_body_stops_in_time_and_the_log_replays(tmp_path: Path):
     report = summary(campaign(SAMPLE, tmp_path))
     assert report["failures"] == {}

@@ -45,6 +45,7 @@ def drive(policy: Path, port: int, log: Path, *, recorder: bool = False) -> list
     return [tick.decision.SerializeToString(deterministic=True) for tick in read_log(log).ticks()]
 
 
+@pytest.mark.long
 def test_the_same_drive_gives_the_same_decisions_on_an_idle_and_on_a_loaded_machine(
     policy: Path, port: int, tmp_path: Path
 ):

@@ -31,6 +31,7 @@ def peer_needs(module: str, package: str) -> pytest.MarkDecorator:
     return pytest.mark.skipif(not is_there, reason=f"{package} is not installed: make check")
 
 
+@pytest.mark.long
 @peer_needs("zenoh_ros2_sdk", "zenoh-ros2-sdk")
 def test_a_robot_of_the_sdk_is_driven_by_its_own_scans_and_its_odometry_is_recorded(
     policy: Path, port: int, tmp_path: Path

@@ -95,6 +95,7 @@ def test_from_every_keyframe_replay_is_the_tail_of_the_full_replay(logs):
     assert keyframes >= 4 * len(logs)
 
 
+@pytest.mark.long
 def test_a_hundred_random_parts_replay_at_both_levels(logs, tmp_path):
     dice = random.Random(17)
     for number in range(50):

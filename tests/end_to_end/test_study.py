@@ -93,6 +93,7 @@ def orphans() -> Iterator[list[int]]:
             os.kill(pid, signal.SIGKILL)
 
 
+@pytest.mark.long
 def test_killed_worker_is_replaced_and_no_result_is_lost(
     folder: Path, alone: dict[str, Any]
 ) -> None:

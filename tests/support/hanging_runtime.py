@@ -17,8 +17,9 @@ from reflexarc_runtime.policy.onnxruntime_backend import OnnxruntimeGraph
 from reflexarc_runtime.policy.policy import LoadedPolicy
 from support.looping_policies import FOR_EVER, looping
 
-AT_DECISION = 60
-"""Number of the decision in which the fault happens."""
+AT_DECISION = 200
+"""Number of the decision in which the fault happens; a tick asks up to three times, as it is
+rehearsed before its deadline, and a second has to be on the disk before."""
 SLOW_S = 0.08
 """Beyond the watchdog's 50 ms, and less than the age at which an input is stale."""
 

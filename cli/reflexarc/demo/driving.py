@@ -12,7 +12,7 @@ from reflexarc.demo.processes import (
     free_port,
     started,
 )
-from reflexarc.demo.results import DriveResult
+from reflexarc.demo.results import OF_THE_RUN, DriveResult
 from reflexarc.terminal.output import progress_bar
 
 _POLL_S = 0.1
@@ -33,9 +33,8 @@ def drive(policy: Path, log: Path, *, seconds: float, rate_hz: float, seed: int)
             _watch(runtime, seconds)
             ran = finish(runtime)
         journey = finish(body, signal.SIGINT)
-    for what in ("recording", "parts"):
-        ran.pop(what)
-    return DriveResult(**ran, distance_m=journey["distance_m"], contacts=journey["contacts"])
+    told = {name: ran[name] for name in OF_THE_RUN}
+    return DriveResult(**told, distance_m=journey["distance_m"], contacts=journey["contacts"])
 
 
 def _watch(process: Process, seconds: float) -> None:

@@ -35,6 +35,18 @@ class DriveResult:
     contacts: int
 
 
+OF_THE_RUN = (
+    "ticks",
+    "rate_hz",
+    "lateness_p50_ns",
+    "lateness_p99_ns",
+    "lateness_max_ns",
+    "skipped_slots",
+    "verdicts",
+)
+"""What the runtime itself says, by the names of `run --json`."""
+
+
 @dataclass(frozen=True)
 class LogResult:
     """What was recorded."""

@@ -8,6 +8,7 @@ import pytest
 from reflexarc.main import main
 from reflexarc.wiring.policy_trials import try_policy
 from reflexarc_runtime.errors import PolicyError
+from reflexarc_runtime.loop.trials.trial import spawned
 from reflexarc_sim_bridge.evaluation.protocol.entrant import Entrant
 from reflexarc_sim_bridge.worlds.reference_contract import reference_contract
 from support.looping_policies import FOR_EVER, looping
@@ -51,7 +52,9 @@ def test_a_policy_that_only_onnxruntime_computes_is_taken_with_the_flag(
 
 
 def test_a_policy_that_hangs_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("reflexarc_runtime.loop.trials.trial.Trial.__init__.__defaults__", (0.5,))
+    monkeypatch.setattr(
+        "reflexarc_runtime.loop.trials.trial.Trial.__init__.__defaults__", (0.5, spawned)
+    )
     path = tmp_path / "policy.onnx"
     path.write_bytes(looping(reference_contract(), FOR_EVER))
     with pytest.raises(PolicyError, match="it hangs"):
