@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import pytest
+
 from reflexarc_logs.reading.reader import read_log
 from reflexarc_logs.replaying.replay import replay
 from support.processes import finished, started
