@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from reflexarc_runtime.beams import Beams, Fan, fan_of
@@ -50,7 +50,11 @@ def one_action(mine: GuardSettings, twist) -> Guard:
     return Guard(mine, (Action("only", *twist),), VALID_S)
 
 
-@settings(max_examples=400, deadline=None)
+@settings(
+    max_examples=400,
+    deadline=None,
+    suppress_health_check=[HealthCheck.filter_too_much],  # many motions have no bound
+)
 @given(st.data(), known, twists, fans, ages)
 def test_what_is_surely_free_is_free_by_the_geometry(data, mine, twist, angles, age_s):
     fan, guard = fan_of(*angles), one_action(mine, twist)

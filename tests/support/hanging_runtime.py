@@ -1,9 +1,10 @@
 """`reflexarc run` with a fault in its loop: `python -m support.hanging_runtime FAULT run …`.
 
 A policy file cannot hold Python, so the fault is put where the loop asks its policy. It begins
-at the decision of a number that is long after the start; most happen once.
+at the first decision after a time; most happen once.
 """
 
+import math
 import sys
 import time
 from collections.abc import Callable
@@ -17,9 +18,9 @@ from reflexarc_runtime.policy.onnxruntime_backend import OnnxruntimeGraph
 from reflexarc_runtime.policy.policy import LoadedPolicy
 from support.looping_policies import FOR_EVER, looping
 
-AT_DECISION = 200
-"""Number of the decision in which the fault happens; a tick asks up to three times, as it is
-rehearsed before its deadline, and a second has to be on the disk before."""
+FROM_S = 1.3
+"""After the first decision: a second has to be on the disk before. Decisions are not counted, as a
+tick may ask several times: it is rehearsed before its deadline."""
 SLOW_S = 0.08
 """Beyond the watchdog's 50 ms, and less than the age at which an input is stale."""
 
@@ -64,17 +65,33 @@ def three_times_a_second() -> None:
 
 
 LASTING: dict[str, Callable[[], None]] = {"drowsy": three_times_a_second}
-"""These happen at every decision from that number on."""
+"""These happen at every decision from then on."""
+
+
+class Fuse:
+    """Says when it is time, by the time since it was asked first: once, or from then on."""
+
+    def __init__(self, lasts: bool = False) -> None:
+        self._lasts = lasts
+        self._due_s: float | None = None
+
+    def __call__(self) -> bool:
+        now_s = time.monotonic()
+        if self._due_s is None:
+            self._due_s = now_s + FROM_S
+        if now_s < self._due_s:
+            return False
+        self._due_s = now_s if self._lasts else math.inf
+        return True
 
 
 def loop_in_the_graph() -> None:
-    """From that number on, the policy's graph never returns: only its runtime can end it."""
+    """From then on the policy's graph never returns: only its runtime can end it."""
     endless = OnnxruntimeGraph(looping(PolicyContract(), FOR_EVER))
-    decide, asked = LoadedPolicy.decide, [0]
+    decide, is_time = LoadedPolicy.decide, Fuse()
 
     def looped(self: LoadedPolicy, *retinas: Any) -> Any:
-        asked[0] += 1
-        if asked[0] == AT_DECISION:
+        if is_time():
             object.__setattr__(self, "graph", endless)
         return decide(self, *retinas)
 
@@ -83,11 +100,10 @@ def loop_in_the_graph() -> None:
 
 def harm(fault: Callable[[], None], lasts: bool = False) -> None:
     """Make the policy of this process do it, once or from then on."""
-    decide, asked = LoadedPolicy.decide, [0]
+    decide, is_time = LoadedPolicy.decide, Fuse(lasts)
 
     def harmed(self: LoadedPolicy, *retinas: Any) -> Any:
-        asked[0] += 1
-        if asked[0] == AT_DECISION or (lasts and asked[0] > AT_DECISION):
+        if is_time():
             fault()
         return decide(self, *retinas)
 
