@@ -49,6 +49,7 @@ def _array(payload: bytes) -> pa.Array:
 
 
 def main() -> None:
+    """Be the role that the command line names, as a node of dora."""
     told = options()
     {"sensor": be_sensor, "brain": be_brain, "body": be_body}[told.role](Node(), told)
 

@@ -61,6 +61,7 @@ class BodyNode(Node):
 
 
 def main() -> None:
+    """Be the role that the command line names, as a node of rclpy."""
     told = options()
     rclpy.init()
     if told.role == "sensor":

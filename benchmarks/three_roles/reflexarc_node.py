@@ -29,6 +29,7 @@ class CommandTaker:
 
 
 def main() -> None:
+    """Be the role that the command line names, beside our own brain."""
     told = options()
     picture = np.frombuffer(PICTURE, np.uint8).reshape(SPEC.shape)
     with Bus(BusConfig("robot0", told.port, listens=told.role == "body"), time.monotonic_ns) as bus:

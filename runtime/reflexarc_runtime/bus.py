@@ -19,7 +19,7 @@ from typing import Any, Self
 
 import zenoh
 
-from reflexarc_runtime.bus_config import LOOPBACK, BusConfig
+from reflexarc_runtime.bus_config import LOOPBACK, MAX_MESSAGE_BYTES, BusConfig
 from reflexarc_runtime.doors.credentials import credentials_of
 from reflexarc_runtime.doors.open_doors import (
     Setting,
@@ -46,9 +46,6 @@ from reflexarc_runtime.messages.wire import (
 _MOST_OVERHEARD = 64
 _MOST_ANSWERS = 16
 """To one query; a robot has one runtime, and few that wait."""
-MAX_MESSAGE_BYTES = 16 << 20
-"""Larger ones Zenoh drops while it puts them together, so that nobody fills the memory of a robot;
-a policy file is the largest that anybody needs."""
 CONNECT_MS = 1000
 """How long a client looks for its router before it says that there is none."""
 ANSWERED_S = 5.0

@@ -9,6 +9,9 @@ from reflexarc_runtime.messages.topics import DEFAULT_ROBOT
 
 DEFAULT_PORT = 7447
 LOOPBACK = "127.0.0.1"
+MAX_MESSAGE_BYTES = 16 << 20
+"""Larger ones Zenoh drops while it puts them together, so that nobody fills the memory of a robot;
+a policy file is the largest that anybody needs."""
 
 _ROBOT_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}")
 

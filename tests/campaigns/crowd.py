@@ -28,6 +28,7 @@ from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.errors import ReflexarcError
 from support.crowd_judge import MS, alternations, idle, moved_by_others
 from support.crowd_witness import Witness, client_file, router, run_delay_ns, witness
+from support.failure_table import failure_table
 from support.fault_runs import free_ports
 from support.policies import exported
 from support.processes import Process, started
@@ -229,18 +230,6 @@ def _policy(folder: Path, share: float) -> Path:
 FAILURES = ("moved by others", "alternations", "idle", "broken logs")
 
 
-def table(report: dict[str, Any]) -> str:
-    """The report for a person, as Markdown."""
-    lines = ["| | |", "|---|---|"]
-    for name, value in report.items():
-        shown = len(value) if name in FAILURES else value
-        if isinstance(shown, dict):
-            shown = ", ".join(f"{key} {count}" for key, count in shown.items())
-        lines.append(f"| {name} | {shown} |")
-    lines += [f"FAILED {name}: {what}" for name in FAILURES for what in report[name][:10]]
-    return "\n".join(lines)
-
-
 def main() -> int:
     """Run it and print a table, or one JSON object."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -253,7 +242,7 @@ def main() -> int:
         folder = arguments.keep or Path(temporary)
         folder.mkdir(parents=True, exist_ok=True)
         report = campaign(arguments.minutes, arguments.seed, folder)
-    print(json.dumps(report) if arguments.json else table(report))
+    print(json.dumps(report) if arguments.json else failure_table(report, FAILURES))
     return int(any(report[name] for name in FAILURES))
 
 

@@ -28,6 +28,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))  # the tests' support package
 
 from reflexarc_logs.reading.recover import recover
 from reflexarc_runtime.contract.contract import PolicyContract
+from support.failure_table import failure_table
 from support.fault_runs import free_ports
 from support.fleet_judge import MS, LoggedRobot, SeenRobot, gaps_ms, seen_of_top, spread, untrue
 from support.fleet_logs import fault_of, logged_robot
@@ -236,18 +237,6 @@ FAILURES = (
 )
 
 
-def table(report: dict[str, Any]) -> str:
-    """The report for a person, as Markdown."""
-    lines = ["| | |", "|---|---|"]
-    for name, value in report.items():
-        shown = len(value) if name in FAILURES else value
-        if isinstance(shown, dict):
-            shown = ", ".join(f"{key} {count}" for key, count in shown.items())
-        lines.append(f"| {name} | {shown} |")
-    lines += [f"FAILED {name}: {what}" for name in FAILURES for what in report[name][:10]]
-    return "\n".join(lines)
-
-
 def main() -> int:
     """Run it and print a table, or one JSON object."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -260,7 +249,7 @@ def main() -> int:
         folder = arguments.keep or Path(temporary)
         folder.mkdir(parents=True, exist_ok=True)
         report = campaign(arguments.robots, arguments.minutes, folder)
-    print(json.dumps(report) if arguments.json else table(report))
+    print(json.dumps(report) if arguments.json else failure_table(report, FAILURES))
     return int(any(report[name] for name in FAILURES))
 
 

@@ -116,8 +116,7 @@ for name in sys.argv[1:]:
     package = importlib.import_module(name)
     for found in pkgutil.walk_packages(package.__path__, name + "."):
         apart = ("reflexarc_runtime.bus", "__main__", "rerun_canvas")
-        # What `reflexarc secure` is made of tries doors with sessions; nothing else loads it.
-        if not found.name.endswith(apart) and not found.name.startswith("reflexarc.securing."):
+        if not found.name.endswith(apart):
             importlib.import_module(found.name)
             assert "zenoh" not in sys.modules, found.name
 """

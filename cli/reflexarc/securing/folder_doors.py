@@ -3,6 +3,7 @@
 import base64
 from collections.abc import Iterator
 from datetime import UTC, datetime, timedelta
+from pathlib import Path
 from typing import Any
 
 from cryptography import x509
@@ -10,7 +11,6 @@ from cryptography.exceptions import InvalidSignature
 
 from reflexarc.securing.door_row import DoorRow, DoorState, row
 from reflexarc.securing.security_folder import SecurityFolder
-from reflexarc_runtime.bus import settings_of_file
 from reflexarc_runtime.doors.credentials import parse_zenoh_file
 from reflexarc_runtime.doors.open_doors import listeners, open_doors
 from reflexarc_runtime.errors import ReflexarcError
@@ -71,7 +71,7 @@ def _settings_row(folder: SecurityFolder, roles: list[str]) -> DoorRow:
     found, places = [], []
     for role in roles:
         try:
-            setting = settings_of_file(folder.file(role))
+            setting = _settings_of(folder.file(role))
         except ReflexarcError as error:
             return DoorRow("listeners, multicast", DoorState.BROKEN, str(error))
         found += [f"{role}.json5 {words}" for words in open_doors(setting)]
@@ -81,7 +81,7 @@ def _settings_row(folder: SecurityFolder, roles: list[str]) -> DoorRow:
 
 
 def _rights_row(folder: SecurityFolder, door: str) -> DoorRow:
-    setting = settings_of_file(folder.file(door))
+    setting = _settings_of(folder.file(door))
     rights, tls = setting("access_control") or {}, setting("transport/link/tls") or {}
     found = []
     if not rights.get("enabled") or rights.get("default_permission") != "deny":
@@ -89,3 +89,10 @@ def _rights_row(folder: SecurityFolder, door: str) -> DoorRow:
     if tls.get("verify_name_on_connect") is False:
         found.append("verify_name_on_connect is off: any certificate passes for a door")
     return row("access control", found, "denies what no rule allows; names of hosts are checked")
+
+
+def _settings_of(file: Path) -> Any:
+    """What Zenoh makes of a file; only here is it loaded."""
+    from reflexarc_runtime.bus import settings_of_file
+
+    return settings_of_file(file)

@@ -13,7 +13,7 @@ from typing import Any, Literal
 
 from reflexarc.securing.access_rules import access_control
 from reflexarc.securing.authority import Authority, Identity, Validity
-from reflexarc_runtime.bus import MAX_MESSAGE_BYTES
+from reflexarc_runtime.bus_config import MAX_MESSAGE_BYTES
 from reflexarc_runtime.doors.open_doors import is_loopback
 from reflexarc_runtime.messages.access import ROLES, ROUTER, common_name
 

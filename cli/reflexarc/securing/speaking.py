@@ -9,15 +9,18 @@ from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager, ExitStack
 from dataclasses import dataclass, field
 from functools import partial
+from typing import TYPE_CHECKING
 
 from reflexarc.securing.authority import Authority, Validity
 from reflexarc.securing.door_row import DoorRow, DoorState
 from reflexarc.securing.secured_robot import SecuredRobot
 from reflexarc.securing.variants import Settings, connecting, listening, session, showing
-from reflexarc_runtime.bus import Bus
 from reflexarc_runtime.messages.access import CARRIED, common_name, said_by
 from reflexarc_runtime.messages.topics import RUNTIME_NODE, Topic, alive_key
 from reflexarc_runtime.messages.wire import Message, UndecodableError, unpack_stamp
+
+if TYPE_CHECKING:
+    from reflexarc_runtime.bus import Bus
 
 ARRIVES_WITHIN_S = 5.0
 SETTLES_S = 0.3
@@ -76,11 +79,11 @@ class DoorUnderTrial:
             yield _elsewhere(host, buses)
             yield _impostors(host, buses, self.secured.robot)
 
-    def _guest(self, settings: Settings) -> AbstractContextManager[Bus]:
+    def _guest(self, settings: Settings) -> AbstractContextManager["Bus"]:
         return session(self.secured.robot, connecting(settings, f"tls/127.0.0.1:{self.port}"))
 
 
-def _speak(buses: dict[str, Bus], heard: _Heard) -> None:
+def _speak(buses: "dict[str, Bus]", heard: _Heard) -> None:
     """Everybody says everything, until all is heard that may be."""
     wanted = {(role, topic.name) for role in buses for topic in said_by(role)}
     publishers = [bus.publisher(topic) for bus in buses.values() for topic in CARRIED]
@@ -110,7 +113,7 @@ def _named(names: Iterable[str]) -> str:
     return ", ".join(sorted(names))
 
 
-def _elsewhere(host: Bus, buses: dict[str, Bus]) -> DoorRow:
+def _elsewhere(host: "Bus", buses: "dict[str, Bus]") -> DoorRow:
     """What is of no robot, or of another one, is heard by nobody; nobody without a role hears."""
     heard: set[str] = set()
     for role, bus in buses.items():
@@ -136,7 +139,7 @@ def _note(heard: set[str], role: str, message: Message) -> None:
     heard.add(role if message.key == _SECRET else f"{role} own")
 
 
-def _impostors(host: Bus, buses: dict[str, Bus], robot: str) -> DoorRow:
+def _impostors(host: "Bus", buses: "dict[str, Bus]", robot: str) -> DoorRow:
     """Who else answers for the policy, or says that a runtime lives."""
     others = {role: bus for role, bus in buses.items() if role != RUNTIME_NODE}
     for role, bus in others.items():

@@ -6,15 +6,17 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from reflexarc.securing.authority import Identity
 from reflexarc.securing.secured_robot import ONCE, base64_of
 from reflexarc.securing.security_folder import SecurityFolder
-from reflexarc_runtime.bus import Bus
 from reflexarc_runtime.bus_config import BusConfig
 from reflexarc_runtime.doors.credentials import parse_zenoh_file
 from reflexarc_runtime.loop.clock import MonotonicClock
+
+if TYPE_CHECKING:
+    from reflexarc_runtime.bus import Bus
 
 Settings = dict[str, Any]
 
@@ -64,12 +66,14 @@ def plainly(locator: str) -> Settings:
 
 
 @contextmanager
-def session(robot: str, settings: Settings, sender: bytes | None = None) -> Iterator[Bus]:
+def session(robot: str, settings: Settings, sender: bytes | None = None) -> "Iterator[Bus]":
     """A session with a configuration that is on the disk only until it is read.
 
     Raises:
         BusError: it does not open.
     """
+    from reflexarc_runtime.bus import Bus
+
     with tempfile.TemporaryDirectory(prefix="reflexarc-") as folder:  # of mode 0700
         file = Path(folder) / "zenoh.json5"
         file.write_text(json.dumps(settings), encoding="utf-8")

@@ -23,6 +23,7 @@ FLUSH_PERIOD_S = 0.8
 """What a kill costs: less than a second, with a fifth of one for a machine that is busy. Each flush
 ends a chunk, and longer chunks are smaller."""
 NEVER_S = 1e6
+"""Longer than anything is decided anew."""
 NAME = "recorder"
 """Of who speaks, in the log's messages."""
 

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from reflexarc_logs.recording.black_box import BoxSpan
     from reflexarc_logs.recording.keeping import Keeping
     from reflexarc_logs.recording.recorder import Recorder
+    from reflexarc_runtime.controller import Controller
     from reflexarc_runtime.metrics.feed import MetricsFeed
     from reflexarc_runtime.policy.policy import LoadedPolicy
 
@@ -121,18 +122,11 @@ class RunCommand:
         with uncollected():
             policy = self._tried_policy()
         from reflexarc.wiring.running.sense_act_loop import SenseActLoop
-        from reflexarc_runtime.controller import Controller
-        from reflexarc_runtime.guard import asks_the_input
         from reflexarc_runtime.messages.topics import RUNTIME_NODE
-        from reflexarc_runtime.sensing.senses import sense_for
 
         for note in policy.notes:
             aside.print(f"reflexarc run: {note}", soft_wrap=True)
-        guard = self.guarding.guard_for(policy.contract)
-        eye, settings = policy.contract.retina, self.sensing.settings
-        sense = sense_for(self.input, eye, settings, guarded=asks_the_input(guard))
-        identity = policy.policy_hash
-        controller = Controller(policy, policy.contract, sense, identity, guard=guard)
+        controller = self._controller_of(policy)
         self.trusting.check_watching(self.candidates.shadow)
         watcher = self.candidates.watcher(policy.contract, self.backend)
         run_id = uuid.uuid4().hex
@@ -149,6 +143,17 @@ class RunCommand:
             outcome = loop.run(stop, self.ticks)
         self._tell(outcome, sinks.recordings)
         return int(any(recording.failed for recording in sinks.recordings.values()))
+
+    def _controller_of(self, policy: "LoadedPolicy") -> "Controller":
+        """What decides by the policy, on the input and behind the guard that the flags name."""
+        from reflexarc_runtime.controller import Controller
+        from reflexarc_runtime.guard import asks_the_input
+        from reflexarc_runtime.sensing.senses import sense_for
+
+        contract, guard = policy.contract, self.guarding.guard_for(policy.contract)
+        guarded = asks_the_input(guard)
+        sense = sense_for(self.input, contract.retina, self.sensing.settings, guarded=guarded)
+        return Controller(policy, contract, sense, policy.policy_hash, guard=guard)
 
     def _tried_policy(self) -> "LoadedPolicy":
         """Load the policy, after a process of its own has."""
