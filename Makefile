@@ -10,6 +10,8 @@ PYTEST_WORKERS ?= 3
 # Threads of NumPy and numba must neither fight nor spin while they wait.
 export OPENBLAS_NUM_THREADS ?= 1
 export OMP_WAIT_POLICY ?= passive
+# Tests start a thousand processes: one that keeps no bytecode compiles all of it at every start.
+unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: help demo test tests-alone test-long test-quick test-numba test-arm check fmt wheel golden proto clean real-input worlds figures studies limits standing standing-flow
 

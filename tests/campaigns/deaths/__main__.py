@@ -32,6 +32,7 @@ import numpy as np
 from campaigns.deaths.kinds import WAYS, Death
 from campaigns.deaths.replayed import Replayed, replayed
 from campaigns.deaths.robot import Robot
+from support.bytecode import keep_bytecode
 from support.fault_runs import free_ports
 
 MOST_S = 2.0
@@ -42,6 +43,7 @@ def main() -> int:
     """Run the campaign; print its table."""
     given = _arguments()
     with tempfile.TemporaryDirectory() as place:
+        keep_bytecode(Path(place) / "bytecode")
         folder = (given.keep or Path(place)).absolute()
         robots = [
             Robot(folder / f"robot{number}", port, given.seed + number, given.keep_mb)
