@@ -21,6 +21,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
+from support.service_life import Life
+
 LOOK_S = 0.005
 CLEAN = (0, -signal.SIGHUP, -signal.SIGINT, -signal.SIGTERM, -signal.SIGPIPE)
 """How a service ends that has not failed: systemd.service(5), Restart=."""
@@ -33,22 +35,16 @@ def settings_of_unit(text: str) -> dict[str, str]:
 
 
 @dataclass
-class Life:
-    """One process of the service, from its start to its end. Times are monotonic, in seconds."""
+class FollowedLife(Life):
+    """One process of the service, and what its manager knows of it."""
 
-    process: "subprocess.Popen[bytes]"
-    began_s: float
-    ready_s: float | None = None
+    process: "subprocess.Popen[bytes]" = field(kw_only=True)
     fed_s: float = 0.0
     said: str = ""
     stopping_s: float | None = None
     """When it said that it ends."""
     asked_s: float | None = None
     """When it was asked to end."""
-    cause: str = ""
-    """Why it was asked."""
-    ended_s: float | None = None
-    status: int | None = None
 
 
 @dataclass
@@ -58,7 +54,7 @@ class Supervisor:
     unit: str
     folder: Path
     """Where it runs."""
-    lives: list[Life] = field(default_factory=list)
+    lives: list[FollowedLife] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self._settings = settings_of_unit(self.unit)
@@ -95,11 +91,11 @@ class Supervisor:
                     return
                 self._stopping.wait(self._pause_s(life))
 
-    def _starts_again(self, life: Life) -> bool:
+    def _starts_again(self, life: FollowedLife) -> bool:
         refused = self._settings.get("RestartPreventExitStatus", "").split()
         return life.status not in CLEAN and str(life.status) not in refused
 
-    def _pause_s(self, life: Life) -> float:
+    def _pause_s(self, life: FollowedLife) -> float:
         """From the first to the longest in equal ratios, by how often it was started again."""
         first_s = self._seconds("RestartSec")
         if life.ready_s is not None and "reset-failed" in self._settings.get("ExecStartPost", ""):
@@ -110,7 +106,7 @@ class Supervisor:
         done = min(1.0, (self._restarts - 1) / self._seconds("RestartSteps"))
         return float(first_s * (self._seconds("RestartMaxDelaySec") / first_s) ** done)
 
-    def _live(self, place: Path) -> Life:
+    def _live(self, place: Path) -> FollowedLife:
         with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as ours:
             ours.bind(str(place))
             ours.settimeout(LOOK_S)
@@ -121,10 +117,10 @@ class Supervisor:
                 self._look(life, time.monotonic())
         life.ended_s, life.status = time.monotonic(), life.process.returncode
         with contextlib.suppress(ProcessLookupError):  # KillMode=mixed: the rest of them
-            os.killpg(life.process.pid, signal.SIGKILL)
+            os.killpg(life.pid, signal.SIGKILL)
         return life
 
-    def _start(self, place: Path) -> Life:
+    def _start(self, place: Path) -> FollowedLife:
         words = shlex.split(self._settings["ExecStart"].replace("%%", "%").replace("$$", "$"))
         patience_us = round(self._seconds("WatchdogSec") * 1e6)
         environment = os.environ | {"NOTIFY_SOCKET": str(place), "WATCHDOG_USEC": str(patience_us)}
@@ -132,9 +128,9 @@ class Supervisor:
             process = subprocess.Popen(
                 words, cwd=self.folder, env=environment, stdout=said, stderr=said, process_group=0
             )
-        return Life(process, time.monotonic())
+        return FollowedLife(process.pid, time.monotonic(), process=process)
 
-    def _hear(self, life: Life, ours: socket.socket) -> None:
+    def _hear(self, life: FollowedLife, ours: socket.socket) -> None:
         try:
             lines = ours.recv(8192).decode().split("\n")
         except TimeoutError:
@@ -148,7 +144,7 @@ class Supervisor:
             life.stopping_s = now_s
         life.said = next((one for one in lines if one.startswith("STATUS=")), life.said)
 
-    def _look(self, life: Life, now_s: float) -> None:
+    def _look(self, life: FollowedLife, now_s: float) -> None:
         if life.asked_s is not None:
             if now_s - life.asked_s > self._seconds("TimeoutStopSec"):
                 life.process.kill()
@@ -161,7 +157,7 @@ class Supervisor:
         elif now_s - life.fed_s > self._seconds("WatchdogSec"):
             self._ask(life, signal.SIGABRT, "watchdog", now_s)
 
-    def _ask(self, life: Life, number: signal.Signals, cause: str, now_s: float) -> None:
+    def _ask(self, life: FollowedLife, number: signal.Signals, cause: str, now_s: float) -> None:
         """Send a signal, and SIGCONT behind it, as systemd does: also what is stopped shall end."""
         life.asked_s, life.cause = now_s, cause
         for each in (number, signal.SIGCONT):

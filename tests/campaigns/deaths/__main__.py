@@ -1,10 +1,12 @@
 """A service that is killed and hung at random moments: does it run again, disarmed?
 
-    python tests/campaigns/deaths [--deaths 1000] [--parallel 2] [--seed 1] [--keep FOLDER] [--json]
+    python tests/campaigns/deaths [--deaths 1000] [--parallel 2] [--seed 1] [--systemd] [--json]
 
 The unit that `reflexarc service` writes is followed by a supervisor of the tests, as no systemd
-runs in most containers. A simulated body of --arm-each-runtime lives on and drives under one
-runtime after another. Ways to die: `kinds.py`; one of them strikes while the runtime starts. After
+runs in most containers; with --systemd by a real one, which is booted in namespaces of its own and
+needs root: there the unit's limits and its made-up user hold as well. A simulated body of
+--arm-each-runtime lives on and drives under one runtime after another. Ways to die: `kinds.py`; one
+of them strikes while the runtime starts. After
 each death another runtime must hold the body, which stands where it stood until it is armed; no
 process is left over, in whatever state. At the end the service is asked to stop: status 0, its log
 finished; and everything that was recorded must replay, at both levels.
@@ -22,6 +24,7 @@ import sys
 import tempfile
 import threading
 from collections.abc import Sequence
+from contextlib import ExitStack
 from dataclasses import asdict
 from pathlib import Path
 
@@ -29,9 +32,11 @@ sys.path.insert(0, str(Path(__file__).parents[2]))  # the tests' packages
 
 import numpy as np
 
+from campaigns.deaths.booted import BootedSystemd
 from campaigns.deaths.kinds import WAYS, Death
 from campaigns.deaths.replayed import Replayed, replayed
 from campaigns.deaths.robot import Robot
+from campaigns.deaths.services import followed_service, make_policy, systemd_service
 from support.bytecode import keep_bytecode
 from support.fault_runs import free_ports
 
@@ -45,11 +50,12 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as place:
         keep_bytecode(Path(place) / "bytecode")
         folder = (given.keep or Path(place)).absolute()
-        robots = [
-            Robot(folder / f"robot{number}", port, given.seed + number, given.keep_mb)
-            for number, port in enumerate(free_ports(given.parallel))
-        ]
-        _run(robots, given.deaths)
+        with ExitStack() as booted:
+            robots = [
+                _robot(folder / f"robot{number}", port, number, given, booted)
+                for number, port in enumerate(free_ports(given.parallel))
+            ]
+            _run(robots, given.deaths)
         logs = [replayed(robot.folder / "logs") for robot in robots]
     deaths = [death for robot in robots for death in robot.deaths]
     failures = [f"{death.number}, {death.way}: {one}" for death in deaths for one in death.failures]
@@ -62,6 +68,19 @@ def main() -> int:
         _print(deaths, logs, failures, unprovoked)
     slow = np.percentile([death.again_s for death in deaths], 99) > MOST_S
     return int(bool(failures) or bool(slow) or len(deaths) < given.deaths)
+
+
+def _robot(
+    folder: Path, port: int, number: int, given: argparse.Namespace, booted: ExitStack
+) -> Robot:
+    folder.mkdir(parents=True)
+    make_policy(folder)
+    if given.systemd:
+        system = booted.enter_context(BootedSystemd(folder / "systemd"))
+        service = systemd_service(system, folder, port, given.keep_mb)
+    else:
+        service = followed_service(folder, port, given.keep_mb)
+    return Robot(folder, port, given.seed + number, service)
 
 
 def _run(robots: Sequence[Robot], deaths: int) -> None:
@@ -116,6 +135,7 @@ def _arguments() -> argparse.Namespace:
     )
     parser.add_argument("--deaths", type=int, default=1000)
     parser.add_argument("--parallel", type=int, default=2, help="robots at once")
+    parser.add_argument("--systemd", action="store_true", help="under a real one; needs root")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--keep-mb", type=float, default=2000.0, help="of each robot's logs")
     parser.add_argument("--keep", type=Path, help="keep the logs here")

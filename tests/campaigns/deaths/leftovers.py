@@ -4,7 +4,7 @@ import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from support.supervisor import Life
+from support.service_life import Life
 
 GRACE_S = 2.0
 """What is killed with its group takes a moment to end, and to be waited for."""
@@ -12,7 +12,7 @@ GRACE_S = 2.0
 
 def leftovers(lives: Sequence[Life]) -> list[str]:
     """What is there of lives that have ended, in words."""
-    groups = {life.process.pid for life in lives}
+    groups = {life.pid for life in lives}
     end_s = time.monotonic() + GRACE_S
     while (found := list(_of_groups(groups))) and time.monotonic() < end_s:
         time.sleep(0.02)

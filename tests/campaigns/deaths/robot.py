@@ -12,15 +12,14 @@ from pathlib import Path
 
 from campaigns.deaths.kinds import WAYS, Death, Way
 from campaigns.deaths.leftovers import leftovers
+from campaigns.deaths.services import Service
 from campaigns.deaths.witness import Holder, Witness
 from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.bus import Bus, Publisher
 from reflexarc_runtime.bus_config import BusConfig
-from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.messages.topics import ARM, LEASE, POSE
-from support.policies import exported
-from support.processes import reflexarc, started
-from support.supervisor import Life, Supervisor
+from support.processes import started
+from support.service_life import Life
 
 PATIENCE_S = 240.0
 MOST_DRIVEN_S = 1.0
@@ -28,17 +27,6 @@ MOST_STARTING_S = 0.5
 STOOD_S = 0.2
 """How long the body is watched after each return before anybody arms it."""
 STILL_M = 1e-9
-SETTINGS = """\
-policy = "policy.onnx"
-port = {port}
-no-guard = true
-record = "logs"
-rotate-s = 60
-keep-mb = {keep_mb}
-"""
-SAYS = "-m reflexarc run"
-SUFFERS = "-m campaigns.ends.faulty run"
-"""The same command, in which a signal can make the loop hang."""
 
 
 @dataclass
@@ -48,21 +36,11 @@ class Robot:
     folder: Path
     port: int
     seed: int
-    keep_mb: float
+    service: Service
     deaths: list[Death] = field(default_factory=list)
     unprovoked: list[str] = field(default_factory=list)
     """Ends of a service that nobody had struck."""
-    service: Supervisor = field(init=False)
     witness: Witness = field(default_factory=Witness)
-
-    def __post_init__(self) -> None:
-        self.folder.mkdir(parents=True)
-        (self.folder / "policy.onnx").write_bytes(exported(PolicyContract()))
-        config = self.folder / "robot.toml"
-        config.write_text(SETTINGS.format(port=self.port, keep_mb=self.keep_mb))
-        shown = reflexarc("service", "show", config)
-        assert SAYS in shown.stdout, shown.stderr
-        self.service = Supervisor(shown.stdout.replace(SAYS, SUFFERS), self.folder)
 
     def die(self, deaths: int, told: Callable[[Death], None]) -> None:
         """All deaths, one after another; the last life is asked to end."""
@@ -94,7 +72,7 @@ class Robot:
         life = self._starting() if way.at_start else self._driving(publisher)
         time.sleep(death.after_s)
         struck_s, known = time.monotonic(), len(lives)
-        os.kill(life.process.pid, way.number)
+        os.kill(life.pid, way.number)
         self._until(lambda: life.ended_s is not None, "the end of the process that was struck")
         self._until(lambda: len(lives) > known, "another start")
         began_s, ended_s = lives[known].began_s, life.ended_s or 0.0
@@ -117,7 +95,7 @@ class Robot:
         """A life that has just begun, as the one before it was killed."""
         lives = self.service.lives
         life, known = lives[-1], len(lives)
-        os.kill(life.process.pid, signal.SIGKILL)
+        os.kill(life.pid, signal.SIGKILL)
         self._until(lambda: len(lives) > known, "the next runtime")
         return lives[-1]
 
