@@ -11,8 +11,10 @@ from pathlib import Path
 
 import pytest
 
+from campaigns.deaths.booted import BootedSystemd, can_boot
 from campaigns.deaths.replayed import replayed
 from campaigns.deaths.robot import Robot
+from campaigns.deaths.services import followed_service, systemd_service
 from reflexarc_logs.reading.log_paths import log_paths
 from reflexarc_logs.replaying.replay import replay
 from reflexarc_runtime.contract.contract import PolicyContract
@@ -67,7 +69,19 @@ def test_a_service_that_dies_comes_back_disarmed_and_leaves_logs(
     port: int, tmp_path: Path, monkeypatch
 ):
     monkeypatch.setitem(os.environ, "PYTHONPATH", os.environ.get("PYTHONPATH", ""))
-    robot = Robot(tmp_path / "robot", port, seed=3, keep_mb=100.0)
+    dies_well(Robot(tmp_path, port, 3, followed_service(tmp_path, port, keep_mb=100.0)))
+
+
+@pytest.mark.long
+@pytest.mark.skipif(not can_boot(), reason="needs root, systemd and namespaces")
+def test_the_same_under_a_real_systemd(port: int, tmp_path: Path, monkeypatch):
+    monkeypatch.setitem(os.environ, "PYTHONPATH", os.environ.get("PYTHONPATH", ""))
+    with BootedSystemd(tmp_path / "systemd") as system:
+        service = systemd_service(system, tmp_path, port, keep_mb=100.0)
+        dies_well(Robot(tmp_path, port, 3, service))
+
+
+def dies_well(robot: Robot) -> None:
     robot.die(4, lambda death: None)
     assert len(robot.deaths) == 4
     assert [one for death in robot.deaths for one in death.failures] == []

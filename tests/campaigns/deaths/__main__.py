@@ -36,7 +36,7 @@ from campaigns.deaths.booted import BootedSystemd
 from campaigns.deaths.kinds import WAYS, Death
 from campaigns.deaths.replayed import Replayed, replayed
 from campaigns.deaths.robot import Robot
-from campaigns.deaths.services import followed_service, make_policy, systemd_service
+from campaigns.deaths.services import followed_service, systemd_service
 from support.bytecode import keep_bytecode
 from support.fault_runs import free_ports
 
@@ -73,8 +73,6 @@ def main() -> int:
 def _robot(
     folder: Path, port: int, number: int, given: argparse.Namespace, booted: ExitStack
 ) -> Robot:
-    folder.mkdir(parents=True)
-    make_policy(folder)
     if given.systemd:
         system = booted.enter_context(BootedSystemd(folder / "systemd"))
         service = systemd_service(system, folder, port, given.keep_mb)

@@ -78,7 +78,7 @@ class BootedSystemd:
 
     def __enter__(self) -> Self:
         self.folder.mkdir(parents=True)
-        self.cgroup = _cgroups() / f"campaign-{os.getpid()}-{self.folder.parent.name}"
+        self.cgroup = _cgroups() / f"campaign-{os.getpid()}-{id(self)}"
         self.cgroup.mkdir()
         joins = f'echo $$ > "{self.cgroup}/cgroup.procs"; exec "$@"'
         words = ["unshare", "--mount", "--pid", "--fork", "--uts", "--ipc", "--cgroup"]
@@ -146,7 +146,13 @@ class BootedSystemd:
 def can_boot() -> bool:
     """Whether this machine lets us try."""
     tools = all(map(shutil.which, ("unshare", "nsenter", "systemctl")))
-    return os.geteuid() == 0 and SYSTEMD.exists() and tools
+    if os.geteuid() != 0 or not SYSTEMD.exists() or not tools:
+        return False
+    mounts, kinds = Path("/proc/mounts").read_text(), Path("/proc/filesystems").read_text()
+    if " cgroup2 " not in mounts or "overlay" not in kinds:
+        return False
+    tried = ["unshare", "--mount", "--pid", "--fork", "--uts", "--ipc", "--cgroup", "true"]
+    return subprocess.run(tried, capture_output=True, check=False).returncode == 0
 
 
 def _cgroups() -> Path:

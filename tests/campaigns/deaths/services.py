@@ -51,15 +51,9 @@ class Service(Protocol):
     ) -> None: ...
 
 
-def make_policy(folder: Path) -> Path:
-    """Put the policy there that the robot's body and runtime share."""
-    policy = folder / "policy.onnx"
-    policy.write_bytes(exported(PolicyContract()))
-    return policy
-
-
 def followed_service(folder: Path, port: int, keep_mb: float) -> Service:
-    """A service whose unit a supervisor follows; its logs are in `folder`."""
+    """A service whose unit a supervisor follows; its policy and its logs are in `folder`."""
+    _put_policy(folder)
     config = folder / "robot.toml"
     config.write_text(SETTINGS.format(port=port, keep_mb=keep_mb, record="logs"))
     shown = reflexarc("service", "show", config)
@@ -71,7 +65,8 @@ def systemd_service(system: BootedSystemd, folder: Path, port: int, keep_mb: flo
     """A service under a booted systemd; at its end its logs are copied to `folder`."""
     python = system.make_environment()
     place = system.path("/etc/reflexarc")
-    make_policy(place)
+    for each in (folder, place):
+        _put_policy(each)
     config = SETTINGS.format(port=port, keep_mb=keep_mb, record=f"{STATE}/logs")
     (place / "robot.toml").write_text(config)
     installed = system.runs(
@@ -81,3 +76,8 @@ def systemd_service(system: BootedSystemd, folder: Path, port: int, keep_mb: flo
     assert installed.returncode == 0, installed.stderr
     unit.write_text(unit.read_text().replace(SAYS, SUFFERS))
     return SystemdService(system, UNIT, f"{STATE}/logs", folder / "logs")
+
+
+def _put_policy(folder: Path) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "policy.onnx").write_bytes(exported(PolicyContract()))
