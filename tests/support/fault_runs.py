@@ -23,6 +23,8 @@ from reflexarc_sim_bridge.body.faults.random_script import kind_of_seed, random_
 from support.fault_judge import MS, Outage, driving, outages
 from support.processes import Process, said_line, started
 
+INPUTS = ("retina", "rejected", "stop", "overrun")
+"""Topics whose messages a tick takes from its inbox: on a busy machine its watchdog speaks, too."""
 BODY = Path(__file__).with_name("faulty_body.py")
 SECONDS = 3.4
 PATIENCE_S = 90.0
@@ -125,7 +127,7 @@ def judge_log(outcome: Outcome, log: Path) -> None:
     try:
         read = read_log(log)
         ticks = list(read.ticks())
-        inbox = [f"/{read.run.robot}/{name}" for name in ("retina", "rejected", "stop")]
+        inbox = [f"/{read.run.robot}/{name}" for name in INPUTS]
         outcome.recorded = sum(1 for _ in read.records(*inbox))
         outcome.replayed = _replays(log)
     except ReflexarcError as error:
