@@ -1,8 +1,10 @@
 """Logs of loops whose policy was swapped: they replay to the bit, whole and in parts."""
 
+from collections.abc import Collection
 from dataclasses import replace
-from itertools import pairwise
+from itertools import count, pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,11 +15,14 @@ from reflexarc_logs.reading.reader import read_log
 from reflexarc_logs.reading.summary import summarise
 from reflexarc_logs.recording.keeping import Keeping
 from reflexarc_logs.replaying.replay import replay
+from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.contract.body_spec import Footprint
 from reflexarc_runtime.decision import Decision
+from reflexarc_runtime.errors import DecisionEndedError
 from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_runtime.messages.wire import Message
 from reflexarc_runtime.policy.model_file import policy_hash
+from reflexarc_runtime.policy.policy import LoadedPolicy
 from support.policies import exported
 from support.recordings import CONTRACT, RUN, retina_at
 from support.remembering import REMEMBERING, remembering_policy
@@ -111,6 +116,42 @@ def test_a_log_with_100_swaps_shadows_stops_guards_and_overruns_replays_identica
     used = {stream.topic: stream.use for stream in report.streams}
     assert used["/robot0/swap"] == "input"
     assert used["/robot0/shadow"] == used["/robot0/keyframe"] == "compared"
+
+
+def decisions_ended(
+    monkeypatch: pytest.MonkeyPatch, policy: bytes, at_its: Collection[int]
+) -> None:
+    """Let some decisions of a policy be ended, as by a watchdog; the first one is its first."""
+    plain, asked = LoadedPolicy.decide, count(1)
+
+    def decide(self: LoadedPolicy, *given: Any) -> Any:
+        if self.policy_hash == policy_hash(policy) and next(asked) in at_its:
+            raise DecisionEndedError
+        return plain(self, *given)
+
+    monkeypatch.setattr(LoadedPolicy, "decide", decide)
+
+
+@pytest.mark.parametrize(
+    ("at_its", "is_back"), [([1], True), ([20], False), ([20, 21], True), ([20, 30], False)]
+)
+def test_a_log_says_whose_decision_was_ended_and_replays_the_roll_back(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, at_its: list[int], is_back: bool
+):
+    path, policies = tmp_path / "ended.mcap", [exported(CONTRACT, seed=n) for n in (1, 2)]
+    schedule = waves(120)
+    schedule[30] = [*schedule[30], swap_at(30, policies[1], while_moving=True)]
+    with monkeypatch.context() as patched:
+        decisions_ended(patched, policies[1], at_its)
+        decided = swapped_drive(path, policies, schedule, 110)
+    assert any("rolled back to" in one.reason for one in decided) == is_back
+    assert decided[-1].policy_hash == policy_hash(policies[not is_back])
+    assert {one.verdict.name for one in decided[29:]} >= {"OK", "OVERRUN", "RECOVERING"}
+    said = [pb.Overrun.FromString(one.payload) for one in read_log(path).records("/robot0/overrun")]
+    assert [one.ended_policy for one in said] == [policy_hash(policies[1])] * len(at_its)
+    report = replay(path)
+    assert report.verdict == "identical", str(report)
+    assert {level.level: level.compared for level in report.levels}["node"] == len(decided)
 
 
 @pytest.mark.parametrize("first", [37, 700, 1500])
