@@ -11,8 +11,6 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 from google.protobuf.message import DecodeError
@@ -26,6 +24,7 @@ from reflexarc_runtime.decision import Decision
 from reflexarc_runtime.errors import PolicyError, ReflexarcError
 from reflexarc_runtime.loop.candidates.trial_helper import Tries
 from reflexarc_runtime.loop.trials.trial import check_fits
+from reflexarc_runtime.loop.trials.tried_policy import finding_of
 from reflexarc_runtime.loop.warm_up import decide_on_darkness
 from reflexarc_runtime.messages.controls import encode_swap
 from reflexarc_runtime.messages.topics import SWAP
@@ -201,13 +200,7 @@ class SwapDesk:
     def _tried(self, data: bytes) -> LoadedPolicy:
         """Load a policy after a process of its own has, and has reproduced its golden vectors."""
         rules, running = self._rules, self._first.contract
-        with TemporaryDirectory(prefix="reflexarc-swap-") as folder:
-            path = Path(folder) / "policy.onnx"
-            path.write_bytes(data)
-            try:
-                finding = self._tries.finding(path, rules.backend)
-            except PolicyError as error:
-                raise PolicyError(str(error).replace(str(path), "policy")) from None
+        finding = finding_of(data, "policy", lambda path: self._tries.finding(path, rules.backend))
         with _short_turns():
             policy = load_policy(data, rules.backend, verify=False, bounds=rules.bounds)
         check_fits(finding, policy)
