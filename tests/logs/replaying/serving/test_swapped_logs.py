@@ -1,5 +1,6 @@
 """Logs of loops whose policy was swapped: they replay to the bit, whole and in parts."""
 
+import shutil
 from collections.abc import Collection
 from dataclasses import replace
 from itertools import count, pairwise
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 
 from reflexarc_logs.cutting.cut import cut
+from reflexarc_logs.cutting.join import join
 from reflexarc_logs.cutting.span import TickSpan
 from reflexarc_logs.reading.reader import read_log
 from reflexarc_logs.reading.summary import summarise
@@ -205,6 +207,36 @@ def test_a_part_that_begins_behind_a_swap_holds_the_policy_that_serves(tmp_path)
     assert report.verdict == "identical", str(report)
     assert report.levels[0].compared > 20
     assert {t.decision.policy_hash for t in read_log(later).ticks()} == set(beside)
+
+
+@pytest.mark.parametrize("lost", [None, 1, 2])
+def test_a_whole_holds_who_served_in_its_parts_also_where_the_swap_is_lost(tmp_path, lost):
+    """The swap stands in the second part; the first one was begun when nobody had taken over."""
+    policies = [exported(CONTRACT, seed=1), exported(CONTRACT, seed=2)]
+    schedule, beside = waves(300), {policy_hash(policies[1]): policies[1]}
+    schedule[90] = [*schedule[90], swap_at(90, policies[1], while_moving=True)]
+    keeping = Keeping(rotate_s=1.0)
+    for folder, others in (("before", {}), ("later", beside)):
+        (tmp_path / folder).mkdir()
+        path = tmp_path / folder / "drive.mcap"
+        swapped_drive(path, policies, schedule, 300, others=others, keeping=keeping)
+    first, second, third = (f"drive{name}.mcap" for name in ("", ".part2", ".part3"))
+    shutil.copyfile(tmp_path / "before" / first, tmp_path / "later" / first)
+    swaps = [
+        list(read_log(tmp_path / "later" / one).records("/robot0/swap"))
+        for one in (first, second, third)
+    ]
+    assert [len(one) for one in swaps] == [0, 1, 0]
+    if lost is not None:
+        (tmp_path / "later" / (second if lost == 1 else first)).unlink()
+    whole = join(tmp_path / "later", tmp_path / "whole.mcap").path
+    report = replay(whole)
+    assert report.verdict == "identical", str(report)
+    assert not any("another policy" in note for note in report.notes), report.notes
+    ticks = sum(len(list(read_log(one).ticks())) for one in (tmp_path / "later").glob("*.mcap"))
+    node = {level.level: level.compared for level in report.levels}["node"]
+    assert node >= ticks - 1
+    assert set(read_log(whole).attachments) >= {f"policy-{name}.onnx" for name in beside}
 
 
 def test_what_another_policy_remembers_is_never_carried_over(tmp_path):
