@@ -15,6 +15,7 @@ from reflexarc_logs.cutting.join import join
 from reflexarc_logs.cutting.span import TickSpan
 from reflexarc_logs.reading.reader import read_log
 from reflexarc_logs.reading.summary import summarise
+from reflexarc_logs.recording.black_box import BoxSpan
 from reflexarc_logs.recording.keeping import Keeping
 from reflexarc_logs.replaying.replay import replay
 from reflexarc_runtime import messages_pb2 as pb
@@ -207,6 +208,49 @@ def test_a_part_that_begins_behind_a_swap_holds_the_policy_that_serves(tmp_path)
     assert report.verdict == "identical", str(report)
     assert report.levels[0].compared > 20
     assert {t.decision.policy_hash for t in read_log(later).ticks()} == set(beside)
+
+
+def many_swaps(ticks: int) -> tuple[list[bytes], dict[int, list[Message]]]:
+    """Another policy every 40 ticks, none of them twice."""
+    policies = [exported(CONTRACT, seed=n) for n in range(ticks // 40)]
+    schedule = waves(ticks)
+    for number, policy in enumerate(policies[1:], 1):
+        slot = 40 * number
+        schedule[slot] = [*schedule[slot], swap_at(slot, policy, while_moving=True)]
+    return policies, schedule
+
+
+@pytest.mark.parametrize("before_s", [2.0, 5.0, 9.0])
+def test_a_black_box_holds_who_served_where_it_begins_however_many_took_over_since(
+    tmp_path, before_s
+):
+    """Nobody tells the recorder which policies there are."""
+    policies, schedule = many_swaps(600)
+    schedule[560] = [*schedule[560], stop_at(560)]
+    path = tmp_path / "box.mcap"
+    swapped_drive(path, policies, schedule, 600, box=BoxSpan(before_s, 0.3))
+    (box,) = tmp_path.glob("*.mcap")
+    log = read_log(box)
+    first = next(iter(log.ticks())).decision
+    assert first.policy_hash in {policy_hash(one) for one in policies[1:]}
+    beside = [name for name in log.attachments if name.startswith("policy-")]
+    assert 1 <= len(beside) <= 3
+    report = replay(box)
+    assert report.verdict == "identical", str(report)
+    assert {level.level: level.compared for level in report.levels}["node"] == report.levels[
+        0
+    ].ticks
+
+
+def test_parts_hold_who_serves_where_they_begin_though_the_recorder_was_told_of_nobody(tmp_path):
+    policies, schedule = many_swaps(400)
+    swapped_drive(tmp_path / "drive.mcap", policies, schedule, 400, keeping=Keeping(rotate_s=1.0))
+    parts = sorted(tmp_path.glob("*.mcap"))
+    assert len(parts) >= 5
+    for part in parts:
+        report = replay(part)
+        assert report.verdict == "identical", str(report)
+        assert not report.notes
 
 
 @pytest.mark.parametrize("lost", [None, 1, 2])
