@@ -26,6 +26,14 @@ def test_a_port_that_is_none_is_refused(flags: MetricsFlags, expected: str):
         flags.check()
 
 
+@pytest.mark.parametrize("host", ["..", "rover..local", "r" * 64, "r" * 300 + ".local"])
+def test_a_host_that_can_have_no_name_is_refused_in_one_line(host: str):
+    with pytest.raises(UsageError) as refused:
+        MetricsFlags(0, host).feed("reflexarc run")
+    assert "--metrics" in str(refused.value)
+    assert len(str(refused.value)) < 200
+
+
 def test_who_asks_for_none_pays_for_none():
     flags, outlet, bus = MetricsFlags(), Spoken(), FakeBus()
     flags.check()
