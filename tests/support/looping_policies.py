@@ -33,6 +33,24 @@ def looping(
     return with_contract(model.SerializeToString(), dataclasses.replace(contract, golden=golden))
 
 
+def looping_in_the_light(contract: PolicyContract, brightest: float) -> bytes:
+    """A policy that loops for ever where the mean of what it sees is beyond a limit."""
+    plain = looping(contract, FOR_EVER, at_intensity=0, golden_intensity=1)
+    model = onnx.ModelProto.FromString(plain)
+    nodes = [
+        helper.make_node("ReduceMean", ["seen"], ["mean"], keepdims=0),
+        helper.make_node("Greater", ["mean", "limit"], ["is_special"]),
+    ]
+    first, *others = model.graph.node
+    kept = [node for node in others if node.op_type not in ("ReduceMin", "Equal", "And")]
+    kept = [node for node in kept if list(node.output) != ["most"]]
+    del model.graph.node[:]
+    model.graph.node.extend([first, *nodes, *kept])
+    limit = numpy_helper.from_array(np.array(brightest, np.float32), "limit")
+    model.graph.initializer.append(limit)
+    return with_contract(model.SerializeToString(), load_contract(plain, bounds=None))
+
+
 def vast_in_darkness(contract: PolicyContract, values: int = 10**11) -> bytes:
     """A policy that asks for so many int64 where the whole retina is dark; else for one."""
     bright = looping(contract, values, at_intensity=0, golden_intensity=90)
