@@ -31,7 +31,6 @@ from reflexarc_runtime.loop.pacing.rate_pacer import RatePacer
 from reflexarc_runtime.messages.codec import encode_retina
 from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp, protobuf_encoding
 from reflexarc_runtime.messages_pb2 import Tick
-from reflexarc_runtime.policy.model_file import policy_hash
 from reflexarc_runtime.policy.policy import load_policy
 from reflexarc_runtime.sensing.senses import RetinaSense
 from support.policies import exported
@@ -81,7 +80,7 @@ def measure(
     watching = nullcontext()
     if kind != "none":
         put = nowhere.payloads.append
-        watching = Shadow(path, policy_hash(path.read_bytes()), "numpy", put, robot="robot0")
+        watching = Shadow(path.read_bytes(), "numpy", put, robot="robot0")
     spent_ns: list[int] = []
     with watching as shadow:
         if kind == "hangs":

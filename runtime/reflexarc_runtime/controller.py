@@ -30,6 +30,7 @@ from reflexarc_runtime.decision import (
     drive_command,
     safe_command,
 )
+from reflexarc_runtime.errors import DecisionEndedError
 from reflexarc_runtime.guard import Guard
 from reflexarc_runtime.inertia import STILL, Moving
 from reflexarc_runtime.messages.controls import is_reset, lateness_of, stop_reason
@@ -267,6 +268,9 @@ class Controller:
         try:
             q_values, winner, following = self._decide(stack, memory)
             values = tuple(q_values.tolist())
+        except DecisionEndedError as error:
+            error.policy_hash = self.policy_hash
+            raise
         except Exception as error:  # whatever a policy does, the body gets its safe command
             return Outcome(Verdict.POLICY_FAULT, type(error).__name__, *given)
         if not _is_finite(values, following) or not 0 <= winner < len(self.contract.actions):

@@ -80,7 +80,8 @@ class Serving:
     while_moving: bool = False
     """Whether that one need not wait for standstill."""
     answered: bool = False
-    """Whether it has decided since it took over, or since the last overrun."""
+    """Whether it has decided since it took over, or since its last decision that was ended (before
+    rules 5: since the last overrun)."""
 
 
 SINCE_THE_START = Serving()

@@ -52,6 +52,9 @@ class DecisionEndedError(BaseException):
     happens is not made, and what it would have used waits for the next one.
     """
 
+    policy_hash: str = ""
+    """Whose decision it was; empty where nobody has said so yet."""
+
 
 def first_line(error: BaseException) -> str:
     """What another library's error says, at most one line of 200 characters.

@@ -364,12 +364,14 @@ class HoldToRun(_message.Message):
     def __init__(self, held: bool = ..., body: _Optional[bytes] = ..., source_time_ns: _Optional[int] = ..., pressed_time_ns: _Optional[int] = ...) -> None: ...
 
 class Overrun(_message.Message):
-    __slots__ = ("since_ns", "late_ns")
+    __slots__ = ("since_ns", "late_ns", "ended_policy")
     SINCE_NS_FIELD_NUMBER: _ClassVar[int]
     LATE_NS_FIELD_NUMBER: _ClassVar[int]
+    ENDED_POLICY_FIELD_NUMBER: _ClassVar[int]
     since_ns: int
     late_ns: int
-    def __init__(self, since_ns: _Optional[int] = ..., late_ns: _Optional[int] = ...) -> None: ...
+    ended_policy: str
+    def __init__(self, since_ns: _Optional[int] = ..., late_ns: _Optional[int] = ..., ended_policy: _Optional[str] = ...) -> None: ...
 
 class Lease(_message.Message):
     __slots__ = ("holder", "epoch", "armed", "stopped", "state", "refused", "body", "held_by", "hold_to_run")

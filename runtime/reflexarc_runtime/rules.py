@@ -34,6 +34,14 @@ class ControllerRules:
     """Good inputs count anew behind a late tick. Before, those that came during it counted, and the
     loop could drive on without a verdict RECOVERING."""
 
+    knows_ended_decisions: bool
+    """A new policy is rolled back where an `Overrun` says that its decision was ended. Before, one
+    that had not answered at an overrun was taken to hang if it would have been asked."""
+
+    calls_off_swap_to_former: bool
+    """A roll-back calls off the swap to the policy that it brings back. Before, that policy took
+    over from itself at the next standstill."""
+
 
 def _of(version: int) -> ControllerRules:
     """What a version does: each thing since the version that brought it."""
@@ -44,11 +52,13 @@ def _of(version: int) -> ControllerRules:
         checked_senses=version >= 4,
         ages_backlogs=version >= 4,
         recovers_after_overrun=version >= 4,
+        knows_ended_decisions=version >= 5,
+        calls_off_swap_to_former=version >= 5,
     )
 
 
-RULES = {version: _of(version) for version in (1, 2, 3, 4)}
-CURRENT_RULES = RULES[4]
+RULES = {version: _of(version) for version in (1, 2, 3, 4, 5)}
+CURRENT_RULES = RULES[5]
 
 
 def rules_of(version: int) -> ControllerRules:

@@ -28,6 +28,7 @@ def test_nothing_was_taken_out_of_the_museum():
         "rules-3/nominal.mcap",
         "rules-4/faults.mcap",
         "rules-4/nominal.mcap",
+        "rules-4/swapped.mcap",
         "schema-1/nominal.mcap",
         "schema-2/binocular-onnxruntime.mcap",
         "schema-2/drive.mcap",

@@ -11,6 +11,7 @@ from reflexarc_runtime.loop.candidates.swap_desk import MAX_POLICY_BYTES
 from reflexarc_runtime.policy.model_file import with_contract
 from reflexarc_runtime.policy.policy import load_contract
 from support.hostile_policies import POLICIES
+from support.looping_policies import looping_in_the_light
 from support.policies import exported, network
 from support.swapped_drives import fails_in_the_light
 
@@ -40,6 +41,11 @@ def fitting(contract: PolicyContract) -> tuple[Offer, Offer]:
 def failing(contract: PolicyContract, brightest: float) -> Offer:
     """One that gives no number as soon as what it sees is brighter than this, in the mean."""
     return Offer("gives NaN later", fails_in_the_light(contract, 3, brightest))
+
+
+def hanging(contract: PolicyContract, brightest: float) -> Offer:
+    """One that loops for ever as soon as what it sees is brighter; only onnxruntime runs it."""
+    return Offer("hangs later", looping_in_the_light(contract, brightest))
 
 
 def refused(contract: PolicyContract) -> list[Offer]:

@@ -15,6 +15,7 @@ from reflexarc_runtime.bus import Bus
 from reflexarc_runtime.messages.controls import encode_stop
 from reflexarc_runtime.messages.topics import RESET, RETINA, STOP
 from reflexarc_runtime.messages.wire import Message
+from reflexarc_runtime.policy.model_file import policy_hash
 from support.offered_policies import Offer
 from support.processes import Process, wait_until
 
@@ -32,6 +33,7 @@ class Asked:
     to_ns: int
     outcome: str
     words: str
+    policy_hash: str
 
 
 @dataclass
@@ -63,7 +65,10 @@ class Operator:
         outcome = "unanswered" if answer is None else pb.SwapAnswer.Outcome.Name(answer.outcome)
         words = "" if answer is None else answer.words
         now_ns = time.monotonic_ns()
-        self.asked.append(Asked(offer.kind, not standing, begun_ns, now_ns, outcome, words))
+        identity, while_moving = policy_hash(offer.policy), not standing
+        self.asked.append(
+            Asked(offer.kind, while_moving, begun_ns, now_ns, outcome, words, identity)
+        )
         self._judge(offer, outcome, words)
         if standing:
             self._reset.put(b"", time.monotonic_ns())

@@ -16,7 +16,7 @@ from mcap.records import Message
 from reflexarc_logs.container.copying import MessageCopier
 from reflexarc_logs.container.first_look import is_folder
 from reflexarc_logs.container.manifest import MANIFEST, ListedPart, read_manifest
-from reflexarc_logs.container.writing import END, LogWriter, media_type_of
+from reflexarc_logs.container.writing import ATTACHED_BESIDE, END, LogWriter, media_type_of
 from reflexarc_logs.reading.reader import Log, read_log
 from reflexarc_logs.recording.part import PART
 from reflexarc_runtime.errors import LogError
@@ -163,6 +163,15 @@ class _Whole:
             self.file.describe(END, missing)
         for name, data in first.attachments.items():
             self.file.attach(name, media_type_of(name), data)
+        self._attach_served(set(first.attachments))
+
+    def _attach_served(self, attached: set[str]) -> None:
+        """Attach who took over meanwhile: the swap may stand in a part that is missing."""
+        for part in self.parts[1:]:
+            for name in part.attachments:
+                if name.startswith(ATTACHED_BESIDE) and name not in attached:
+                    self.file.attach(name, media_type_of(name), part.attachments[name])
+                    attached.add(name)
 
     def _meet(self, part: Log, record: Message, *, is_first: bool) -> None:
         """Count a tick; where a part begins, look what lies between it and the one before."""

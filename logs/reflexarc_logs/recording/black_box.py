@@ -7,9 +7,11 @@ happens makes it longer; one that goes on for too long is continued in the next 
 from dataclasses import dataclass
 
 from reflexarc_logs.container.rejected import LogEntry
+from reflexarc_logs.recording.part import Head
 from reflexarc_logs.recording.part_keeper import PartKeeper
 from reflexarc_logs.recording.recording_account import RecordingAccount
 from reflexarc_logs.recording.ring import Ring
+from reflexarc_logs.recording.served_files import ServedFiles
 from reflexarc_logs.recording.triggers import Triggers
 from reflexarc_logs.recording.whole_run import is_keyframe
 from reflexarc_runtime.messages_pb2 import Command, Tick
@@ -36,10 +38,14 @@ class BlackBox:
         keeper: of the parts; none is open.
         account: what is amiss.
         span: how much of it.
+        head: of the parts.
     """
 
-    def __init__(self, keeper: PartKeeper, account: RecordingAccount, span: BoxSpan) -> None:
-        self._keeper, self._account = keeper, account
+    def __init__(
+        self, keeper: PartKeeper, account: RecordingAccount, span: BoxSpan, head: Head
+    ) -> None:
+        self._keeper, self._account, self._head = keeper, account, head
+        self._passed = ServedFiles()
         self._ring = Ring(span.before_s)
         self._after_ns = round(span.after_s * 1e9)
         self._triggers = Triggers()
@@ -61,6 +67,7 @@ class BlackBox:
         if entry.kind in (Tick, Command):  # the loop's own time: others may tell another one
             self._now_ns = entry.received_ns
         self._ring.add(entry, self._account.left_out())
+        self._passed.pass_by(entry)
         why = self._triggers.look(entry)
         if why:
             self._why, self._until_ns = why, self._now_ns + self._after_ns
@@ -87,6 +94,7 @@ class BlackBox:
         if part is not None and is_keyframe(entry) and part.begun_ns is not None:
             if entry.received_ns - part.begun_ns >= MOST_PART_S * 1e9:
                 self._keeper.finish()
+                self._head.earlier = self._passed.files
                 self._keeper.begin_next({"after": f"{MOST_PART_S:g} s", TRIGGER: self._why})
             part = self._keeper.part
         if part is not None:
@@ -101,6 +109,7 @@ class BlackBox:
         before = self._ring.left_out
         if before is None:
             return False  # no keyframe yet
+        self._head.earlier = self._ring.policies
         begin = self._keeper.begin_again if self._account.failure else self._keeper.begin_next
         return begin(about, before)
 

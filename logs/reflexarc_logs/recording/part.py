@@ -58,6 +58,9 @@ class Head:
     policy: bytes
     config: Mapping[str, Any]
     others: Mapping[str, bytes] = field(default_factory=dict)
+    earlier: Mapping[str, bytes] = field(default_factory=dict)
+    """Those who serve, served or are to serve where the next part begins, as far as their swaps
+    have passed: what waits to be written may be of long ago."""
 
     def write(self, file: LogWriter, part: Mapping[str, str]) -> None:
         """Write it."""
@@ -66,7 +69,7 @@ class Head:
             file.describe(PART, part)
         if self.policy:
             file.attach(POLICY_ATTACHMENT, "application/onnx", self.policy)
-        for identity, policy in self.others.items():
+        for identity, policy in {**self.earlier, **self.others}.items():
             file.attach(attachment_of(identity), "application/onnx", policy)
         document = json.dumps(self.config, indent=2, sort_keys=True).encode()
         file.attach(CONFIG_ATTACHMENT, "application/json", document)

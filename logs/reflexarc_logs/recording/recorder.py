@@ -89,9 +89,9 @@ class Recorder:
         self._series = Series(Path(path), head, keeping, at_once=box is None)
         keeper = PartKeeper(self._series, self._account)
         self._destination: Destination = (
-            WholeRun(keeper, keeping, of_loop=of_loop)
+            WholeRun(keeper, keeping, head, of_loop=of_loop)
             if box is None
-            else BlackBox(keeper, self._account, box)
+            else BlackBox(keeper, self._account, box, head)
         )
         self._closed = False
         scribe = Scribe(run, self._account, self._progress, self._destination)

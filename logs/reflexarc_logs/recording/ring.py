@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from reflexarc_logs.container.rejected import LogEntry
+from reflexarc_logs.recording.served_files import ServedFiles
 from reflexarc_logs.recording.whole_run import is_keyframe
 
 MOST_BYTES = 256 << 20
@@ -36,6 +37,12 @@ class Ring:
         self._most_bytes = most_bytes
         self._stretches: deque[_Stretch] = deque()
         self._size_bytes = 0
+        self._passed = ServedFiles()
+
+    @property
+    def policies(self) -> Mapping[str, bytes]:
+        """By hash, who serves where it begins, and whose swaps it no longer holds."""
+        return self._passed.files
 
     @property
     def left_out(self) -> Mapping[str, int] | None:
@@ -57,6 +64,8 @@ class Ring:
         if is_keyframe(entry):
             self._stretches.append(_Stretch(entry.received_ns, dict(left_out)))
             self._forget(entry.received_ns - self._span_ns)
+        if len(self._stretches) < 2 and (is_keyframe(entry) or not self._stretches):
+            self._passed.pass_by(entry)  # it begins here, or later
         if self._stretches:
             size = ENTRY_BYTES + len(entry.payload)
             self._stretches[-1].entries.append(entry)
@@ -75,4 +84,9 @@ class Ring:
             self._drop()
 
     def _drop(self) -> None:
-        self._size_bytes -= self._stretches.popleft().size_bytes
+        dropped = self._stretches.popleft()
+        self._size_bytes -= dropped.size_bytes
+        for entry in dropped.entries:
+            self._passed.pass_by(entry)
+        if self._stretches:
+            self._passed.pass_by(self._stretches[0].entries[0])

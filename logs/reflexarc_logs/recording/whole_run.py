@@ -7,8 +7,9 @@ from typing import Protocol
 
 from reflexarc_logs.container.rejected import LogEntry
 from reflexarc_logs.recording.keeping import Keeping
-from reflexarc_logs.recording.part import Part
+from reflexarc_logs.recording.part import Head, Part
 from reflexarc_logs.recording.part_keeper import PartKeeper
+from reflexarc_logs.recording.served_files import ServedFiles
 from reflexarc_runtime.messages_pb2 import Keyframe
 
 _EARLY_NS = 100_000_000
@@ -46,19 +47,23 @@ class WholeRun:
     Args:
         keeper: of the parts.
         keeping: when a part is full.
+        head: of the parts.
         of_loop: whether keyframes come, and parts begin with them.
     """
 
     words = ""
 
-    def __init__(self, keeper: PartKeeper, keeping: Keeping, *, of_loop: bool) -> None:
-        self._keeper, self._keeping = keeper, keeping
+    def __init__(self, keeper: PartKeeper, keeping: Keeping, head: Head, *, of_loop: bool) -> None:
+        self._keeper, self._keeping, self._head = keeper, keeping, head
+        self._passed = ServedFiles()
         self._of_loop = of_loop
         self._ended = ""
 
     def put(self, entry: LogEntry) -> None:
         """See `Destination.put`."""
         may_begin = is_keyframe(entry) or not self._of_loop
+        if self._of_loop:
+            self._passed.pass_by(entry)
         part = self._keeper.part
         if part is not None and may_begin:
             self._ended = self._limit(part, entry)
@@ -83,6 +88,7 @@ class WholeRun:
 
     def _begin(self) -> bool:
         ended, self._ended = self._ended, ""
+        self._head.earlier = self._passed.files
         if ended:
             return self._keeper.begin_next({"after": ended})
         return self._keeper.begin_again()

@@ -37,7 +37,7 @@ class RobotHeard:
         """When anything was heard of it last."""
         runtimes = (each.heard_ns for each in self.runtimes.values())
         bodies = (each.heard_ns for each in self.bodies.values())
-        return max(self.heard_ns, *runtimes, *bodies)
+        return max([self.heard_ns, *runtimes, *bodies])
 
 
 class Fleet:

@@ -21,9 +21,9 @@ from reflexarc_runtime.loop.tick_record import LoopIdentity, TickRecord
 from reflexarc_runtime.loop.warm_up import warm_up
 from reflexarc_runtime.loop.watch import NoWatch, Watch
 from reflexarc_runtime.messages.codec import Status, encode_command, encode_status
-from reflexarc_runtime.messages.controls import encode_own_release, encode_stop
+from reflexarc_runtime.messages.controls import encode_overrun, encode_own_release, encode_stop
 from reflexarc_runtime.messages.tick_encoder import TickEncoder
-from reflexarc_runtime.messages.topics import DEFAULT_ROBOT, RUNTIME_NODE, STOP
+from reflexarc_runtime.messages.topics import DEFAULT_ROBOT, OVERRUN, RUNTIME_NODE, STOP
 from reflexarc_runtime.messages.wire import (
     NO_SENDER,
     Message,
@@ -135,10 +135,18 @@ class Node:
             self._monitor.missed(wakeup.missed)
             self._make_tick(wakeup)
             self._postponed = ()
-        except DecisionEndedError:
+        except DecisionEndedError as ended:
             self._monitor.missed(1)
-            self._postponed = wakeup.messages
+            self._postponed = (*wakeup.messages, self._ended(ended.policy_hash, wakeup.now_ns))
         self._watch.rest(self._pacer.now_ns())
+
+    def _ended(self, policy_hash: str, begun_ns: int) -> Message:
+        """What the next tick is told, behind what this one was given, so that it is in the log."""
+        key, encoding = OVERRUN.key(self._identity.robot), protobuf_encoding(OVERRUN.schema)
+        payload = encode_overrun(begun_ns, self._pacer.now_ns() - begun_ns, policy_hash)
+        return Message(
+            key, payload, encoding, pack_stamp(Stamp(0, begun_ns, self._sender)), begun_ns
+        )
 
     def _make_tick(self, wakeup: Wakeup) -> None:
         before = self._state

@@ -46,9 +46,19 @@ def lateness_of(message: Message) -> str:
     return f"a tick was late by {late_ns / 1e6:.0f} ms"
 
 
-def encode_overrun(since_ns: int, late_ns: int) -> bytes:
+def encode_overrun(since_ns: int, late_ns: int, ended_policy: str = "") -> bytes:
     """`reflexarc.Overrun`."""
-    return pb.Overrun(since_ns=since_ns, late_ns=late_ns).SerializeToString()
+    return pb.Overrun(
+        since_ns=since_ns, late_ns=late_ns, ended_policy=ended_policy
+    ).SerializeToString()
+
+
+def ended_policy_of(message: Message) -> str:
+    """The hash of the policy whose decision was ended, by an overrun; empty if none was."""
+    try:
+        return pb.Overrun.FromString(message.payload).ended_policy
+    except DecodeError:
+        return ""
 
 
 def is_reset(message: Message) -> bool:

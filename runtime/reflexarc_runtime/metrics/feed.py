@@ -6,9 +6,11 @@ another process, of lower priority: a thread that shared the interpreter would h
 """
 
 import socket
+import struct
 import subprocess
 import sys
 from contextlib import suppress
+from itertools import accumulate, pairwise
 from types import TracebackType
 from typing import Self
 
@@ -17,7 +19,8 @@ from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp
 
 MOST_WORD_BYTES = 1 << 16
 _PROCESS = "reflexarc_runtime.metrics.metrics_process"
-_HEAD = b"\0"
+_LENGTHS = struct.Struct("<III")
+"""Of key, encoding and attachment, in bytes: whoever sent them may have put anything into them."""
 
 
 class MetricsFeed:
@@ -92,12 +95,18 @@ class Overheard:
 
 def pack_word(message: Message) -> bytes:
     """A message as it goes to the other process, which has a clock of its own."""
-    head = (message.key.encode(), message.encoding.encode(), message.attachment.hex().encode())
-    return _HEAD.join((*head, message.payload))
+    head = message.key.encode(), message.encoding.encode(), message.attachment
+    return b"".join((_LENGTHS.pack(*map(len, head)), *head, message.payload))
 
 
 def unpack_word(word: bytes, received_ns: int) -> Message:
-    """The message, as if it had arrived just now."""
-    key, encoding, attachment, payload = word.split(_HEAD, 3)
-    stamp = bytes.fromhex(attachment.decode())
-    return Message(key.decode(), payload, encoding.decode(), stamp, received_ns)
+    """The message, as if it had arrived just now.
+
+    Raises:
+        ValueError: it is none; of a word that is too long the end is missing.
+    """
+    if len(word) < _LENGTHS.size:
+        raise ValueError("expected a word of a loop")
+    ends = list(accumulate(_LENGTHS.unpack_from(word), initial=_LENGTHS.size))
+    key, encoding, attachment = (word[begin:end] for begin, end in pairwise(ends))
+    return Message(key.decode(), word[ends[-1] :], encoding.decode(), attachment, received_ns)

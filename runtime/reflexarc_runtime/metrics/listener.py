@@ -12,7 +12,7 @@ def listener_at(host: str, port: int) -> socket.socket:
     """A socket that listens.
 
     Raises:
-        UsageError: the port is in use, or the machine has no such address.
+        UsageError: the port is in use, or the machine has no such address, or nobody can have it.
     """
     try:
         family, kind, number, _, address = socket.getaddrinfo(
@@ -21,6 +21,8 @@ def listener_at(host: str, port: int) -> socket.socket:
         listener = socket.socket(family, kind, number)
     except OSError as error:
         raise UsageError(_refusal(host, port, error)) from None
+    except UnicodeError:  # an empty label, or one of more than 63 characters
+        raise UsageError(f"--metrics-host: expected the name of a host, got {host!r:.80}") from None
     try:
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         listener.bind(address)

@@ -22,7 +22,8 @@ async def main(link: socket.socket, listener: socket.socket) -> None:
     fleet = Fleet()
     serving = asyncio.create_task(Scraping(lambda: fleet.view(time.monotonic_ns())).serve(listener))
     while word := await asyncio.get_running_loop().sock_recv(link, MOST_WORD_BYTES):
-        fleet.hear(unpack_word(word, time.monotonic_ns()))
+        with suppress(ValueError):  # of somebody else on the bus; it ends nothing
+            fleet.hear(unpack_word(word, time.monotonic_ns()))
     serving.cancel()
 
 

@@ -3,8 +3,9 @@
 `SwappingController` has a `Controller` for each policy that may decide, and is one itself. A
 `Swap` among the inputs names another policy by its hash. It takes over in front of a tick: at the
 next standstill, or at once where the swap says so. If it fails (an exception, values that are not
-finite, no such action), the former one decides that same tick, and from then on. So it does after
-an overrun at which the new one had not answered yet: it hung.
+finite, no such action), the former one decides that same tick, and from then on. So it does where
+the watchdog ended a decision of the new one, and that had not answered since it took over, or since
+the one that was ended before: one may be ended because the machine stood still.
 
 What was seen stays, as both see with one eye. What a policy remembers, and the action that is being
 done, are never carried over.
@@ -22,7 +23,7 @@ from reflexarc_runtime.controller import Controller
 from reflexarc_runtime.controller_state import Inputs, Serving, State
 from reflexarc_runtime.decision import ASKED, Decision, Verdict
 from reflexarc_runtime.guard import Guard
-from reflexarc_runtime.messages.controls import swap_of
+from reflexarc_runtime.messages.controls import ended_policy_of, swap_of
 from reflexarc_runtime.messages.topics import OVERRUN, SWAP, Topic, topic_of
 from reflexarc_runtime.messages.wire import Message
 from reflexarc_runtime.policy.policy import LoadedPolicy, Policy, RememberingPolicy
@@ -101,20 +102,50 @@ class SwappingController:
 
     def _heard(self, state: State, inputs: Inputs, now_ns: int) -> tuple[State, str]:
         """Who decides this tick, and what to say about it."""
+        if not self.rules.knows_ended_decisions:
+            return self._heard_formerly(state, inputs, now_ns)
+        words = ""
+        for message in inputs.messages:
+            topic = topic_of(message.key)
+            if topic is SWAP:
+                state = self._offered(state, message)
+            elif topic is OVERRUN:
+                state, blamed = self._told_who_ended(state, ended_policy_of(message))
+                words = blamed or words
+        return self._taken_over(state), words
+
+    def _told_who_ended(self, state: State, ended: str) -> tuple[State, str]:
+        """After a decision was ended: it was that of the tick that the messages before were for."""
+        if not ended:
+            return state, ""
+        state = self._taken_over(state)  # as it had at that tick, of which nothing else is left
+        serving = state.serving
+        if ended != self._hash_of(serving) or self._known(serving.former) is None:
+            return state, ""
+        if serving.answered:
+            return replace(state, serving=replace(serving, answered=False)), ""
+        words, state = self._back(state, "it gave no answer, its decision was ended")
+        return state, words
+
+    def _taken_over(self, state: State) -> State:
+        """After a swap that is due now."""
+        serving = state.serving
+        if serving.pending and (serving.while_moving or _stands(state)):
+            return handed_over(state, Serving(serving.pending, self._hash_of(serving)))
+        return state
+
+    def _heard_formerly(self, state: State, inputs: Inputs, now_ns: int) -> tuple[State, str]:
+        """See `ControllerRules.knows_ended_decisions`: who decides, where a log does not say it."""
         words, topics = "", [topic_of(message.key) for message in inputs.messages]
         if OVERRUN in topics and self._known(state.serving.former):
             words, state = self._overran(state, inputs, now_ns)
         for topic, message in zip(topics, inputs.messages, strict=True):
             if topic is SWAP:
                 state = self._offered(state, message)
-        serving = state.serving
-        if serving.pending and (serving.while_moving or _stands(state)):
-            former = self._hash_of(serving)
-            state = handed_over(state, Serving(serving.pending, former))
-        return state, words
+        return self._taken_over(state), words
 
     def _overran(self, state: State, inputs: Inputs, now_ns: int) -> tuple[str, State]:
-        """After a late tick: a policy that was asked and has not answered yet hung."""
+        """After a late tick: a policy that would be asked and has not answered yet hung."""
         if state.serving.answered:
             return "", replace(state, serving=replace(state.serving, answered=False))
         if self.at(state).would_ask(state, inputs, now_ns):
@@ -136,7 +167,10 @@ class SwappingController:
         serving = state.serving
         failed, former = self._hash_of(serving)[:SHOWN], serving.former
         words = f"policy {failed} failed ({why}): {_ROLLED_BACK} {former[:SHOWN]}"
-        return words, handed_over(state, Serving(former, "", serving.pending, serving.while_moving))
+        pending, while_moving = serving.pending, serving.while_moving
+        if pending == former and self.rules.calls_off_swap_to_former:
+            pending, while_moving = "", False
+        return words, handed_over(state, Serving(former, "", pending, while_moving))
 
     def _noted(self, following: State, decision: Decision) -> State:
         serving = following.serving

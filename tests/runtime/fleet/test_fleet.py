@@ -175,6 +175,23 @@ def test_a_flood_of_names_displaces_no_robot_that_is_heard_and_is_counted():
     assert "late" in names(at(fleet, 12.0))  # there is room again: the false ones are silent
 
 
+def test_robots_that_only_announce_themselves_fill_the_room_and_make_it_again():
+    fleet = Fleet()
+    for number in range(MOST_ROBOTS + 1):
+        is_new = fleet.announced(f"r{number}/alive/body", 0, is_there=True)
+        assert is_new == (number < MOST_ROBOTS)
+    seen = at(fleet, 0)
+    assert (len(seen.robots), seen.left_out) == (MOST_ROBOTS, 1)
+    assert "late" not in names(heard_at(fleet, 2.9))
+    assert "late" in names(heard_at(fleet, 3.0))  # they have been silent since
+    assert len(at(fleet, 3.0).robots) == MOST_ROBOTS
+
+
+def heard_at(fleet: Fleet, seconds: float) -> FleetView:
+    fleet.hear(status("late", at_s=seconds))
+    return at(fleet, seconds)
+
+
 def test_a_flood_of_senders_displaces_no_runtime_that_is_heard():
     fleet = heard(status(ticks=5))
     for number in range(1000):

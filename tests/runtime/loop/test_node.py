@@ -230,9 +230,24 @@ def test_a_tick_whose_decision_was_ended_is_none_and_its_messages_wait():
     assert [tick.index for tick in ticks] == list(range(11))
     assert summary.skipped_slots == 1
     assert sum(tick.inputs for tick in ticks) == sum(
-        message.key.endswith(("retina", "stop")) for message in kept.messages
+        message.key.endswith(("retina", "stop", "overrun")) for message in kept.messages
     )
-    assert [tick.inputs for tick in ticks if tick.inputs == 2] == [2]
+    assert [tick.inputs for tick in ticks if tick.inputs > 1] == [3]
+    assert sum(tick.verdict == pb.OVERRUN for tick in ticks) == 1
+
+
+def test_what_is_recorded_says_whose_decision_was_ended_behind_what_that_tick_was_given():
+    inbox, kept = Inbox(), Kept()
+    controller = Controller(EndedPolicy(), SMALL, RetinaSense(SMALL.retina), "hash")
+    pacer = RatePacer(50.0, FeedingClock(inbox), inbox)
+    Node(controller, pacer, Outlets(Heard(), Heard(), Heard()), sink=kept).run(max_ticks=10)
+    names = [message.key.rpartition("/")[2] for message in kept.messages]
+    at = names.index("overrun")
+    assert names[at - 2 : at + 3] == ["command", "retina", "overrun", "retina", "tick"]
+    said = pb.Overrun.FromString(kept.messages[at].payload)
+    assert said.ended_policy == "hash"
+    times_ns = [message.received_ns for message in kept.messages]
+    assert times_ns[at - 1] <= times_ns[at] <= times_ns[at + 1]
 
 
 def test_a_robot_that_is_stopped_by_somebody_skips_no_slot():

@@ -4,6 +4,7 @@ import os
 import signal
 import time
 import urllib.request
+from contextlib import suppress
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -16,11 +17,21 @@ from support.fleet_words import FIRST, lease, status
 from support.processes import wait_until
 from support.spoken import Spoken
 
+TEXTS = st.text(max_size=40) | st.sampled_from(["", "a\0b", "\0" * 9])
 
-@given(st.binary(max_size=200), st.binary(max_size=40))
-def test_a_word_arrives_as_it_was_said(payload: bytes, attachment: bytes):
-    word = Message("robot0/status", payload, "application/protobuf;x", attachment, 77)
+
+@given(TEXTS, st.binary(max_size=200), TEXTS, st.binary(max_size=40))
+def test_a_word_arrives_as_it_was_said_whatever_is_in_it(
+    key: str, payload: bytes, encoding: str, attachment: bytes
+):
+    word = Message(key, payload, encoding, attachment, 77)
     assert unpack_word(pack_word(word), 77) == word
+
+
+@given(st.binary(max_size=60))
+def test_what_is_no_word_is_none_or_a_message_and_no_other_exception(word: bytes):
+    with suppress(ValueError):
+        unpack_word(word, 77)
 
 
 def read(address: str) -> str:
@@ -38,6 +49,8 @@ def test_what_a_loop_says_is_scraped_from_another_process_and_its_death_costs_no
         payload = status(verdicts={"OK": 41}).payload
         outlet.put(payload, 5)
         feed.hear(lease("rover", holder=FIRST, armed=True))
+        feed._link.send(b"\xff" * 30)  # no word of any loop; the process goes on
+        feed.hear(lease("ro\0ver", sender=FIRST))
         wait_until(lambda: 'armed{robot="rover"} 1.0' in read(address), "an armed robot")
         assert 'reflexarc_ticks_total{robot="rover",verdict="OK"} 41.0' in read(address)
         feed.hear(Message("rover/status", bytes(MAX_PAYLOAD_BYTES), "", b"", 0))  # no room: no word

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+import pytest
 
 from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.arrays import Actions, QValues, RetinaBatch
@@ -18,6 +19,7 @@ from reflexarc_runtime.messages.controls import encode_overrun, encode_stop, enc
 from reflexarc_runtime.messages.topics import OVERRUN, RESET, STOP, SWAP, Topic
 from reflexarc_runtime.messages.wire import Message, protobuf_encoding
 from reflexarc_runtime.policy.policy import Policy, RememberingPolicy
+from reflexarc_runtime.rules import CURRENT_RULES, RULES, ControllerRules
 from reflexarc_runtime.sensing.senses import RetinaSense
 from reflexarc_runtime.serving.swapping import SwappingController, says_rolled_back
 from support.policies import SMALL, AddingPolicy, FailingPolicy, ScriptedPolicy
@@ -39,6 +41,19 @@ class Changeable:
 
 
 @dataclass
+class FailingLater(Changeable):
+    """Gives no number from some decision on."""
+
+    left: int = 0
+
+    def decide(self, retinas: RetinaBatch) -> tuple[QValues, Actions]:
+        self.left -= 1
+        if self.left < 0:
+            self.q_values = tuple(NAN)
+        return super().decide(retinas)
+
+
+@dataclass
 class Loop:
     """A controller and its state, tick by tick, with a good retina at each."""
 
@@ -47,9 +62,11 @@ class Loop:
     contract: PolicyContract = SMALL
     state: State = field(default_factory=State)
     ticks: int = 0
+    rules: ControllerRules = CURRENT_RULES
 
     def __post_init__(self) -> None:
-        first = Controller(self.first, self.contract, RetinaSense(self.contract.retina), "old")
+        sense = RetinaSense(self.contract.retina)
+        first = Controller(self.first, self.contract, sense, "old", self.rules)
         known = {
             name: replace(first, policy=policy, policy_hash=name)
             for name, policy in self.others.items()
@@ -78,6 +95,13 @@ def swap(policy_hash: str, *, while_moving: bool = False) -> Message:
 STOPPED = message(STOP, encode_stop("stand"))
 GO_ON = message(RESET, b"")
 LATE = message(OVERRUN, encode_overrun(0, 60 * MS))
+
+
+def ended(policy_hash: str) -> Message:
+    """A decision of this policy was ended."""
+    return message(OVERRUN, encode_overrun(0, 62 * MS, policy_hash))
+
+
 NAN: Sequence[float] = (0.1, float("nan"), 0.2)
 
 
@@ -159,28 +183,116 @@ def test_where_both_fail_the_body_stands():
     assert decision.command.is_safe
 
 
-def test_a_policy_that_hangs_when_it_is_first_asked_is_rolled_back_at_the_overrun():
-    """What hung is no tick: its messages come with the next one, behind the watchdog's words."""
+def test_a_policy_whose_first_decision_was_ended_is_rolled_back():
+    """What was ended is no tick: its messages come with the next one, then who was ended."""
     loop = Loop({"new": ScriptedPolicy(RIGHT)})
     loop.tick(count=5)
-    decision = loop.tick(swap("new"), STOPPED, count=2)
-    decision = loop.tick(GO_ON, count=2)
+    loop.tick(swap("new"), STOPPED, count=2)
+    loop.tick(GO_ON, count=2)
     assert loop.state.serving == Serving("new", "old")
-    decision = loop.tick(LATE)
+    decision = loop.tick(ended("new"), LATE)
     assert decision.policy_hash == "old"
-    assert decision.reason == "policy new failed (it hung): rolled back to old; " + (
+    assert says_rolled_back(decision.reason)
+    assert decision.reason == (
+        "policy new failed (it gave no answer, its decision was ended): rolled back to old; "
         "a tick was late by 60 ms"
     )
 
 
-def test_an_overrun_is_no_fault_of_a_policy_that_was_not_asked_or_has_answered():
+@pytest.mark.parametrize("stalls", [1, 2, 5])
+def test_overruns_in_which_no_decision_was_ended_are_the_machines(stalls: int):
     loop = Loop({"new": ScriptedPolicy(RIGHT)})
+    loop.tick(count=5)
+    loop.tick(swap("new"), STOPPED, count=2)
+    loop.tick(GO_ON, count=2)  # it would be asked at the next tick
+    for _ in range(stalls):
+        assert loop.tick(LATE).policy_hash == "new"
+    assert loop.tick(count=5).action == 2
+
+
+def test_a_policy_that_hangs_as_it_takes_over_is_rolled_back_at_that_overrun():
+    loop = Loop({"new": ScriptedPolicy(RIGHT)})
+    loop.tick(count=5)
+    decision = loop.tick(swap("new", while_moving=True), ended("new"), LATE)
+    assert (decision.policy_hash, decision.verdict.name) == ("old", "OVERRUN")
+    assert says_rolled_back(decision.reason)
+    assert loop.state.serving == Serving("old")
+    assert loop.tick(count=5).action == 1
+
+
+def test_of_a_policy_that_had_answered_one_ended_decision_is_forgiven():
+    loop = Loop({"new": ScriptedPolicy(RIGHT)})
+    loop.tick(count=5)
+    loop.tick(swap("new", while_moving=True), count=5)
+    assert loop.tick(ended("new"), LATE).policy_hash == "new"
+    assert loop.tick(LATE).policy_hash == "new"  # the machine was late again
+    assert loop.tick(count=5).action == 2  # an answer
+    assert loop.tick(ended("new")).policy_hash == "new"
+    assert loop.tick(ended("new")).policy_hash == "old"  # none since
+
+
+def test_a_decision_of_another_policy_that_was_ended_is_no_fault_of_the_new_one():
+    loop = Loop({"new": ScriptedPolicy(RIGHT)})
+    loop.tick(count=5)
+    loop.tick(swap("new", while_moving=True), sees=False)
+    assert loop.tick(ended("old"), ended("")).policy_hash == "new"
+    unreadable = message(OVERRUN, b"\xff\xff")
+    assert loop.tick(unreadable).policy_hash == "new"
+
+
+def test_a_swap_that_came_after_the_ended_decision_is_of_its_own():
+    loop = Loop({"new": ScriptedPolicy(RIGHT), "newer": ScriptedPolicy(RIGHT)})
+    loop.tick(count=5)
+    moving = swap("new", while_moving=True)
+    decision = loop.tick(moving, ended("new"), LATE, swap("newer", while_moving=True))
+    assert says_rolled_back(decision.reason)
+    assert loop.state.serving == Serving("newer", "old")
+    again = Loop({"new": ScriptedPolicy(RIGHT)})
+    again.tick(count=5)
+    assert again.tick(moving, ended("new"), LATE, moving).policy_hash == "new"  # asked for anew
+
+
+def test_under_rules_4_who_has_not_answered_at_an_overrun_and_would_be_asked_hung():
+    """Logs of then do not say whose decision was ended; they replay as they were recorded."""
+    loop = Loop({"new": ScriptedPolicy(RIGHT)}, rules=RULES[4])
     loop.tick(swap("new"), sees=False)
     assert loop.tick(LATE, sees=False).policy_hash == "new"  # it sees nothing: nobody was asked
     loop.tick(count=5)
     assert loop.tick(LATE).policy_hash == "new"  # it had answered
     loop.tick(count=2)
-    assert loop.tick(LATE).policy_hash == "old"  # and has not since
+    decision = loop.tick(LATE)  # and has not since
+    assert (decision.policy_hash, decision.reason) == (
+        "old",
+        "policy new failed (it hung): rolled back to old; a tick was late by 60 ms",
+    )
+
+
+@pytest.mark.parametrize(
+    ("version", "expected"), [(4, Serving("old", "", "old")), (5, Serving("old"))]
+)
+def test_a_roll_back_calls_off_the_swap_to_whom_it_brings_back(version: int, expected: Serving):
+    changing = Changeable()
+    loop = Loop({"new": changing}, rules=RULES[version])
+    loop.tick(count=5)
+    loop.tick(swap("new", while_moving=True), count=2)
+    loop.tick(swap("old"))  # it waits for standstill
+    changing.q_values = tuple(NAN)
+    assert says_rolled_back(loop.tick().reason)
+    assert loop.state.serving == expected
+
+
+def test_who_came_back_does_not_take_over_from_itself():
+    changing = Changeable()
+    loop = Loop({"new": changing}, first=FailingLater(left=12))
+    loop.tick(count=5)
+    loop.tick(swap("new", while_moving=True))
+    loop.tick(swap("old"))
+    changing.q_values = tuple(NAN)
+    loop.tick()
+    loop.tick(STOPPED, count=3)
+    loop.tick(GO_ON, count=3)
+    fault = loop.tick(count=12)
+    assert (fault.verdict.name, says_rolled_back(fault.reason)) == ("POLICY_FAULT", False)
 
 
 def test_memory_and_held_action_begin_anew():

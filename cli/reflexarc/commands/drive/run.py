@@ -127,8 +127,8 @@ class RunCommand:
         for note in policy.notes:
             aside.print(f"reflexarc run: {note}", soft_wrap=True)
         controller = self._controller_of(policy)
-        self.trusting.check_watching(self.candidates.shadow)
-        watcher = self.candidates.watcher(policy.contract, self.backend)
+        shadow = self.trusting.check_watching(self.candidates.shadow)
+        watcher = self.candidates.watcher(policy.contract, self.backend, shadow)
         run_id = uuid.uuid4().hex
         with (
             StopFlag() as stop,

@@ -147,8 +147,10 @@ def _words(answer: "SwapAnswer") -> str:
 def _plain(answer: "SwapAnswer") -> dict[str, object]:
     from reflexarc_runtime.messages_pb2 import SwapAnswer
 
+    known = {number: name for name, number in SwapAnswer.Outcome.items()}
+    name = known.get(answer.outcome, "unknown")  # a younger runtime's, or anybody's
     return {
-        "outcome": SwapAnswer.Outcome.Name(answer.outcome).lower(),
+        "outcome": name.lower(),
         "words": answer.words,
         "policy_hash": answer.policy_hash,
         "tick": answer.tick,

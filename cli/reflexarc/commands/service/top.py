@@ -1,5 +1,6 @@
 """`reflexarc top`: every robot on the bus, live."""
 
+import math
 import sys
 import time
 from collections.abc import Callable
@@ -117,12 +118,12 @@ def _print_json(watch: "FleetWatch") -> None:
 
 
 def _every(period_s: float, stop: Callable[[], bool], do: Callable[[], None]) -> int:
-    """Do something again and again, until asked to stop."""
+    """Do something again and again, until asked to stop; what was missed is left out."""
     due_s = time.monotonic() + period_s
     while not stop():
         if time.monotonic() >= due_s:
             do()
-            due_s += period_s
+            due_s += period_s * max(1, math.ceil((time.monotonic() - due_s) / period_s))
         time.sleep(_LOOK_S)
     return 0
 

@@ -22,6 +22,7 @@ class WatchingPolicy:
     """A policy that watches, from a file that was tried."""
 
     path: Path
+    """What errors call it; it is not read again."""
     policy_hash: str
     data: bytes
     backend: str
@@ -32,11 +33,11 @@ class WatchingPolicy:
         from reflexarc_runtime.messages.topics import SHADOW
 
         return Shadow(
-            self.path,
-            self.policy_hash,
+            self.data,
             self.backend,
             put,
             bus.publisher(SHADOW),
+            name=str(self.path),
             robot=bus.robot,
             sender=bus.sender,
             patience_s=LOCKSTEP_PATIENCE_S * lockstep,
@@ -63,8 +64,15 @@ class CandidateFlags:
             return NOT_IN_LOCKSTEP
         return "" if self.allow_swap else NOT_ALLOWED
 
-    def watcher(self, running: "PolicyContract", backend: str) -> WatchingPolicy | None:
+    def watcher(
+        self, running: "PolicyContract", backend: str, accepted: bytes | None = None
+    ) -> WatchingPolicy | None:
         """The policy that watches, after a process of its own has tried it; None: there is none.
+
+        Args:
+            running: the contract of the policy that drives.
+            backend: what computes it.
+            accepted: the bytes of its file that somebody vouched for; None: nobody need.
 
         Raises:
             PolicyError, ContractError: it is not intact, or not of the running contract.
@@ -72,16 +80,13 @@ class CandidateFlags:
         if self.shadow is None:
             return None
         from reflexarc_runtime.contract.swap_fit import check_takes_over
-        from reflexarc_runtime.errors import PolicyError
-        from reflexarc_runtime.loop.trials.trial import Trial
-        from reflexarc_runtime.policy.model_file import policy_hash, read_model
+        from reflexarc_runtime.loop.candidates.trial_helper import TrialHere
+        from reflexarc_runtime.loop.trials.tried_policy import finding_of
+        from reflexarc_runtime.policy.model_file import read_model
         from reflexarc_runtime.policy.policy import load_contract
 
-        with Trial(self.shadow, backend) as trial:
-            data = read_model(self.shadow)
-            finding = trial.finding()
-        if policy_hash(data) != finding.policy_hash:
-            raise PolicyError(f"--shadow: {self.shadow} changed while it was loaded; start again")
+        data, tries = accepted or read_model(self.shadow), TrialHere()
+        finding = finding_of(data, str(self.shadow), lambda path: tries.finding(path, backend))
         check_takes_over(load_contract(data, bounds=None), running)
         return WatchingPolicy(self.shadow, finding.policy_hash, data, backend)
 

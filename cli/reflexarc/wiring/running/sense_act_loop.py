@@ -21,7 +21,8 @@ from reflexarc_runtime.controller import Controller
 from reflexarc_runtime.decision import Decision
 from reflexarc_runtime.loop.cadence.monitor import Summary
 from reflexarc_runtime.loop.candidates.shadow import Shadow, ShadowAccount
-from reflexarc_runtime.loop.candidates.swap_desk import ServedSince, SwapDesk, SwapRules
+from reflexarc_runtime.loop.candidates.swap_desk import SwapDesk, SwapRules
+from reflexarc_runtime.loop.candidates.take_overs import TakeOvers
 from reflexarc_runtime.loop.candidates.trial_helper import TrialHelper, Tries
 from reflexarc_runtime.loop.clock import MonotonicClock
 from reflexarc_runtime.loop.inbox import Inbox
@@ -91,7 +92,7 @@ class LoopOutcome:
     summary: Summary
     shadow: ShadowAccount | None
     """What the policy did that watched; None: there was none."""
-    served: tuple[ServedSince, ...]
+    served: TakeOvers
     """Who took over, in order."""
     granted: tuple[Grant, ...]
     """What was asked of the kernel, and obtained."""

@@ -58,14 +58,17 @@ class TrustedPolicyFlags:
             return None
         return self.acceptance.accept_file(path)
 
-    def check_watching(self, path: Path | None) -> None:
+    def check_watching(self, path: Path | None) -> bytes | None:
         """Look at the file of a policy that only watches: it is parsed like any other.
+
+        The bytes that were accepted; None: any are.
 
         Raises:
             PolicyError: nobody signed it, where somebody must have.
         """
-        if path is not None and self.require_signature is not None:
-            replace(self, expect_hash="").check_file(path)
+        if path is None or self.require_signature is None:
+            return None
+        return replace(self, expect_hash="").check_file(path)
 
     def check_loaded(self, accepted: bytes | None, policy: "LoadedPolicy") -> None:
         """Whether what was loaded is what was accepted: the file may have been changed meanwhile.

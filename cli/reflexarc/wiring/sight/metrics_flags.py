@@ -91,11 +91,12 @@ def hear_metrics(feed: "MetricsFeed | None", bus: "Bus") -> None:
         return
     from reflexarc_runtime.loop.throttle import Throttle
     from reflexarc_runtime.messages.topics import LEASE
+    from reflexarc_runtime.messages.wire import protobuf_encoding
 
-    is_due = Throttle(_LEASE_NS).is_due
+    is_due, encoding = Throttle(_LEASE_NS).is_due, protobuf_encoding(LEASE.schema)
 
     def hear(message: "Message") -> None:
-        if is_due(message.received_ns):
+        if message.encoding == encoding and is_due(message.received_ns):
             feed.hear(message)
 
     bus.subscribe([LEASE], hear)

@@ -10,10 +10,10 @@ import select
 import socket
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from types import TracebackType
 from typing import Self
 
@@ -29,6 +29,7 @@ from reflexarc_runtime.loop.outlets import NoOutlet, Outlet
 from reflexarc_runtime.loop.trials.trial import LOADING_S, STARTING_S
 from reflexarc_runtime.messages.topics import SHADOW
 from reflexarc_runtime.messages.wire import NO_SENDER, Message, Stamp, pack_stamp, protobuf_encoding
+from reflexarc_runtime.policy.model_file import policy_hash
 from reflexarc_runtime.serving.shadowing import ShadowTick
 from reflexarc_runtime.serving.swapping import SHOWN
 
@@ -70,11 +71,11 @@ class Shadow:
     """A shadow of one loop. A context manager: inside, its process runs.
 
     Args:
-        path: the policy file, which was tried.
-        policy_hash: of it.
+        policy: the bytes of its file, which were tried.
         backend: what computes it.
         put: takes what it says, to be recorded.
         outlet: publishes what it says where it would have done something else.
+        name: what errors call the policy.
         robot: the robot's name.
         sender: the identifier of the loop.
         patience_s: how long each answer is waited for, in lockstep; 0: not at all.
@@ -82,18 +83,18 @@ class Shadow:
 
     def __init__(
         self,
-        path: Path,
-        policy_hash: str,
+        policy: bytes,
         backend: str,
         put: Callable[[Message], None],
         outlet: Outlet | None = None,
         *,
+        name: str = "policy",
         robot: str,
         sender: bytes = NO_SENDER,
         patience_s: float = 0.0,
     ) -> None:
-        self.account = ShadowAccount(policy_hash)
-        self._path, self._backend = path, backend
+        self.account = ShadowAccount(policy_hash(policy))
+        self._policy, self._backend, self._name = policy, backend, name
         self._put, self._outlet = put, outlet or NoOutlet()
         self._key, self._encoding = SHADOW.key(robot), protobuf_encoding(SHADOW.schema)
         self._sender, self._patience_s = sender, patience_s
@@ -104,10 +105,12 @@ class Shadow:
         self._link, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         words = [sys.executable, "-P", "-m", _PROCESS, str(theirs.fileno())]
         nowhere = subprocess.DEVNULL
-        with theirs:
+        with theirs, tempfile.TemporaryFile() as given:  # a pipe would hold up whoever fills it
+            given.write(self._policy)
+            given.seek(0)
             self._process = subprocess.Popen(
-                [*words, str(self._path), self._backend],
-                stdin=nowhere,
+                [*words, self._backend],
+                stdin=given,
                 stdout=nowhere,
                 stderr=nowhere,
                 pass_fds=[theirs.fileno()],
@@ -159,8 +162,9 @@ class Shadow:
             self._begins,
             is_newer,
         )
-        self._begins = not self._give(pack_tick(tick))
-        if self._patience_s and self._behind and self._waited(self._patience_s):
+        is_given = self._give(pack_tick(tick))
+        self._begins = not is_given
+        if self._patience_s and is_given and self._waited(self._patience_s):
             self._take()
 
     def _give(self, tick: bytes) -> bool:
@@ -218,7 +222,7 @@ class Shadow:
             said = b""
         if said != READY:
             raise PolicyError(
-                f"--shadow: {self._path}: expected a policy that loads, its process ended or hangs"
+                f"--shadow: {self._name}: expected a policy that loads, its process ended or hangs"
             )
 
     def _end(self) -> None:

@@ -7,13 +7,9 @@ controller decides when it takes over. One request is dealt with at a time.
 
 import sys
 import threading
-from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from pathlib import Path
-from tempfile import TemporaryDirectory
-from typing import NamedTuple
 
 from google.protobuf.message import DecodeError
 
@@ -24,15 +20,18 @@ from reflexarc_runtime.contract.swap_fit import check_takes_over
 from reflexarc_runtime.controller import Controller
 from reflexarc_runtime.decision import Decision
 from reflexarc_runtime.errors import PolicyError, ReflexarcError
+from reflexarc_runtime.loop.candidates.swap_answers import Awaited, answer_in, refusal_in
+from reflexarc_runtime.loop.candidates.take_overs import ServedSince, TakeOverCount, TakeOvers
 from reflexarc_runtime.loop.candidates.trial_helper import Tries
 from reflexarc_runtime.loop.trials.trial import check_fits
+from reflexarc_runtime.loop.trials.tried_policy import finding_of
 from reflexarc_runtime.loop.warm_up import decide_on_darkness
 from reflexarc_runtime.messages.controls import encode_swap
 from reflexarc_runtime.messages.topics import SWAP
 from reflexarc_runtime.messages.wire import NO_SENDER, Message, Stamp, pack_stamp, protobuf_encoding
 from reflexarc_runtime.policy.model_file import policy_hash
 from reflexarc_runtime.policy.policy import LoadedPolicy, load_policy
-from reflexarc_runtime.serving.swapping import SHOWN, controller_for
+from reflexarc_runtime.serving.swapping import controller_for
 
 MAX_POLICY_BYTES = 1_000_000
 """Of a policy that is swapped; with all that stands around it, it is one message of the log."""
@@ -42,9 +41,6 @@ SWAPPED_HERE = 4
 """Policies that are kept beside the first one: who serves, who did, who is to, and the new one."""
 _SWITCH_S = 0.0005
 """While a policy is loaded, the loop's thread gets the interpreter back after so long."""
-
-MOST_REMEMBERED = 100
-"""Policies that took over, for the end of the run."""
 
 Answer = Callable[[bytes], None]
 
@@ -62,13 +58,6 @@ class SwapRules:
     accept: Callable[[bytes, bytes], str] = lambda policy, signature: ""
     """Why the bytes of a file with this signature are not accepted, in words; empty if they are.
     Asked before anything of the file is parsed."""
-
-
-class ServedSince(NamedTuple):
-    """A policy that took over."""
-
-    policy_hash: str
-    tick: int
 
 
 class SwapDesk:
@@ -109,8 +98,10 @@ class SwapDesk:
         self.serving = first.policy_hash
         """The hash of the policy that decided last."""
         self._former = self._put_last = ""
-        self._served: deque[ServedSince] = deque(maxlen=MOST_REMEMBERED)
-        self._awaited: _Awaited | None = None
+        self._served = TakeOverCount()
+        self._asked: list[str] = []
+        """Hashes of those who were asked for, the newest last."""
+        self._awaited: Awaited | None = None
 
     @property
     def policy(self) -> LoadedPolicy | None:
@@ -119,9 +110,9 @@ class SwapDesk:
         return found if isinstance(found, LoadedPolicy) else None
 
     @property
-    def served(self) -> tuple[ServedSince, ...]:
-        """Who took over since the start, of the last 100 who did."""
-        return tuple(self._served)
+    def served(self) -> TakeOvers:
+        """Who took over since the start."""
+        return self._served.so_far
 
     def ask(self, request: bytes, answer: Answer) -> None:
         """Deal with a request in a thread of its own; from any thread.
@@ -131,7 +122,7 @@ class SwapDesk:
             answer: is called with `reflexarc.SwapAnswer`, once.
         """
         if not self._busy.acquire(blocking=False):
-            answer(_refusal("another policy is being tried; ask again when that is over"))
+            answer(refusal_in("another policy is being tried; ask again when that is over"))
             return
         threading.Thread(
             target=self._deal_with, args=(request, answer), name="swap", daemon=True
@@ -141,7 +132,7 @@ class SwapDesk:
         """Take note of a tick; from the loop's thread."""
         if decision.policy_hash != self.serving:
             self._former, self.serving = self.serving, decision.policy_hash
-            self._served.append(ServedSince(decision.policy_hash, decision.index))
+            self._served.note(ServedSince(decision.policy_hash, decision.index))
         if self._awaited is not None:
             self._awaited.saw(decision)
 
@@ -158,9 +149,9 @@ class SwapDesk:
             awaited = self._offer(asked)
             said = awaited.answer
         except ReflexarcError as error:
-            said = _refusal(str(error))
+            said = refusal_in(str(error))
         except Exception as error:  # the loop goes on, whatever somebody sent
-            said = _refusal(f"it cannot be tried here: {type(error).__name__}: {error}"[:400])
+            said = refusal_in(f"it cannot be tried here: {type(error).__name__}: {error}"[:400])
         finally:
             self._busy.release()
         if awaited is not None:
@@ -169,17 +160,17 @@ class SwapDesk:
             said = awaited.answer
         answer(said)
 
-    def _offer(self, asked: pb.SwapRequest) -> "_Awaited":
+    def _offer(self, asked: pb.SwapRequest) -> Awaited:
         """Try a policy, and put it to the loop."""
         identity = policy_hash(asked.policy)
-        awaited = _Awaited(identity)
+        awaited = Awaited(identity)
         if identity == self.serving:  # whoever else was to take over no longer shall
-            awaited.end(_answer(pb.SwapAnswer.TAKEN, "it serves already", identity))
+            awaited.end(answer_in(pb.SwapAnswer.TAKEN, "it serves already", identity))
         else:
             self._register(self._tried(asked.policy))
         before, self._awaited = self._awaited, awaited
         if before is not None and not before.done.is_set():
-            before.end(_refusal("another policy was asked for since"))
+            before.end(refusal_in("another policy was asked for since"))
         self._say(asked, identity)
         return awaited
 
@@ -201,13 +192,7 @@ class SwapDesk:
     def _tried(self, data: bytes) -> LoadedPolicy:
         """Load a policy after a process of its own has, and has reproduced its golden vectors."""
         rules, running = self._rules, self._first.contract
-        with TemporaryDirectory(prefix="reflexarc-swap-") as folder:
-            path = Path(folder) / "policy.onnx"
-            path.write_bytes(data)
-            try:
-                finding = self._tries.finding(path, rules.backend)
-            except PolicyError as error:
-                raise PolicyError(str(error).replace(str(path), "policy")) from None
+        finding = finding_of(data, "policy", lambda path: self._tries.finding(path, rules.backend))
         with _short_turns():
             policy = load_policy(data, rules.backend, verify=False, bounds=rules.bounds)
         check_fits(finding, policy)
@@ -220,11 +205,13 @@ class SwapDesk:
             controller = controller_for(policy, self._first)
             decide_on_darkness(controller)
         known, identity = self._controllers, policy.policy_hash
-        known[identity] = known.pop(identity, controller)
+        known.setdefault(identity, controller)  # the loop looks here: what stays is never away
+        self._asked = [*(name for name in self._asked if name != identity), identity]
         spared = (identity, self.serving, self._former, self._put_last)
-        others = [name for name in known if name not in spared]
+        others = [name for name in self._asked if name not in spared]
         for name in others[: max(0, len(known) - SWAPPED_HERE)]:
             del known[name]
+        self._asked = [name for name in self._asked if name in known]
         self._keep({name: _file_of(one) for name, one in known.items()})
 
     def _say(self, asked: pb.SwapRequest, identity: str) -> None:
@@ -235,33 +222,6 @@ class SwapDesk:
         stamp = pack_stamp(Stamp(self._swaps, now_ns, self._sender))
         self._swaps, self._put_last = self._swaps + 1, identity
         self._put(Message(self._key, payload, protobuf_encoding(SWAP.schema), stamp, now_ns))
-
-
-class _Awaited:
-    """A policy that was put to the loop, and what became of it."""
-
-    def __init__(self, identity: str) -> None:
-        self._identity = identity
-        self.done = threading.Event()
-        words = "it waits for standstill: `reflexarc stop`, or ask with --while-moving"
-        self.answer = _answer(pb.SwapAnswer.WAITING, words, identity)
-
-    def saw(self, decision: Decision) -> None:
-        """Take note of a tick."""
-        if self.done.is_set():
-            return
-        if decision.policy_hash == self._identity:
-            words, outcome = f"it decides since tick {decision.index}", pb.SwapAnswer.TAKEN
-        elif f"policy {self._identity[:SHOWN]} failed" in decision.reason:
-            words, outcome = decision.reason, pb.SwapAnswer.ROLLED_BACK
-        else:
-            return
-        self.end(_answer(outcome, words, self._identity, decision.index))
-
-    def end(self, answer: bytes) -> None:
-        """That is what became of it."""
-        self.answer = answer
-        self.done.set()
 
 
 def check_size(policy: bytes) -> None:
@@ -294,15 +254,3 @@ def _short_turns() -> Iterator[None]:
         yield
     finally:
         sys.setswitchinterval(usual_s)
-
-
-def _refusal(words: str) -> bytes:
-    return _answer(pb.SwapAnswer.REFUSED, words)
-
-
-def _answer(
-    outcome: "pb.SwapAnswer.Outcome", words: str, identity: str = "", tick: int = 0
-) -> bytes:
-    return pb.SwapAnswer(
-        outcome=outcome, words=words[:1000], policy_hash=identity, tick=tick
-    ).SerializeToString()

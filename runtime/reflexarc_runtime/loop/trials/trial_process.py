@@ -18,7 +18,7 @@ from statistics import median
 
 import numpy as np
 
-from reflexarc_runtime.errors import ReflexarcError
+from reflexarc_runtime.errors import PolicyError, ReflexarcError
 from reflexarc_runtime.loop.clock import MonotonicClock
 from reflexarc_runtime.loop.trials.trial import DECISIONS, MEMORY_BYTES, PER_BYTE, READY, Finding
 from reflexarc_runtime.policy.golden_check import start_of
@@ -42,6 +42,19 @@ def main(path: Path, backend: str) -> None:
     limit_memory(_size_of(path))
     print(READY, flush=True)
     print(json.dumps(_try(path, backend)))
+
+
+def ask_about_darkness(policy: LoadedPolicy, name: str) -> None:
+    """Ask what whoever loads it will ask it before its first tick, without a limit: see `warm_up`.
+
+    Raises:
+        PolicyError: it gives no answer.
+    """
+    stack = np.zeros((1, *policy.contract.retina.stack_shape), np.uint8)
+    try:
+        policy.graph.run(stack, start_of(policy.contract, 1))
+    except PolicyError as error:
+        raise PolicyError(f"{name}: no answer in darkness: {error}") from None
 
 
 def measure(policy: LoadedPolicy, now_ns: Callable[[], int]) -> int:
@@ -85,6 +98,7 @@ def _size_of(path: Path) -> int:
 def _try(path: Path, backend: str) -> dict[str, str | int]:
     try:
         policy = load_policy(path, backend, bounds=None)
+        ask_about_darkness(policy, str(path))
         return asdict(Finding(policy.policy_hash, measure(policy, MonotonicClock().now_ns)))
     except ReflexarcError as error:
         return {"error": str(error)}

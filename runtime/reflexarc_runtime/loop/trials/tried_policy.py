@@ -1,13 +1,12 @@
 """Loads a policy for onnxruntime after a process of its own has: its graph may loop or be huge."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from reflexarc_runtime.contract.bounds import Bounds
 from reflexarc_runtime.errors import PolicyError
-from reflexarc_runtime.loop.trials.trial import Trial
+from reflexarc_runtime.loop.trials.trial import Finding, Trial
 from reflexarc_runtime.policy.model_file import policy_hash, read_model
 from reflexarc_runtime.policy.policy import Backend, LoadedPolicy, load_policy
 
@@ -39,22 +38,33 @@ def _try(source: Path | str | bytes) -> None:
     identity = policy_hash(source if isinstance(source, bytes) else read_model(Path(source)))
     if identity in _PASSED:
         return
-    with _policy_file(source) as path, Trial(path, Backend.ONNXRUNTIME.value) as trial:
-        try:
-            trial.finding()
-        except PolicyError as error:
-            name = "policy" if isinstance(source, bytes) else str(source)
-            raise PolicyError(str(error).replace(str(path), name)) from None
+    if isinstance(source, bytes):
+        finding_of(source, "policy", _found)
+    else:
+        _found(Path(source))
     _PASSED.add(identity)
 
 
-@contextmanager
-def _policy_file(source: Path | str | bytes) -> Iterator[Path]:
-    """The file of a policy; a temporary one, if only its bytes are there."""
-    if not isinstance(source, bytes):
-        yield Path(source)
-        return
-    with TemporaryDirectory() as folder:
+def _found(path: Path) -> Finding:
+    with Trial(path, Backend.ONNXRUNTIME.value) as trial:
+        return trial.finding()
+
+
+def finding_of(data: bytes, name: str, find: Callable[[Path], Finding]) -> Finding:
+    """What a trial finds out of the bytes of a policy, whatever lies by now where they came from.
+
+    Args:
+        data: the bytes.
+        name: what errors call them.
+        find: tries a file.
+
+    Raises:
+        PolicyError: see `Trial.finding`.
+    """
+    with TemporaryDirectory(prefix="reflexarc-policy-") as folder:
         path = Path(folder) / "policy.onnx"
-        path.write_bytes(source)
-        yield path
+        path.write_bytes(data)
+        try:
+            return find(path)
+        except PolicyError as error:
+            raise PolicyError(str(error).replace(str(path), name)) from None

@@ -1,12 +1,14 @@
 """The flags of metrics, and a fleet's answered beside the command that shows it."""
 
 import urllib.request
+from dataclasses import replace
 
 import pytest
 
 from reflexarc.wiring.sight.metrics_flags import MetricsFlags, hear_metrics, said_to_metrics
 from reflexarc_runtime.errors import UsageError
 from reflexarc_runtime.fleet.fleet import Fleet
+from reflexarc_runtime.messages.wire import Message
 from support.fleet_words import lease, status
 from support.spoken import FakeBus, Spoken
 
@@ -22,6 +24,14 @@ from support.spoken import FakeBus, Spoken
 def test_a_port_that_is_none_is_refused(flags: MetricsFlags, expected: str):
     with pytest.raises(UsageError, match=expected):
         flags.check()
+
+
+@pytest.mark.parametrize("host", ["..", "rover..local", "r" * 64, "r" * 300 + ".local"])
+def test_a_host_that_can_have_no_name_is_refused_in_one_line(host: str):
+    with pytest.raises(UsageError) as refused:
+        MetricsFlags(0, host).feed("reflexarc run")
+    assert "--metrics" in str(refused.value)
+    assert len(str(refused.value)) < 200
 
 
 def test_who_asks_for_none_pays_for_none():
@@ -56,9 +66,9 @@ def test_an_address_beyond_the_loopback_is_said(capsys: pytest.CaptureFixture[st
 def test_of_the_lease_two_messages_a_second_are_handed_over():
     class Feed:
         def __init__(self) -> None:
-            self.heard: list[object] = []
+            self.heard: list[Message] = []
 
-        def hear(self, message: object) -> None:
+        def hear(self, message: Message) -> None:
             self.heard.append(message)
 
     feed, bus = Feed(), FakeBus()
@@ -66,3 +76,8 @@ def test_of_the_lease_two_messages_a_second_are_handed_over():
     for tenth in range(30):
         bus.heard["lease"](lease(at_s=tenth / 10))
     assert len(feed.heard) == 6
+    for tenth in range(30, 60):  # what cannot be one takes nobody's place
+        bus.heard["lease"](replace(lease(at_s=tenth / 10), encoding="a\0b"))
+        bus.heard["lease"](lease(at_s=tenth / 10))
+    assert len(feed.heard) == 12
+    assert len({message.encoding for message in feed.heard}) == 1

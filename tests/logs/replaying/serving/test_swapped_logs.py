@@ -1,23 +1,31 @@
 """Logs of loops whose policy was swapped: they replay to the bit, whole and in parts."""
 
+import shutil
+from collections.abc import Collection
 from dataclasses import replace
-from itertools import pairwise
+from itertools import count, pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from reflexarc_logs.cutting.cut import cut
+from reflexarc_logs.cutting.join import join
 from reflexarc_logs.cutting.span import TickSpan
 from reflexarc_logs.reading.reader import read_log
 from reflexarc_logs.reading.summary import summarise
+from reflexarc_logs.recording.black_box import BoxSpan
 from reflexarc_logs.recording.keeping import Keeping
 from reflexarc_logs.replaying.replay import replay
+from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.contract.body_spec import Footprint
 from reflexarc_runtime.decision import Decision
+from reflexarc_runtime.errors import DecisionEndedError
 from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_runtime.messages.wire import Message
 from reflexarc_runtime.policy.model_file import policy_hash
+from reflexarc_runtime.policy.policy import LoadedPolicy
 from support.policies import exported
 from support.recordings import CONTRACT, RUN, retina_at
 from support.remembering import REMEMBERING, remembering_policy
@@ -113,6 +121,42 @@ def test_a_log_with_100_swaps_shadows_stops_guards_and_overruns_replays_identica
     assert used["/robot0/shadow"] == used["/robot0/keyframe"] == "compared"
 
 
+def decisions_ended(
+    monkeypatch: pytest.MonkeyPatch, policy: bytes, at_its: Collection[int]
+) -> None:
+    """Let some decisions of a policy be ended, as by a watchdog; the first one is its first."""
+    plain, asked = LoadedPolicy.decide, count(1)
+
+    def decide(self: LoadedPolicy, *given: Any) -> Any:
+        if self.policy_hash == policy_hash(policy) and next(asked) in at_its:
+            raise DecisionEndedError
+        return plain(self, *given)
+
+    monkeypatch.setattr(LoadedPolicy, "decide", decide)
+
+
+@pytest.mark.parametrize(
+    ("at_its", "is_back"), [([1], True), ([20], False), ([20, 21], True), ([20, 30], False)]
+)
+def test_a_log_says_whose_decision_was_ended_and_replays_the_roll_back(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, at_its: list[int], is_back: bool
+):
+    path, policies = tmp_path / "ended.mcap", [exported(CONTRACT, seed=n) for n in (1, 2)]
+    schedule = waves(120)
+    schedule[30] = [*schedule[30], swap_at(30, policies[1], while_moving=True)]
+    with monkeypatch.context() as patched:
+        decisions_ended(patched, policies[1], at_its)
+        decided = swapped_drive(path, policies, schedule, 110)
+    assert any("rolled back to" in one.reason for one in decided) == is_back
+    assert decided[-1].policy_hash == policy_hash(policies[not is_back])
+    assert {one.verdict.name for one in decided[29:]} >= {"OK", "OVERRUN", "RECOVERING"}
+    said = [pb.Overrun.FromString(one.payload) for one in read_log(path).records("/robot0/overrun")]
+    assert [one.ended_policy for one in said] == [policy_hash(policies[1])] * len(at_its)
+    report = replay(path)
+    assert report.verdict == "identical", str(report)
+    assert {level.level: level.compared for level in report.levels}["node"] == len(decided)
+
+
 @pytest.mark.parametrize("first", [37, 700, 1500])
 def test_what_is_cut_out_behind_swaps_replays_by_itself(eventful_log, tmp_path, first):
     path, decided = eventful_log
@@ -164,6 +208,79 @@ def test_a_part_that_begins_behind_a_swap_holds_the_policy_that_serves(tmp_path)
     assert report.verdict == "identical", str(report)
     assert report.levels[0].compared > 20
     assert {t.decision.policy_hash for t in read_log(later).ticks()} == set(beside)
+
+
+def many_swaps(ticks: int) -> tuple[list[bytes], dict[int, list[Message]]]:
+    """Another policy every 40 ticks, none of them twice."""
+    policies = [exported(CONTRACT, seed=n) for n in range(ticks // 40)]
+    schedule = waves(ticks)
+    for number, policy in enumerate(policies[1:], 1):
+        slot = 40 * number
+        schedule[slot] = [*schedule[slot], swap_at(slot, policy, while_moving=True)]
+    return policies, schedule
+
+
+@pytest.mark.parametrize("before_s", [2.0, 5.0, 9.0])
+def test_a_black_box_holds_who_served_where_it_begins_however_many_took_over_since(
+    tmp_path, before_s
+):
+    """Nobody tells the recorder which policies there are."""
+    policies, schedule = many_swaps(600)
+    schedule[560] = [*schedule[560], stop_at(560)]
+    path = tmp_path / "box.mcap"
+    swapped_drive(path, policies, schedule, 600, box=BoxSpan(before_s, 0.3))
+    (box,) = tmp_path.glob("*.mcap")
+    log = read_log(box)
+    first = next(iter(log.ticks())).decision
+    assert first.policy_hash in {policy_hash(one) for one in policies[1:]}
+    beside = [name for name in log.attachments if name.startswith("policy-")]
+    assert 1 <= len(beside) <= 3
+    report = replay(box)
+    assert report.verdict == "identical", str(report)
+    assert {level.level: level.compared for level in report.levels}["node"] == report.levels[
+        0
+    ].ticks
+
+
+def test_parts_hold_who_serves_where_they_begin_though_the_recorder_was_told_of_nobody(tmp_path):
+    policies, schedule = many_swaps(400)
+    swapped_drive(tmp_path / "drive.mcap", policies, schedule, 400, keeping=Keeping(rotate_s=1.0))
+    parts = sorted(tmp_path.glob("*.mcap"))
+    assert len(parts) >= 5
+    for part in parts:
+        report = replay(part)
+        assert report.verdict == "identical", str(report)
+        assert not any("another policy" in note for note in report.notes), report.notes
+
+
+@pytest.mark.parametrize("lost", [None, 1, 2])
+def test_a_whole_holds_who_served_in_its_parts_also_where_the_swap_is_lost(tmp_path, lost):
+    """The swap stands in the second part; the first one was begun when nobody had taken over."""
+    policies = [exported(CONTRACT, seed=1), exported(CONTRACT, seed=2)]
+    schedule, beside = waves(300), {policy_hash(policies[1]): policies[1]}
+    schedule[90] = [*schedule[90], swap_at(90, policies[1], while_moving=True)]
+    keeping = Keeping(rotate_s=1.0)
+    for folder, others in (("before", {}), ("later", beside)):
+        (tmp_path / folder).mkdir()
+        path = tmp_path / folder / "drive.mcap"
+        swapped_drive(path, policies, schedule, 300, others=others, keeping=keeping)
+    first, second, third = (f"drive{name}.mcap" for name in ("", ".part2", ".part3"))
+    shutil.copyfile(tmp_path / "before" / first, tmp_path / "later" / first)
+    swaps = [
+        list(read_log(tmp_path / "later" / one).records("/robot0/swap"))
+        for one in (first, second, third)
+    ]
+    assert [len(one) for one in swaps] == [0, 1, 0]
+    if lost is not None:
+        (tmp_path / "later" / (second if lost == 1 else first)).unlink()
+    whole = join(tmp_path / "later", tmp_path / "whole.mcap").path
+    report = replay(whole)
+    assert report.verdict == "identical", str(report)
+    assert not any("another policy" in note for note in report.notes), report.notes
+    ticks = sum(len(list(read_log(one).ticks())) for one in (tmp_path / "later").glob("*.mcap"))
+    node = {level.level: level.compared for level in report.levels}["node"]
+    assert node >= ticks - 1
+    assert set(read_log(whole).attachments) >= {f"policy-{name}.onnx" for name in beside}
 
 
 def test_what_another_policy_remembers_is_never_carried_over(tmp_path):

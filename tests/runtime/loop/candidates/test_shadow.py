@@ -15,7 +15,6 @@ from reflexarc_runtime.decision import Decision, Input, Verdict, safe_command
 from reflexarc_runtime.errors import PolicyError
 from reflexarc_runtime.loop.candidates.shadow import MOST_BEHIND, Shadow
 from reflexarc_runtime.messages.wire import Message
-from reflexarc_runtime.policy.model_file import policy_hash
 from reflexarc_runtime.policy.policy import load_policy
 from reflexarc_runtime.serving.shadowing import ShadowMind, ShadowTick
 from support.policies import SMALL, exported
@@ -33,10 +32,8 @@ def asked(index: int, retina: bytes, winner: int = 0) -> Decision:
     )
 
 
-def shadow_of(policy: bytes, folder: Path, put: Callable[[Message], None], **more: float) -> Shadow:
-    path = folder / "shadow.onnx"
-    path.write_bytes(policy)
-    return Shadow(path, policy_hash(policy), "numpy", put, robot="robot0", **more)
+def shadow_of(policy: bytes, put: Callable[[Message], None], **more: float) -> Shadow:
+    return Shadow(policy, "numpy", put, robot="robot0", **more)
 
 
 def retinas(count: int) -> list[bytes]:
@@ -44,9 +41,9 @@ def retinas(count: int) -> list[bytes]:
     return [rng.integers(0, 255, 4, np.uint8).tobytes() for _ in range(count)]
 
 
-def test_it_says_what_its_policy_prefers_by_how_much_and_how_often_that_is_something_else(tmp_path):
+def test_it_says_what_its_policy_prefers_by_how_much_and_how_often_that_is_something_else():
     policy, said = exported(SMALL, seed=3), list[Message]()
-    with shadow_of(policy, tmp_path, said.append, patience_s=PATIENCE_S) as shadow:
+    with shadow_of(policy, said.append, patience_s=PATIENCE_S) as shadow:
         for index, retina in enumerate(retinas(30)):
             shadow.saw(asked(index, retina, winner=1))
     words = [pb.Shadow.FromString(message.payload) for message in said]
@@ -64,10 +61,10 @@ def test_it_says_what_its_policy_prefers_by_how_much_and_how_often_that_is_somet
     assert [word.begins for word in words] == [True] + [False] * 29
 
 
-def test_one_that_hangs_misses_ticks_and_holds_nobody_up(tmp_path):
+def test_one_that_hangs_misses_ticks_and_holds_nobody_up():
     """The process is stopped: it neither reads nor answers."""
     said: list[Message] = []
-    with shadow_of(exported(SMALL, seed=3), tmp_path, said.append) as shadow:
+    with shadow_of(exported(SMALL, seed=3), said.append) as shadow:
         os.kill(shadow.pid, signal.SIGSTOP)
         for index, retina in enumerate(retinas(100)):
             shadow.saw(asked(index, retina))
@@ -82,8 +79,23 @@ def test_one_that_hangs_misses_ticks_and_holds_nobody_up(tmp_path):
     assert pb.Shadow.FromString(said[-1].payload).begins
 
 
-def test_one_that_ends_is_counted_as_ended_and_every_tick_as_missed(tmp_path):
-    with shadow_of(exported(SMALL, seed=3), tmp_path, lambda message: None) as shadow:
+def test_in_lockstep_one_that_hangs_is_waited_for_only_for_what_it_was_given(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    waited: list[float] = []
+    with shadow_of(exported(SMALL, seed=3), lambda message: None, patience_s=5.0) as shadow:
+        monkeypatch.setattr(shadow, "_waited", lambda seconds: bool(waited.append(seconds)))
+        os.kill(shadow.pid, signal.SIGSTOP)
+        for index, retina in enumerate(retinas(100)):
+            shadow.saw(asked(index, retina))
+        assert shadow.account.lost == 100 - MOST_BEHIND
+        os.kill(shadow.pid, signal.SIGKILL)
+    assert waited[:MOST_BEHIND] == [5.0] * MOST_BEHIND
+    assert 5.0 not in waited[MOST_BEHIND:]
+
+
+def test_one_that_ends_is_counted_as_ended_and_every_tick_as_missed():
+    with shadow_of(exported(SMALL, seed=3), lambda message: None) as shadow:
         os.kill(shadow.pid, signal.SIGKILL)
         end_s, index = time.monotonic() + PATIENCE_S, 0
         while not shadow.account.has_ended and time.monotonic() < end_s:
@@ -95,9 +107,9 @@ def test_one_that_ends_is_counted_as_ended_and_every_tick_as_missed(tmp_path):
         assert "has ended" in shadow.state
 
 
-def test_one_that_gives_no_numbers_is_counted_as_faulty_and_goes_on(tmp_path):
+def test_one_that_gives_no_numbers_is_counted_as_faulty_and_goes_on():
     policy, said = fails_in_the_light(SMALL), list[Message]()
-    with shadow_of(policy, tmp_path, said.append, patience_s=PATIENCE_S) as shadow:
+    with shadow_of(policy, said.append, patience_s=PATIENCE_S) as shadow:
         for index, brightness in enumerate([10, 250, 10]):
             shadow.saw(asked(index, bytes([brightness] * 4)))
     words = [pb.Shadow.FromString(message.payload) for message in said]
@@ -105,13 +117,13 @@ def test_one_that_gives_no_numbers_is_counted_as_faulty_and_goes_on(tmp_path):
     assert (shadow.account.compared, shadow.account.faults) == (3, 1)
 
 
-def test_a_file_that_does_not_load_is_refused(tmp_path):
+def test_a_file_that_does_not_load_is_refused():
     with pytest.raises(PolicyError, match="--shadow"):
-        shadow_of(b"none", tmp_path, lambda message: None).__enter__()
+        shadow_of(b"none", lambda message: None).__enter__()
 
 
-def test_its_process_ends_with_it(tmp_path):
-    with shadow_of(exported(SMALL, seed=3), tmp_path, lambda message: None) as shadow:
+def test_its_process_ends_with_it():
+    with shadow_of(exported(SMALL, seed=3), lambda message: None) as shadow:
         pid = shadow.pid
         os.kill(pid, signal.SIGSTOP)
     assert not Path(f"/proc/{pid}").exists()

@@ -5,6 +5,7 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -13,6 +14,7 @@ from reflexarc_runtime.controller import Controller
 from reflexarc_runtime.decision import Decision
 from reflexarc_runtime.errors import PolicyError
 from reflexarc_runtime.loop.candidates.swap_desk import SWAPPED_HERE, SwapDesk, SwapRules
+from reflexarc_runtime.loop.candidates.take_overs import MOST_REMEMBERED
 from reflexarc_runtime.loop.candidates.trial_helper import TrialHelper
 from reflexarc_runtime.loop.trials.trial import Finding
 from reflexarc_runtime.messages.controls import swap_of
@@ -50,12 +52,12 @@ class Office:
     put: list[Message] = field(default_factory=list)
     kept: list[Mapping[str, bytes]] = field(default_factory=list)
     answers: list[pb.SwapAnswer] = field(default_factory=list)
+    known: Any = field(default_factory=dict)
     index: int = 0
 
     def __post_init__(self) -> None:
         policy = load_policy(exported(SMALL, seed=1))
         self.first = Controller(policy, SMALL, RetinaSense(SMALL.retina), policy.policy_hash)
-        self.known: dict[str, Controller] = {}
         self.said = threading.Semaphore(0)
         self.desk = SwapDesk(
             self.first,
@@ -122,7 +124,7 @@ def test_what_fits_reaches_the_loop_as_a_swap_and_is_known_before():
     assert knew == [True]
     assert office.desk.policy is not None
     assert office.desk.policy.data == policy
-    assert [one.policy_hash for one in office.desk.served] == [policy_hash(policy)]
+    assert [one.policy_hash for one in office.desk.served.last] == [policy_hash(policy)]
 
 
 @pytest.mark.parametrize(
@@ -225,6 +227,45 @@ def test_only_a_few_are_kept_and_never_is_who_serves_or_did_forgotten():
     assert len(office.known) <= SWAPPED_HERE
     assert {policy_hash(of(seed)) for seed in (2, 3, 18, 19)} <= set(office.known)
     assert set(office.kept[-1]) == set(office.known)
+
+
+class Watched(dict[str, Controller]):
+    """Remembers who was taken out, if only for a moment."""
+
+    def __init__(self) -> None:
+        self.taken_out: list[str] = []
+
+    def pop(self, name: str, *other: Any) -> Any:
+        self.taken_out += [name] * (name in self)
+        return super().pop(name, *other)
+
+    def __delitem__(self, name: str) -> None:
+        self.taken_out.append(name)
+        super().__delitem__(name)
+
+
+def test_who_stays_is_never_away_while_the_loop_looks():
+    office = Office(known=Watched())
+    wanted = [policy_hash(of(seed)) for seed in (2, 3)]
+    for seed in (2, 3, 2, 3, 4, 3):
+        office.ask(of(seed), patience_s=5.0)
+    first = office.known[wanted[0]]
+    office.ask(of(2), patience_s=5.0)
+    assert office.known[wanted[0]] is first  # the loop has seen it work
+    assert office.known.taken_out == []
+    for seed in range(10, 14):
+        office.ask(of(seed), patience_s=5.0)
+    assert office.known.taken_out[0] == policy_hash(of(4))  # asked for longest ago
+
+
+def test_it_counts_all_who_took_over_and_remembers_the_last_ones():
+    office = Office()
+    names = [f"{number}" for number in range(150)]
+    for name in names:
+        office.desk.saw(office.decision(name))
+    served = office.desk.served
+    assert (served.count, len(served.last)) == (150, MOST_REMEMBERED)
+    assert [one.policy_hash for one in served.last] == names[-MOST_REMEMBERED:]
 
 
 def test_a_helper_tries_in_a_process_of_its_own_and_its_end_is_a_refusal(tmp_path: Path):

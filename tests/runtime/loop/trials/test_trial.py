@@ -15,7 +15,7 @@ from reflexarc_runtime.loop.trials.forked_process import ForkedProcess
 from reflexarc_runtime.loop.trials.trial import Finding, Trial, TrialProcess, check_fits, spawned
 from reflexarc_runtime.loop.trials.trial_process import main
 from reflexarc_runtime.policy.policy import load_policy
-from support.looping_policies import FOR_EVER, looping
+from support.looping_policies import FOR_EVER, looping, vast_in_darkness
 from support.policies import SMALL, exported
 
 Begin = Callable[[Path, str], TrialProcess]
@@ -52,6 +52,21 @@ def test_one_that_never_returns_is_ended(tmp_path: Path, begin: Begin):
     with pytest.raises(PolicyError, match=r"within 0\.5 s, got none: it hangs"):
         found(path, "onnxruntime", begin, 0.5)
     assert time.monotonic() - began_s < 60.0
+
+
+def test_one_that_never_returns_in_darkness_is_ended_too(tmp_path: Path, begin: Begin):
+    """Its golden vector is bright; whoever loads it asks it about darkness before its loop does."""
+    path = tmp_path / "policy.onnx"
+    path.write_bytes(looping(SMALL, FOR_EVER, at_intensity=0, golden_intensity=90))
+    with pytest.raises(PolicyError, match=r"within 0\.5 s, got none: it hangs"):
+        found(path, "onnxruntime", begin, 0.5)
+
+
+def test_one_that_takes_all_memory_in_darkness_is_refused(tmp_path: Path, begin: Begin):
+    path = tmp_path / "policy.onnx"
+    path.write_bytes(vast_in_darkness(SMALL))
+    with pytest.raises(PolicyError, match="in darkness"):
+        found(path, "onnxruntime", begin)
 
 
 def test_what_the_process_refuses_is_refused_in_its_words(tmp_path: Path, begin: Begin):
