@@ -116,19 +116,12 @@ class RunCommand:
 
             print(as_toml(self), end="")
             return 0
-        self._check_flags()
         manager = manager_of()  # before other processes start: they are no service
         say_where_it_dies(manager)
-        with uncollected():
-            policy = self._tried_policy()
+        policy, controller, watcher = self.prepared()
         from reflexarc.wiring.running.sense_act_loop import SenseActLoop
         from reflexarc_runtime.messages.topics import RUNTIME_NODE
 
-        for note in policy.notes:
-            aside.print(f"reflexarc run: {note}", soft_wrap=True)
-        controller = self._controller_of(policy)
-        self.trusting.check_watching(self.candidates.shadow)
-        watcher = self.candidates.watcher(policy.contract, self.backend)
         run_id = uuid.uuid4().hex
         with (
             StopFlag() as stop,
@@ -143,6 +136,23 @@ class RunCommand:
             outcome = loop.run(stop, self.ticks)
         self._tell(outcome, sinks.recordings)
         return int(any(recording.failed for recording in sinks.recordings.values()))
+
+    def prepared(self) -> "tuple[LoadedPolicy, Controller, WatchingPolicy | None]":
+        """All that a run is made of before it is recorded, and joins the bus.
+
+        Raises:
+            ReflexarcError: flags, policies or files with which it cannot begin.
+        """
+        self._check_flags()
+        with uncollected():
+            policy = self._tried_policy()
+        for note in policy.notes:
+            aside.print(f"reflexarc run: {note}", soft_wrap=True)
+        controller = self._controller_of(policy)
+        self.trusting.check_watching(self.candidates.shadow)
+        watcher = self.candidates.watcher(policy.contract, self.backend)
+        self.joining.check()
+        return policy, controller, watcher
 
     def _controller_of(self, policy: "LoadedPolicy") -> "Controller":
         """What decides by the policy, on the input and behind the guard that the flags name."""
