@@ -26,7 +26,7 @@ from reflexarc.wiring.sight.metrics_flags import MetricsFlags
 from reflexarc.wiring.watching import Watching
 from reflexarc_runtime.contract.bounds import Bounds
 from reflexarc_runtime.contract.stopping import check_speed
-from reflexarc_runtime.errors import UsageError
+from reflexarc_runtime.errors import NoRouterError, UsageError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -123,17 +123,24 @@ class RunCommand:
         from reflexarc_runtime.messages.topics import RUNTIME_NODE
 
         run_id = uuid.uuid4().hex
-        with (
-            StopFlag() as stop,
-            self.metering.feed("reflexarc run") as metrics,
-            self._sinks(policy, run_id, watcher) as sinks,
-            self.joining.bus_in_time(
-                RUNTIME_NODE, stop, "reflexarc run", lockstep=self.lockstep
-            ) as bus,
-        ):
-            flags = self._loop_flags(watcher, metrics)
-            loop = SenseActLoop(bus, controller, policy, sinks, run_id, flags, manager)
-            outcome = loop.run(stop, self.ticks)
+        try:
+            with (
+                StopFlag() as stop,
+                self.metering.feed("reflexarc run") as metrics,
+                self._sinks(policy, run_id, watcher) as sinks,
+                self.joining.bus_in_time(
+                    RUNTIME_NODE,
+                    stop,
+                    "reflexarc run",
+                    lockstep=self.lockstep,
+                    waiting=manager.waiting,
+                ) as bus,
+            ):
+                flags = self._loop_flags(watcher, metrics)
+                loop = SenseActLoop(bus, controller, policy, sinks, run_id, flags, manager)
+                outcome = loop.run(stop, self.ticks)
+        except NoRouterError:  # asked to end before there was one, which is no failure
+            return 0
         self._tell(outcome, sinks.recordings)
         return int(any(recording.failed for recording in sinks.recordings.values()))
 
