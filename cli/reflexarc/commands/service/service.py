@@ -149,7 +149,10 @@ class ServiceCommand:
             raise UsageError(f"{self.config}: lockstep: expected a service in real time")
         if settings.ticks is not None:
             raise UsageError(f"{self.config}: ticks: expected a service that ends when it is told")
-        settings.joining.config()  # the name of its robot is that of files and folders
+        try:
+            settings.joining.config()  # the name of its robot is that of files and folders
+        except UsageError as error:
+            raise UsageError(f"{self.config}: {error}") from None
         return settings
 
     def _systemctl(self, *words: str) -> bool:
