@@ -76,7 +76,7 @@ def service_user_of(user: str) -> ServiceUser:
 
 def _way(path: Path, wanted: int) -> Iterator[tuple[Path, int]]:
     """Every folder on the way, as it is written and where its links lead to; then the end."""
-    written, real = Path(os.path.abspath(path)), Path(os.path.realpath(path))
+    written, real = path.absolute(), Path(os.path.realpath(path))
     for folder in dict.fromkeys((*reversed(written.parents), *reversed(real.parents))):
         yield folder, ENTER
     yield real, wanted

@@ -43,8 +43,9 @@ class ServiceUnit:
     """Folders beside its own that it may write to. They have to be its user's: who made them stays
     their owner, and a user that systemd makes for each start owns nothing."""
     zenoh: Path | None = None
-    """Its Zenoh configuration, which may hold a key; with one it may speak to other machines, else
-    to this one alone."""
+    """Its Zenoh configuration, which may hold a key; with one it may speak to other machines."""
+    networked: bool = False
+    """Whether it may do so without one as well; else it speaks to this machine alone."""
     realtime_priority: int = 0
     """The highest SCHED_FIFO priority that it may take; 0: none."""
     systemd_version: int = BACK_OFF_SINCE
@@ -117,7 +118,11 @@ class ServiceUnit:
 
     @property
     def _network(self) -> str:
-        return "network.target" if self.zenoh is None else "network-online.target"
+        return "network-online.target" if self._is_networked else "network.target"
+
+    @property
+    def _is_networked(self) -> bool:
+        return self.networked or self.zenoh is not None
 
     def _service(self) -> Iterator[str]:
         yield "[Service]"
@@ -175,7 +180,7 @@ class ServiceUnit:
         yield f"RestrictRealtime={'no' if self.realtime_priority else 'yes'}"
         if self.realtime_priority:
             yield "LimitMEMLOCK=infinity"
-        if self.zenoh is None:
+        if not self._is_networked:
             yield "IPAddressDeny=any"
             yield "IPAddressAllow=localhost"
         yield from _FEW_RIGHTS

@@ -1,6 +1,5 @@
 """`reflexarc service`: the loop as a service that systemd starts, watches and starts again."""
 
-import os
 import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -64,7 +63,7 @@ class ServiceCommand:
         unit = self._unit(settings)
         path = self.units / unit.name
         if self.action == "show":
-            self._tell(unit.name, path, unit.text())
+            self._tell(unit.name, path, unit.text(), unit.text())
         else:
             self._install(settings, unit, path)
         return 0
@@ -95,9 +94,11 @@ class ServiceCommand:
         if not path.exists():
             raise UsageError(f"{path}: no such unit; installed under another --units?")
         self._systemctl("disable", "--now", name)
+        text = path.read_text()
         path.unlink()
         self._systemctl("daemon-reload")
-        self._tell(name, path, f"removed {path}; its logs stay in /var/lib/{folder_name(robot)}")
+        words = f"removed {path}; its logs stay in /var/lib/{folder_name(robot)}"
+        self._tell(name, path, words, text)
 
     def _robot(self) -> str:
         """Whose unit is to go: settings that are no longer valid, or gone, keep none of them."""
@@ -122,7 +123,8 @@ class ServiceCommand:
             stop_s=2 * PATIENCE_S + 5.0,  # of the whole run, and of a black box
             user=self.user,
             writes=self.writes,
-            zenoh=None if zenoh is None else Path(os.path.abspath(zenoh)),
+            zenoh=None if zenoh is None else _without_dots(zenoh),
+            networked=settings.metering.is_for_others,
             realtime_priority=settings.punctuality.settings.highest_priority,
             systemd_version=systemd_version(),
         )
@@ -159,14 +161,18 @@ class ServiceCommand:
         """Ask the manager, if the unit is its own; whether it did."""
         return self.units == SYSTEM_UNITS and systemctl(*words)
 
-    def _tell(self, unit: str, path: Path, words: str, text: str = "") -> None:
+    def _tell(self, unit: str, path: Path, words: str, text: str) -> None:
         if self.json:
-            said = {"unit": unit, "path": str(path)}
-            print_json({**said, "text": text or words} if self.action != "remove" else said)
+            print_json({"unit": unit, "path": str(path), "text": text})
         elif self.action == "show":
             print(words, end="")
         else:
             console.print(words, soft_wrap=True)
+
+
+def _without_dots(path: Path) -> Path:
+    """An absolute path; links in it stay, unless `..` leads back out of one."""
+    return path.resolve() if ".." in path.parts else path.absolute()
 
 
 def _own_watchdog_s(settings: "RunCommand") -> float:

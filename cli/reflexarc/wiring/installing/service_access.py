@@ -63,7 +63,7 @@ def _refusal(what: str, path: Path, user: ServiceUser, wanted: int, obstacle: st
 def _needs(
     unit: "ServiceUnit", config: Path, policies: Mapping[str, Path | None], key: Path | None
 ) -> Iterator[Need]:
-    yield "interpreter", Path(sys.executable), READ | ENTER
+    yield "interpreter", Path(unit.command[0]), READ | ENTER
     for room in ("reflexarc", "reflexarc_runtime"):
         yield "reflexarc", Path(str(sys.modules[room].__file__)), READ
     yield "config", config, READ

@@ -4,13 +4,17 @@ import os
 import pwd
 import shlex
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from types import SimpleNamespace
 
 import pytest
 
+import reflexarc
 from reflexarc.commands.service import service
 from reflexarc.main import main
 from reflexarc.wiring.installing import service_access
 from reflexarc_runtime.contract.contract import PolicyContract
+from reflexarc_runtime.service.service_user import READ, ServiceUser
 from support.policies import exported
 
 ME = pwd.getpwuid(os.getuid()).pw_name
@@ -48,6 +52,10 @@ def test_the_unit_is_shown_installed_and_removed(config, units, capsys):
     assert "systemctl daemon-reload" in capsys.readouterr().out
     assert main(["service", "remove", *words]) == 0
     assert list(units.iterdir()) == []
+    assert main(["service", "install", *words]) == 0
+    capsys.readouterr()
+    assert main(["service", "remove", *words, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["text"] == shown
 
 
 def test_a_program_reads_it_as_json(config, capsys):
@@ -137,6 +145,46 @@ def test_what_lies_in_the_temporary_folder_is_not_there_for_a_service(
     monkeypatch.setattr(service_access, "PRIVATE", (tmp_path,))
     assert installed(config, units) == 2
     assert f"the service has a {tmp_path} of its own" in capsys.readouterr().err
+
+
+@pytest.mark.skipif(os.getuid() != 0, reason="makes a folder below /var/lib")
+def test_a_user_that_systemd_makes_may_do_with_what_everybody_may_read(
+    config, units, monkeypatch, capsys
+):
+    """What only its owner may read is the Zenoh configuration, which is handed over."""
+    if ServiceUser().obstacle(Path(str(reflexarc.__file__)), READ):
+        pytest.skip("this package lies where only its owner can read it")
+    pytest.importorskip("cryptography")
+    monkeypatch.setattr(service, "sys", SimpleNamespace(executable="/usr/bin/env"))
+    with TemporaryDirectory(dir="/var/lib", prefix="reflexarc-test-") as made:
+        folder = Path(made)
+        folder.chmod(0o755)
+        policy, settings = folder / "policy.onnx", folder / "robot.toml"
+        policy.write_bytes((config.parent / "policy.onnx").read_bytes())
+        settings.write_text(f'{config.read_text()}zenoh = "keys/runtime.json5"\n')
+        assert main(["secure", "init", str(folder / "keys"), "--robot", "rover1"]) == 0
+        words = ["service", "install", str(settings), "--units", str(units)]
+        assert main(words) == 0
+        assert "DynamicUser=yes" in next(units.iterdir()).read_text()
+        monkeypatch.setattr(service, "systemd_version", lambda: 246)
+        assert main(words) == 2
+        assert f"zenoh: {folder}/keys/runtime.json5: " in capsys.readouterr().err
+        policy.chmod(0o600)
+        assert main(words) == 2
+        assert f"{policy} is closed to it (mode 0600)" in capsys.readouterr().err
+
+
+def test_metrics_that_others_scrape_open_the_network(config, capsys):
+    assert "IPAddressDeny=any" in shown(config, capsys)
+    config.write_text(f"{config.read_text()}metrics = 9464\n")
+    assert "IPAddressDeny=any" in shown(config, capsys)
+    config.write_text(f'{config.read_text()}metrics-host = "0.0.0.0"\n')
+    assert "IPAddress" not in shown(config, capsys)
+
+
+def shown(config: Path, capsys: "pytest.CaptureFixture[str]") -> str:
+    assert main(["service", "show", str(config)]) == 0
+    return capsys.readouterr().out
 
 
 def test_an_unknown_user_is_refused(config, units, capsys):
