@@ -145,13 +145,15 @@ def _parsed(words: list[str], config: Path | None) -> Any:
         )
     takes_file = config is not None and hasattr(command, "show_config")
     default = settings_of(command, config) if config and takes_file else _NO_DEFAULT
+    # A file may have switched on what the command line switches on, or off: both forms are known.
+    style = _STYLE[1:] if takes_file else _STYLE
     return tyro.cli(
         command,
         prog=f"reflexarc {words[0]}",
         description=description_of(command),
         args=words[1:],
         default=default,
-        config=_STYLE,
+        config=style,
     )
 
 

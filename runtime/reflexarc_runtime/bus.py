@@ -351,13 +351,14 @@ class Bus:
                 yield PolicyAnswer(_sender_of(sample.attachment), sample.payload.to_bytes())
 
 
-def settings_of_file(path: Path) -> Setting:
+def settings_of_file(path: Path, *, allow_open: bool = True) -> Setting:
     """What Zenoh makes of a configuration file, without joining.
 
     Raises:
-        BusError: it cannot be read, or Zenoh refuses it.
+        BusError: it cannot be read, or Zenoh refuses it; or it lets in strangers, who are not
+            allowed.
     """
-    config = BusConfig(zenoh_file=path, allow_open=True)
+    config = BusConfig(zenoh_file=path, allow_open=allow_open)
     return _settings_of(_config_of_file(config, path))
 
 

@@ -13,7 +13,8 @@ MAX_MESSAGE_BYTES = 16 << 20
 """Larger ones Zenoh drops while it puts them together, so that nobody fills the memory of a robot;
 a policy file is the largest that anybody needs."""
 
-_ROBOT_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}")
+ROBOT_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}")
+ROBOT_NAME_IN_WORDS = "letters, digits, _ . - (at most 64)"
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,6 @@ class BusConfig:
     the loopback's, or scouting by multicast."""
 
     def __post_init__(self) -> None:
-        wanted = "letters, digits, _ . - (at most 64)"
-        is_name = _ROBOT_NAME.fullmatch(self.robot) is not None
-        require(is_name, "--robot", wanted, repr(self.robot))
+        is_name = ROBOT_NAME.fullmatch(self.robot) is not None
+        require(is_name, "--robot", ROBOT_NAME_IN_WORDS, repr(self.robot))
         require(1 <= self.port <= 65535, "--port", "1 to 65535", self.port)

@@ -20,7 +20,7 @@ from reflexarc_logs.replaying.replay import replay
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.service.unit import ServiceUnit
 from support.plain_body import plain_body
-from support.processes import wait_until
+from support.processes import reflexarc, started, wait_until
 from support.supervisor import Supervisor
 
 
@@ -46,6 +46,46 @@ def test_it_is_ready_is_fed_by_its_ticks_and_says_that_it_ends(
     assert life.stopping_s is not None
     (log,) = log_paths([tmp_path / "logs"])
     assert replay(log).exit_status == 0
+
+
+@pytest.fixture
+def secured(policy: Path, port: int, tmp_path: Path) -> ServiceUnit:
+    """A service behind a door that nobody opens yet, on a machine whose systemd is old."""
+    pytest.importorskip("cryptography")
+    done = reflexarc("secure", "init", tmp_path / "keys", "--port", port)
+    assert done.returncode == 0, done.stderr
+    zenoh = tmp_path / "keys" / "runtime.json5"
+    command = (sys.executable, "-m", "reflexarc", "run", str(policy), "--no-guard")
+    return ServiceUnit("robot0", command, watchdog_s=5.0, zenoh=zenoh, systemd_version=252)
+
+
+def waits(service: Supervisor) -> bool:
+    return bool(service.lives) and service.lives[-1].said.startswith("STATUS=waiting: ")
+
+
+@pytest.mark.long
+def test_one_that_waits_for_its_door_is_left_alone_and_ends_when_it_is_told(
+    secured: ServiceUnit, tmp_path: Path
+):
+    """Systemd before 254 gives up for ever who ends with status 2."""
+    text = re.sub("TimeoutStartSec=.*", "TimeoutStartSec=4", secured.text())
+    with Supervisor(text, tmp_path) as service:
+        wait_until(lambda: waits(service), "a service that waits")
+        wait_until(lambda: time.monotonic() > service.lives[0].began_s + 6.0, "its start is over")
+    (life,) = service.lives
+    assert (life.cause, life.status, life.ready_s) == ("stop", 0, None)
+
+
+@pytest.mark.long
+def test_a_door_that_opens_late_finds_one_waiting(
+    secured: ServiceUnit, policy: Path, tmp_path: Path
+):
+    with Supervisor(secured.text(), tmp_path) as service:
+        wait_until(lambda: waits(service), "a service that waits")
+        words = ("sim", "--policy", policy, "--zenoh", tmp_path / "keys" / "body.json5")
+        with started(*words, cwd=tmp_path):
+            wait_until(lambda: service.lives[-1].ready_s, "the first tick")
+    assert [one.status for one in service.lives] == [0]
 
 
 @pytest.mark.long

@@ -2,9 +2,10 @@
 
 For machines on which no systemd runs. What it follows: Type=notify, WatchdogSec, TimeoutStartSec,
 TimeoutStopSec, KillMode=mixed, Restart=on-failure, RestartSec, RestartSteps, RestartMaxDelaySec,
-RestartPreventExitStatus, and an ExecStartPost that resets the count of restarts. Source:
-systemd.service(5), systemd.kill(5), systemctl(1) and sd_notify(3). What a unit says of rights it
-does not follow.
+RestartPreventExitStatus, LoadCredential, and an ExecStartPost that resets the count of restarts.
+Source: systemd.service(5), systemd.kill(5), systemd.exec(5), systemctl(1) and sd_notify(3), of
+whose words it hears READY, WATCHDOG, STOPPING, STATUS and EXTEND_TIMEOUT_USEC. What a unit says of
+rights it does not follow.
 """
 
 import contextlib
@@ -39,6 +40,8 @@ class FollowedLife(Life):
     """One process of the service, and what its manager knows of it."""
 
     process: "subprocess.Popen[bytes]" = field(kw_only=True)
+    start_until_s: float = field(kw_only=True)
+    """When its start has taken too long; later, if it asks for time."""
     fed_s: float = 0.0
     said: str = ""
     stopping_s: float | None = None
@@ -92,8 +95,10 @@ class Supervisor:
                 self._stopping.wait(self._pause_s(life))
 
     def _starts_again(self, life: FollowedLife) -> bool:
+        """On failure: a time that ran out is one, whatever the status that came of it."""
         refused = self._settings.get("RestartPreventExitStatus", "").split()
-        return life.status not in CLEAN and str(life.status) not in refused
+        has_failed = life.status not in CLEAN or life.cause in ("start timeout", "watchdog")
+        return has_failed and str(life.status) not in refused
 
     def _pause_s(self, life: FollowedLife) -> float:
         """From the first to the longest in equal ratios, by how often it was started again."""
@@ -121,14 +126,22 @@ class Supervisor:
         return life
 
     def _start(self, place: Path) -> FollowedLife:
-        words = shlex.split(self._settings["ExecStart"].replace("%%", "%").replace("$$", "$"))
+        credentials = place.with_name(f"{place.name}.credentials")
+        line = self._settings["ExecStart"].replace("%%", "%").replace("$$", "$")
+        words = shlex.split(line.replace("${CREDENTIALS_DIRECTORY}", str(credentials)))
+        if "LoadCredential" in self._settings:
+            name, _, path = self._settings["LoadCredential"].replace("%%", "%").partition(":")
+            credentials.mkdir(mode=0o700)
+            (credentials / name).write_bytes(Path(path).read_bytes())
         patience_us = round(self._seconds("WatchdogSec") * 1e6)
         environment = os.environ | {"NOTIFY_SOCKET": str(place), "WATCHDOG_USEC": str(patience_us)}
         with (self.folder / "said.txt").open("ab") as said:
             process = subprocess.Popen(
                 words, cwd=self.folder, env=environment, stdout=said, stderr=said, process_group=0
             )
-        return FollowedLife(process.pid, time.monotonic(), process=process)
+        now_s = time.monotonic()
+        until_s = now_s + self._seconds("TimeoutStartSec")
+        return FollowedLife(process.pid, now_s, process=process, start_until_s=until_s)
 
     def _hear(self, life: FollowedLife, ours: socket.socket) -> None:
         try:
@@ -140,6 +153,10 @@ class Supervisor:
             life.ready_s = life.fed_s = now_s
         if "WATCHDOG=1" in lines:
             life.fed_s = now_s
+        for line in lines:
+            if line.startswith("EXTEND_TIMEOUT_USEC="):
+                extended_s = now_s + float(line.partition("=")[2]) / 1e6
+                life.start_until_s = max(life.start_until_s, extended_s)
         if "STOPPING=1" in lines:
             life.stopping_s = now_s
         life.said = next((one for one in lines if one.startswith("STATUS=")), life.said)
@@ -152,7 +169,7 @@ class Supervisor:
         if self._stopping.is_set():
             self._ask(life, signal.SIGTERM, "stop", now_s)
         elif life.ready_s is None:
-            if now_s - life.began_s > self._seconds("TimeoutStartSec"):
+            if now_s > life.start_until_s:
                 self._ask(life, signal.SIGTERM, "start timeout", now_s)
         elif now_s - life.fed_s > self._seconds("WatchdogSec"):
             self._ask(life, signal.SIGABRT, "watchdog", now_s)

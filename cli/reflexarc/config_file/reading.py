@@ -5,7 +5,7 @@ the file. What is wrong is said with its line.
 """
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import UnionType
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
@@ -15,21 +15,32 @@ import tyro
 from reflexarc.config_file.command_fields import NOT_IN_FILES, CommandField, fields_of_command
 from reflexarc_runtime.config.fill import converted
 from reflexarc_runtime.config.toml_source import TomlSource, read_text
+from reflexarc_runtime.errors import UsageError
 
 _C = TypeVar("_C")
 _FLAG = "--config"
 
 
 def config_in(words: list[str]) -> Path | None:
-    """The file that a command line names; None if it names none."""
+    """The file that a command line names; None if it names none.
+
+    Raises:
+        UsageError: it names two: the flags of one would be laid under those of the other.
+    """
+    found = list(_configs_in(words))
+    if len(found) > 1:
+        raise UsageError(f"{_FLAG}: expected one file, got {found[0]} and {found[1]}")
+    return Path(found[0]) if found else None
+
+
+def _configs_in(words: list[str]) -> Iterator[str]:
     for word, following in zip(words, [*words[1:], ""], strict=True):
         if word == "--":
-            return None
+            return
         if word == _FLAG and following:
-            return Path(following)
+            yield following
         if word.startswith(f"{_FLAG}="):
-            return Path(word.partition("=")[2])
-    return None
+            yield word.partition("=")[2]
 
 
 def settings_of(kind: type[_C], path: Path) -> _C:
@@ -58,6 +69,8 @@ def _value(each: CommandField, key: str, value: Any, source: TomlSource, folder:
     """A value as the flag takes it."""
     kinds = get_args(each.hint) if _is_union(each.hint) else (each.hint,)
     if Path in kinds and isinstance(value, str):
+        if not value or "\0" in value:
+            raise source.complaint((key,), f"expected a path, got {value!r}")
         return folder / value
     if Path in kinds:
         raise source.complaint((key,), f"expected a path, got {value!r}")

@@ -1,6 +1,6 @@
 """The process in which a loop's punctuality is tried: see `lateness_trial`.
 
-    python -m reflexarc.doctoring.lateness_process ROLE RATE_HZ SECONDS FIFO [POLICY]
+    python -m reflexarc.doctoring.lateness_process ROLE RATE_HZ SECONDS FIFO [POLICY BACKEND]
 
 `loop` is the runtime's own loop, without a bus: its pacer and its clock, nothing rehearsed; with a
 policy, its whole ticks, each on a golden retina. `c` is the bare call of the C library,
@@ -37,10 +37,12 @@ _WARM = 10
 """Ticks at the beginning that are not counted, where no node counts them."""
 
 
-def main(role: str, rate_hz: float, seconds: float, fifo: int, path: Path | None) -> None:
-    """Try it, and print how long each phase took."""
+def main(
+    role: str, rate_hz: float, seconds: float, fifo: int, path: Path | None, backend: str
+) -> None:
+    """Try it, and print how long each phase took. Nothing moves: any speed may be asked for."""
     ticks = max(20, round(rate_hz * seconds))
-    policy = None if path is None else load_policy(path)
+    policy = None if path is None else load_policy(path, backend, bounds=None)
     with Realtime(RealtimeSettings(fifo, whole_machine=fifo > 0)) as realtime:
         asked = [grant for grant in realtime.grants if grant.asked.startswith("SCHED")]
         if any(grant.refusal for grant in asked):
@@ -119,5 +121,5 @@ def _sleep_in_c() -> Callable[[int], None]:
 
 if __name__ == "__main__":
     _role, _rate_hz, _seconds, _fifo, *_rest = sys.argv[1:]
-    _path = Path(_rest[0]) if _rest else None
-    main(_role, float(_rate_hz), float(_seconds), int(_fifo), _path)
+    _path, _backend = (Path(_rest[0]), _rest[1]) if _rest else (None, "")
+    main(_role, float(_rate_hz), float(_seconds), int(_fifo), _path, _backend)

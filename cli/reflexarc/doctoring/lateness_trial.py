@@ -37,7 +37,7 @@ class NoPunctuality:
 
 
 def try_lateness(
-    rate_hz: float, seconds: float, fifo: int, policy: Path | None
+    rate_hz: float, seconds: float, fifo: int, policy: Path | None, backend: str = "numpy"
 ) -> Punctuality | NoPunctuality:
     """Measure the loop, and C beside it.
 
@@ -46,9 +46,10 @@ def try_lateness(
         seconds: how long.
         fifo: priority; 0: ordinary scheduling.
         policy: whose ticks it makes; None: it only wakes.
+        backend: what computes it.
     """
     scheduling = f"SCHED_FIFO {fifo}" if fifo else "ordinary"
-    own = _try("loop", rate_hz, seconds, fifo, policy)
+    own = _try("loop", rate_hz, seconds, fifo, policy, backend)
     if isinstance(own, str):
         return NoPunctuality(scheduling, own)
     beside, by = cyclictest(rate_hz, seconds, fifo), "cyclictest"
@@ -68,11 +69,11 @@ def try_lateness(
 
 
 def _try(
-    role: str, rate_hz: float, seconds: float, fifo: int, policy: Path | None
+    role: str, rate_hz: float, seconds: float, fifo: int, policy: Path | None, backend: str = ""
 ) -> dict[str, object] | str:
     """What it printed, or why it did not."""
     words = [sys.executable, "-P", "-m", _PROCESS, role, str(rate_hz), str(seconds), str(fifo)]
-    words += [] if policy is None else [str(policy)]
+    words += [] if policy is None else [str(policy), backend]
     try:
         done = subprocess.run(
             words,

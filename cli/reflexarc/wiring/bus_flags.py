@@ -41,6 +41,19 @@ class Joining:
             self.robot, self.port, listens, self.zenoh, client, allow_open=self.allow_open
         )
 
+    def check(self) -> None:
+        """Look at all that can be said before a session is opened.
+
+        Raises:
+            UsageError, BusError: no such name or port; or the Zenoh configuration cannot be read,
+                or lets in strangers.
+        """
+        self.config()
+        if self.zenoh is not None:
+            from reflexarc_runtime.bus import settings_of_file
+
+            settings_of_file(self.zenoh, allow_open=self.allow_open)
+
     def bus(
         self, node: str, *, listens: bool = False, lockstep: bool = False, client: bool = False
     ) -> "Bus":
@@ -69,6 +82,7 @@ class Joining:
         listens: bool = False,
         lockstep: bool = False,
         quietly: bool = False,
+        waiting: Callable[[str], None] = lambda words: None,
     ) -> "Bus":
         """The same, as soon as there is a router to join, for a client of one.
 
@@ -79,6 +93,7 @@ class Joining:
             listens: whether it is the one body.
             lockstep: whether the same run shall give the same messages.
             quietly: whether nothing is said of the waiting.
+            waiting: is told what is waited for, again and again.
 
         Raises:
             NoRouterError: there was none before it was asked to stop.
@@ -93,6 +108,7 @@ class Joining:
             except NoRouterError as error:
                 if stop():
                     raise
+                waiting(str(error))
                 if not (said or quietly):
                     aside.print(f"{who}: {error}: waiting for it …", soft_wrap=True)
                 said = True

@@ -18,6 +18,10 @@ _SOCKET, _WATCHDOG, _PROCESS = "NOTIFY_SOCKET", "WATCHDOG_USEC", "WATCHDOG_PID"
 _FEEDINGS = 4
 """Within the manager's patience: one that is lost, or late, does no harm."""
 _SAID_EVERY_NS = 1_000_000_000
+_READY_AGAIN_NS = 50_000_000
+"""A word that was lost is said again: who is not heard to be ready is ended, however it drives."""
+_WAITS_S = 60
+"""What a start that waits for somebody asks for, again and again: longer than one try takes."""
 
 
 class Manager(Protocol):
@@ -32,6 +36,14 @@ class Manager(Protocol):
         """
         ...
 
+    def waiting(self, words: str) -> None:
+        """It cannot begin yet, for want of somebody, and is well: said again and again.
+
+        Args:
+            words: what it waits for.
+        """
+        ...
+
     def ending(self) -> None:
         """The loop was asked to end."""
         ...
@@ -43,6 +55,9 @@ class NoManager:
     def ticked(self, now_ns: int, words: Callable[[], str]) -> None:
         """See `Manager.ticked`."""
 
+    def waiting(self, words: str) -> None:
+        """See `Manager.waiting`."""
+
     def ending(self) -> None:
         """See `Manager.ending`."""
 
@@ -51,21 +66,24 @@ class ServiceManager:
     """Speaks to the manager on its socket; whatever fails is not said, and the loop goes on.
 
     Args:
-        send: takes a datagram.
+        send: takes a datagram, or raises OSError.
         watchdog_ns: the manager's patience with a silent service; None: it has no watchdog.
     """
 
     def __init__(self, send: Callable[[bytes], None], watchdog_ns: int | None = None) -> None:
         self._send = send
         self._feed_every_ns = None if watchdog_ns is None else watchdog_ns // _FEEDINGS
-        self._fed_ns: int | None = None
-        self._said_ns = 0
+        self._fed_ns = self._said_ns = 0
+        self._is_known_ready = False
+        self._ready_again_ns: int | None = None
 
     def ticked(self, now_ns: int, words: Callable[[], str]) -> None:
         """See `Manager.ticked`."""
-        if self._fed_ns is None:
-            self._fed_ns = self._said_ns = now_ns
-            self._tell("READY=1", "WATCHDOG=1", f"STATUS={words()}")
+        if not self._is_known_ready:
+            if self._ready_again_ns is None or now_ns >= self._ready_again_ns:
+                self._ready_again_ns = now_ns + _READY_AGAIN_NS
+                self._fed_ns = self._said_ns = now_ns
+                self._is_known_ready = self._tell("READY=1", "WATCHDOG=1", f"STATUS={words()}")
         elif now_ns - self._said_ns >= _SAID_EVERY_NS:
             self._fed_ns = self._said_ns = now_ns
             self._tell("WATCHDOG=1", f"STATUS={words()}")
@@ -73,14 +91,22 @@ class ServiceManager:
             self._fed_ns = now_ns
             self._tell("WATCHDOG=1")
 
+    def waiting(self, words: str) -> None:
+        """See `Manager.waiting`."""
+        self._tell(f"EXTEND_TIMEOUT_USEC={_WAITS_S * 1_000_000}", f"STATUS=waiting: {words}")
+
     def ending(self) -> None:
         """See `Manager.ending`."""
         self._tell("STOPPING=1", "STATUS=ending: the log is being finished")
 
-    def _tell(self, *lines: str) -> None:
+    def _tell(self, *lines: str) -> bool:
+        """Say it; whether it was taken."""
         words = "\n".join(line.replace("\n", " ") for line in lines)
-        with contextlib.suppress(OSError):  # a manager that is gone, or busy, stops no robot
+        try:
             self._send(words.encode())
+        except OSError:  # a manager that is gone, or busy, stops no robot
+            return False
+        return True
 
 
 def manager_of(environment: MutableMapping[str, str] | None = None) -> Manager:

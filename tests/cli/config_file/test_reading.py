@@ -51,6 +51,25 @@ def test_the_command_line_counts_more(tmp_path, capsys):
     assert 'input = "scan"' in said
 
 
+@pytest.mark.parametrize("flag", ["no-watchdog", "no-guard", "allow-swap", "json"])
+@pytest.mark.parametrize("in_file", ["true", "false"])
+@pytest.mark.parametrize(("form", "said"), [("--", "true"), ("--no-", "false")])
+def test_a_switch_on_the_command_line_counts_more_whatever_the_file_says(
+    flag, in_file, form, said, tmp_path, capsys
+):
+    path = written(tmp_path, f"policy = 'p.onnx'\n{flag} = {in_file}")
+    assert main(["run", "--config", str(path), f"{form}{flag}", "--show-config"]) == 0
+    assert f"\n{flag} = {said}\n" in capsys.readouterr().out
+
+
+def test_two_files_are_refused(tmp_path, capsys):
+    one, other = written(tmp_path, "robot = 'x'"), tmp_path / "other.toml"
+    other.write_text("robot = 'y'")
+    words = ["run", "p.onnx", "--config", str(one), f"--config={other}", "--show-config"]
+    assert main(words) == 2
+    assert f"--config: expected one file, got {one} and {other}" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [
@@ -62,6 +81,9 @@ def test_the_command_line_counts_more(tmp_path, capsys):
         ("no-watchdog = 1", "1: no-watchdog: expected"),
         ("[joining]\nrobot = 'x'", "1: joining: unknown"),
         ("config = 'x'", "1: config: unknown"),
+        ('policy = "a\\u0000b"', "1: policy: expected a path, got 'a\\x00b'"),
+        ('port = 1\nzenoh = "k\\u0000"', "2: zenoh: expected a path"),
+        ('record = ""', "1: record: expected a path, got ''"),
         ("robot = ", "1: expected TOML"),
     ],
 )

@@ -29,6 +29,49 @@ def test_the_first_tick_says_that_the_service_is_ready():
     assert heard.lines == [["READY=1", "WATCHDOG=1", "STATUS=OK"]]
 
 
+def test_a_word_of_readiness_that_was_lost_is_said_again():
+    """The socket of a busy manager is full: EAGAIN. Unheard, it would end a robot that drives."""
+    heard, is_full = Heard(), True
+
+    def send(datagram: bytes) -> None:
+        if is_full:
+            raise BlockingIOError
+        heard(datagram)
+
+    manager = ServiceManager(send, 2000 * MS)
+    for tick in range(10):
+        manager.ticked(tick * 20 * MS, words)
+    is_full = False
+    for tick in range(10, 20):
+        manager.ticked(tick * 20 * MS, words)
+    assert [line for line in heard.lines if "READY=1" in line] == heard.lines
+    assert len(heard.lines) == 1
+
+
+def test_a_manager_that_is_gone_costs_little():
+    """At 1 kHz it is not tried at every tick."""
+    tried = []
+
+    def gone(datagram: bytes) -> None:
+        tried.append(datagram)
+        raise FileNotFoundError
+
+    manager = ServiceManager(gone)
+    for tick in range(1000):
+        manager.ticked(tick * MS, words)
+    assert 10 <= len(tried) <= 25
+
+
+def test_who_waits_asks_for_time_and_says_for_whom():
+    heard = Heard()
+    manager = ServiceManager(heard, 2000 * MS)
+    manager.waiting("no router\nREADY=1")
+    ((extends, status),) = heard.lines
+    assert extends.startswith("EXTEND_TIMEOUT_USEC=")
+    assert int(extends.partition("=")[2]) >= 30_000_000
+    assert status == "STATUS=waiting: no router READY=1"
+
+
 def test_ticks_feed_the_watchdog_four_times_within_its_patience_and_no_more():
     heard = Heard()
     manager = ServiceManager(heard, 400 * MS)
@@ -58,6 +101,7 @@ def test_a_manager_that_is_gone_stops_no_loop():
         raise ConnectionRefusedError
 
     manager = ServiceManager(gone)
+    manager.waiting("a router")
     manager.ticked(0, words)
     manager.ending()
 

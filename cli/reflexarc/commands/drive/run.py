@@ -26,7 +26,7 @@ from reflexarc.wiring.sight.metrics_flags import MetricsFlags
 from reflexarc.wiring.watching import Watching
 from reflexarc_runtime.contract.bounds import Bounds
 from reflexarc_runtime.contract.stopping import check_speed
-from reflexarc_runtime.errors import UsageError
+from reflexarc_runtime.errors import NoRouterError, UsageError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -116,17 +116,47 @@ class RunCommand:
 
             print(as_toml(self), end="")
             return 0
-        self._check_flags()
         manager = manager_of()  # before other processes start: they are no service
         say_where_it_dies(manager)
-        with uncollected():
-            policy = self._tried_policy()
+        policy, controller, watcher = self.prepared()
         from reflexarc.wiring.running.sense_act_loop import SenseActLoop
         from reflexarc_runtime.messages.topics import RUNTIME_NODE
 
+        run_id = uuid.uuid4().hex
+        try:
+            with (
+                StopFlag() as stop,
+                self.metering.feed("reflexarc run") as metrics,
+                self._sinks(policy, run_id, watcher) as sinks,
+                self.joining.bus_in_time(
+                    RUNTIME_NODE,
+                    stop,
+                    "reflexarc run",
+                    lockstep=self.lockstep,
+                    waiting=manager.waiting,
+                ) as bus,
+            ):
+                flags = self._loop_flags(watcher, metrics)
+                loop = SenseActLoop(bus, controller, policy, sinks, run_id, flags, manager)
+                outcome = loop.run(stop, self.ticks)
+        except NoRouterError:  # asked to end before there was one, which is no failure
+            return 0
+        self._tell(outcome, sinks.recordings)
+        return int(any(recording.failed for recording in sinks.recordings.values()))
+
+    def prepared(self) -> "tuple[LoadedPolicy, Controller, WatchingPolicy | None]":
+        """All that a run is made of before it is recorded, and joins the bus.
+
+        Raises:
+            ReflexarcError: flags, policies or files with which it cannot begin.
+        """
+        self._check_flags()
+        with uncollected():
+            policy = self._tried_policy()
         for note in policy.notes:
             aside.print(f"reflexarc run: {note}", soft_wrap=True)
         controller = self._controller_of(policy)
+<<<<<<< HEAD
         shadow = self.trusting.check_watching(self.candidates.shadow)
         watcher = self.candidates.watcher(policy.contract, self.backend, shadow)
         run_id = uuid.uuid4().hex
@@ -143,6 +173,12 @@ class RunCommand:
             outcome = loop.run(stop, self.ticks)
         self._tell(outcome, sinks.recordings)
         return int(any(recording.failed for recording in sinks.recordings.values()))
+=======
+        self.trusting.check_watching(self.candidates.shadow)
+        watcher = self.candidates.watcher(policy.contract, self.backend)
+        self.joining.check()
+        return policy, controller, watcher
+>>>>>>> h-service
 
     def _controller_of(self, policy: "LoadedPolicy") -> "Controller":
         """What decides by the policy, on the input and behind the guard that the flags name."""

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import tyro
 
@@ -16,7 +16,8 @@ if TYPE_CHECKING:
 
 USUAL_HZ = 50.0
 PRIORITY = 80
-MOST_HZ, MOST_S = 10_000.0, 600.0
+LEAST_HZ, MOST_HZ, MOST_S = 1.0, 10_000.0, 600.0
+"""Who keeps 1 Hz keeps what is slower; its ticks would be waited for for minutes."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +38,8 @@ class DoctorCommand:
 
     policy: tyro.conf.Positional[Path | None] = None
     """The policy whose ticks and rate are tried."""
+    backend: Literal["numpy", "onnxruntime"] = "numpy"
+    """What computes it."""
     rate: float = 0.0
     """Try this rate, Hz; by default the contract's, without a policy 50."""
     seconds: float = 5.0
@@ -51,6 +54,7 @@ class DoctorCommand:
         """Look, tell, judge."""
         from reflexarc.doctoring.check_row import Health
 
+        self.joining.config()
         rate_hz = self._rate_hz()
         rows = []
         for row in self._rows(rate_hz):
@@ -89,7 +93,8 @@ class DoctorCommand:
 
         before, found = stolen_ticks(), []
         for fifo in (0, PRIORITY):
-            found.append(try_lateness(rate_hz, self.seconds, fifo, self.policy))
+            tried_hz = max(LEAST_HZ, rate_hz)
+            found.append(try_lateness(tried_hz, self.seconds, fifo, self.policy, self.backend))
             yield from lateness_rows(found[-1])
         yield from check_processors(stolen_share(before, stolen_ticks()))
         whose = "the rate" if self.policy is None or self.rate else "the contract's"
@@ -99,14 +104,14 @@ class DoctorCommand:
         """The rate to try; a policy that cannot be used is refused here."""
         if not 0.5 <= self.seconds <= MOST_S:
             raise UsageError(f"--seconds: expected 0.5 to {MOST_S:g}, got {self.seconds:g}")
-        if self.rate and not 1.0 <= self.rate <= MOST_HZ:
-            raise UsageError(f"--rate: expected 1 to {MOST_HZ:g}, got {self.rate:g}")
+        if self.rate and not LEAST_HZ <= self.rate <= MOST_HZ:
+            raise UsageError(f"--rate: expected {LEAST_HZ:g} to {MOST_HZ:g}, got {self.rate:g}")
         if self.policy is None:
             return self.rate or USUAL_HZ
         from reflexarc_runtime.loop.trials.trial import Trial
         from reflexarc_runtime.policy.policy import load_contract
 
-        with Trial(self.policy, "numpy") as trial:
+        with Trial(self.policy, self.backend) as trial:
             trial.finding()
         return self.rate or load_contract(self.policy, bounds=None).rate_hz
 

@@ -1,6 +1,6 @@
 """The flags by which a loop asks to be woken on time, and what they ask for."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 from reflexarc_runtime.errors import UsageError
@@ -43,6 +43,11 @@ class RealtimeFlags:
         if settings.strict:
             with Realtime(settings) as tried:
                 require_all(tried.grants)
+
+    @property
+    def unpressed(self) -> "RealtimeFlags":
+        """The same, for who checks them with other rights than the run will have."""
+        return replace(self, realtime="warn") if self.realtime == "strict" else self
 
     @property
     def settings(self) -> "RealtimeSettings":

@@ -182,7 +182,7 @@ class SenseActLoop:
                 warm_up(self.controller)
                 self._listen_to_senses(inbox, came)
             summary = node.run(stop, max_ticks)
-        self.manager.ending()
+            self.manager.ending()  # at once: nothing feeds its watchdog while the others end
         return summary
 
     def _outlets(self, command: "Publisher") -> Outlets:

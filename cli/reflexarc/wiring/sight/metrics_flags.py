@@ -42,6 +42,13 @@ class MetricsFlags:
         if self.metrics is None and self.metrics_host != LOOPBACK:
             raise UsageError("--metrics-host: expected --metrics PORT beside it")
 
+    @property
+    def is_for_others(self) -> bool:
+        """Whether other machines scrape."""
+        from reflexarc_runtime.doors.open_doors import is_loopback
+
+        return self.metrics is not None and not is_loopback(self.metrics_host)
+
     def feed(self, who: str) -> "AbstractContextManager[MetricsFeed | None]":
         """A process that answers for one loop, inside the context; None: nobody asked for it.
 
