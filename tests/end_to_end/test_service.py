@@ -2,11 +2,13 @@
 
 import os
 import re
+import shutil
 import signal
 import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -20,6 +22,7 @@ from reflexarc_logs.replaying.replay import replay
 from reflexarc_runtime.contract.contract import PolicyContract
 from reflexarc_runtime.service.unit import ServiceUnit
 from support.plain_body import plain_body
+from support.policies import exported
 from support.processes import reflexarc, started, wait_until
 from support.supervisor import Supervisor
 
@@ -119,6 +122,50 @@ def test_the_same_under_a_real_systemd(port: int, tmp_path: Path, monkeypatch):
     with BootedSystemd(tmp_path / "systemd") as system:
         service = systemd_service(system, tmp_path, port, keep_mb=100.0)
         dies_well(Robot(tmp_path, port, 3, service))
+
+
+@pytest.mark.long
+@pytest.mark.skipif(not can_boot(), reason="needs root, systemd and namespaces")
+def test_a_secured_robot_waits_and_drives_under_a_real_systemd(port: int, tmp_path: Path):
+    """As a user that systemd makes, who may not read the key; past the limit of a start."""
+    pytest.importorskip("cryptography")
+    policy = exported(PolicyContract())
+    (tmp_path / "policy.onnx").write_bytes(policy)
+    with BootedSystemd(tmp_path / "systemd") as system:
+        python = system.make_environment()
+        place = system.path("/etc/reflexarc")
+        (place / "policy.onnx").write_bytes(policy)
+        (place / "robot.toml").write_text(SECURED)
+
+        def does(*words: object) -> str:
+            done = system.runs(*words)
+            assert done.returncode == 0, done.stderr
+            return done.stdout
+
+        does(python, "-m", "reflexarc", "secure", "init", "/etc/reflexarc/keys", "--port", port)
+        does(python, "-m", "reflexarc", "service", "install", "/etc/reflexarc/robot.toml")
+        unit = system.path("/etc/systemd/system/reflexarc-robot0.service")
+        unit.write_text(re.sub("TimeoutStartSec=.*", "TimeoutStartSec=8", unit.read_text()))
+        does("systemctl", "daemon-reload")
+        does("systemctl", "start", "--no-block", unit.name)
+        began_s = time.monotonic()
+        shown = partial(does, "systemctl", "show", unit.name)
+        wait_until(lambda: time.monotonic() > began_s + 10.0, "the limit of a start")
+        assert "StatusText=waiting: " in shown()
+        shutil.copy(place / "keys" / "body.json5", tmp_path)
+        words = ("sim", "--policy", "policy.onnx", "--zenoh", "body.json5")
+        with started(*words, cwd=tmp_path):
+            wait_until(lambda: "StatusText=OK" in shown(), "a robot that drives")
+        does("systemctl", "stop", unit.name)
+        said = shown().splitlines()
+    assert {"Result=success", "NRestarts=0", "DynamicUser=yes"} <= set(said)
+
+
+SECURED = """\
+policy = "policy.onnx"
+no-guard = true
+zenoh = "keys/runtime.json5"
+"""
 
 
 def dies_well(robot: Robot) -> None:

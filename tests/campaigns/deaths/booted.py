@@ -53,6 +53,9 @@ printf %s "$3" > etc/systemd/system/campaign.target
 for unit in $4; do ln -sf /dev/null "etc/systemd/system/$unit"; done
 pivot_root . mnt
 umount -l /mnt
+mount --make-rshared /
+echo /opt/python/lib > etc/ld.so.conf.d/00-python.conf
+ldconfig
 exec env -i container=campaign PATH=/usr/sbin:/usr/bin:/sbin:/bin \\
     "$5" --unit=campaign.target --log-target=journal </dev/null >/dev/null 2>&1
 """
