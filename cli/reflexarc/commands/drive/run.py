@@ -156,29 +156,10 @@ class RunCommand:
         for note in policy.notes:
             aside.print(f"reflexarc run: {note}", soft_wrap=True)
         controller = self._controller_of(policy)
-<<<<<<< HEAD
         shadow = self.trusting.check_watching(self.candidates.shadow)
         watcher = self.candidates.watcher(policy.contract, self.backend, shadow)
-        run_id = uuid.uuid4().hex
-        with (
-            StopFlag() as stop,
-            self.metering.feed("reflexarc run") as metrics,
-            self._sinks(policy, run_id, watcher) as sinks,
-            self.joining.bus_in_time(
-                RUNTIME_NODE, stop, "reflexarc run", lockstep=self.lockstep
-            ) as bus,
-        ):
-            flags = self._loop_flags(watcher, metrics)
-            loop = SenseActLoop(bus, controller, policy, sinks, run_id, flags, manager)
-            outcome = loop.run(stop, self.ticks)
-        self._tell(outcome, sinks.recordings)
-        return int(any(recording.failed for recording in sinks.recordings.values()))
-=======
-        self.trusting.check_watching(self.candidates.shadow)
-        watcher = self.candidates.watcher(policy.contract, self.backend)
         self.joining.check()
         return policy, controller, watcher
->>>>>>> h-service
 
     def _controller_of(self, policy: "LoadedPolicy") -> "Controller":
         """What decides by the policy, on the input and behind the guard that the flags name."""
