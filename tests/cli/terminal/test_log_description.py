@@ -70,7 +70,7 @@ def test_a_person_reads_what_looked_at_the_decisions_and_at_the_loop():
 def test_a_log_that_does_not_say_where_says_that():
     said = described(GOLDEN / "nominal.mcap", None)
     assert "world not recorded" in said
-    assert "rules version 4 of the controller's" in said
+    assert "rules version 5 of the controller's" in said
 
 
 def test_the_names_of_messages_are_whole_in_80_columns():
