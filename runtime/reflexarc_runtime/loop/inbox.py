@@ -124,13 +124,15 @@ class Inbox:
 
     def take(self, timeout_s: float) -> Message | None:
         """Take the oldest message, waiting for one if need be; None after the timeout."""
-        with self._turn:
-            oldest = self._oldest()
-            if oldest is not None:
-                return oldest
-            self._arrival.hush()
-            self._is_awaited = True
-        self._arrival.heard(timeout_s)
+        is_rung = True
+        while is_rung:  # a ring may come late, for a message that was taken without it
+            with self._turn:
+                oldest = self._oldest()
+                self._is_awaited = oldest is None
+                if oldest is not None:
+                    return oldest
+                self._arrival.hush()
+            is_rung = self._arrival.heard(timeout_s)
         with self._turn:
             self._is_awaited = False
             return self._oldest()

@@ -150,3 +150,24 @@ def test_whoever_takes_is_woken_by_the_first_message_and_gets_all_in_order():
             time.sleep(0.001)
     taking.join(60.0)
     assert taken == [str(n) for n in range(200)]
+
+
+def test_a_ring_for_a_message_that_was_taken_wakes_nobody(monkeypatch: pytest.MonkeyPatch):
+    inbox, taken, waits = Inbox(), list[Message | None](), threading.Event()
+    bells, heard = list[Bell](), Bell.heard
+
+    def waiting(bell: Bell, timeout_s: float) -> bool:
+        bells.append(bell)
+        waits.set()
+        return heard(bell, timeout_s)
+
+    monkeypatch.setattr(Bell, "heard", waiting)
+    taking = threading.Thread(target=lambda: taken.append(inbox.take(60.0)))
+    taking.start()
+    assert waits.wait(60.0)
+    waits.clear()
+    bells[0].ring()
+    assert waits.wait(60.0)  # again
+    inbox.put(message(COMMAND, 7))
+    taking.join(60.0)
+    assert [found and found.encoding for found in taken] == ["7"]

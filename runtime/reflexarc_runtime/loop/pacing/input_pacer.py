@@ -125,12 +125,18 @@ class InputPacer:
         return self._occasions.before(expected_ns, is_rung)
 
     def _is_rung(self, deadline_ns: int, should_stop: Callable[[], bool]) -> bool:
-        """Wait for the bell up to the deadline, or until asked to stop."""
-        until_ns = 0
-        while until_ns < deadline_ns and not should_stop():
+        """Wait for the bell up to the deadline, or until asked to stop.
+
+        A thread may be held up between its put and its ring: what it rings for was taken by a tick
+        meanwhile, and the bell is armed anew.
+        """
+        while not should_stop():
             until_ns = min(deadline_ns, self._clock.now_ns() + PATIENCE_NS)
             if self._clock.wait_until_ns(until_ns, self._bell):
-                return True
+                if self._inbox.was_rung:
+                    return True
+            elif until_ns == deadline_ns:
+                break
         return False
 
     def _begin(self, is_rung: bool) -> Wakeup:

@@ -191,6 +191,21 @@ def test_what_stops_a_loop_begins_a_tick_as_soon_as_the_rate_allows(topic: Topic
     assert times_ms(loop.ticks(3)) == [20, 30, 53]
 
 
+def test_a_ring_whose_message_a_tick_has_taken_begins_no_tick(monkeypatch: pytest.MonkeyPatch):
+    """The thread that put it was held up in between."""
+    loop, held = Loop(), list[Bell]()
+    with monkeypatch.context() as meanwhile:
+        meanwhile.setattr(Bell, "ring", lambda bell: held.append(bell))
+        loop.arrive([25 * MS])
+        assert times_ms(loop.ticks(1)) == [30]  # at its deadline
+    loop.clock.at_ns(35 * MS, held[0].ring)
+    loop.arrive([44 * MS])
+    ticks = loop.ticks(1)
+    assert (times_ms(ticks), ticks[0].slot) == ([44], 2)
+    ticks = loop.ticks(1)
+    assert (times_ms(ticks), ticks[0].slot) == ([74], 3)
+
+
 def test_messages_of_other_topics_begin_no_tick():
     loop = Loop()
     loop.arrive(range(MS, 100 * MS, MS), SCAN)
