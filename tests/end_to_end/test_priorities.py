@@ -41,7 +41,7 @@ def test_every_thread_but_the_loop_s_and_the_watchdog_s_is_behind_and_anywhere(
     log, anywhere = tmp_path / "drive.mcap", os.sched_getaffinity(0)
     words = ("run", policy, "--port", port, "--fifo", LOOP, "--cpu", max(anywhere))
     with started(*words, "--record", log) as loop:
-        assert f"watchdog {WATCHDOG}, other threads {BEHIND}" in said_line(loop, "watchdog on")
+        assert f"watchdog {WATCHDOG}; other threads {BEHIND}" in said_line(loop, "watchdog on")
         wait_for_records(log, "tick", 1)  # it ticks, and the syncer has begun
         found = standings(loop.pid)
     own = found.pop(loop.pid)

@@ -4,9 +4,10 @@ Without rights: a timer slack of 1 ns (the kernel's default of 50 µs is most of
 idle machine), and start-up objects that the garbage collector no longer visits.
 
 With a priority N the loop's thread is scheduled first in, first out. The watchdog's gets one more:
-it must come through where the loop spins on the last processor. All other threads of the process
-get the lowest such priority, 1: each of them holds the interpreter's lock at times, and one that
-loses its processor to some other process meanwhile holds up the loop for as long.
+it must come through where the loop spins on the last processor; where N + 1 is refused, it gets N,
+and the loop N − 1. All other threads of the process get the lowest such priority, 1: each of them
+holds the interpreter's lock at times, and one that loses its processor to some other process
+meanwhile holds up the loop for as long.
 """
 
 import gc
@@ -90,10 +91,7 @@ class Realtime:
             yield self._wake_latency()
             yield self._governor()
         if settings.priority:
-            own = self._fifo()
-            yield own
-            if not own.refusal:
-                yield self._others()
+            yield from self._priorities()
 
     def _timer_slack(self) -> Grant:
         asked = "timer slack 1 ns"
@@ -103,38 +101,24 @@ class Realtime:
             return Grant(asked, "", reason(error), "use a Linux kernel", is_needed=False)
         return Grant(asked, asked)
 
-    def _fifo(self) -> Grant:
-        """The loop's own thread; what it starts from now on is scheduled as usual."""
-        priority = self._settings.priority
-        asked = f"SCHED_FIFO {priority}"
-        try:
-            self._threads.put_loop_first(priority)
-        except (OSError, AttributeError) as error:
-            return Grant(asked, "", reason(error), _right_to(self._settings.highest_priority))
-        return Grant(asked, asked)
-
-    def _others(self) -> Grant:
-        """The process's other threads: see the head of this module."""
-        watch = self._settings.highest_priority
-        refused = self._why_not_above(watch)
-        return self._others_behind(self._threads.put_others_behind(watch) or refused)
+    def _priorities(self) -> Iterator[Grant]:
+        """Of loop, watchdog and others; where the watchdog's is refused, all are one less."""
+        wanted, above = self._settings.priority, self._settings.highest_priority
+        watch, refusal = self._threads.highest_granted(above, *[wanted] * (wanted > 1))
+        right = _right_to(above) if refusal else ""
+        loop = max(0, watch - 1)
+        got = f"SCHED_FIFO {loop}" if loop else ""
+        yield Grant(f"SCHED_FIFO {wanted}", got, refusal, right)
+        if loop:
+            self._threads.put_loop_first(loop)
+            yield Grant(f"watchdog {above}", f"watchdog {watch}", refusal, right)
+            yield self._others_behind(self._threads.put_others_behind(watch))
 
     def _others_behind(self, refusal: str) -> Grant:
-        watch = self._settings.highest_priority
-        asked = f"watchdog {watch}, other threads {LEAST_PRIORITY}"
-        return Grant(asked, "", refusal, _right_to(watch)) if refusal else Grant(asked, asked)
-
-    def _why_not_above(self, watch: int) -> str:
-        """Why the watchdog cannot have its priority, tried on this thread; empty: it can.
-
-        A run is tried before it begins, when it has no other thread yet.
-        """
-        try:
-            self._threads.put_loop_first(watch)
-            self._threads.put_loop_first(self._settings.priority)
-        except OSError as error:
-            return reason(error)
-        return ""
+        asked = f"other threads {LEAST_PRIORITY}"
+        if refusal:
+            return Grant(asked, "", refusal, _right_to(self._settings.highest_priority))
+        return Grant(asked, asked)
 
     def _processors(self) -> Grant:
         wanted = set(self._settings.processors)
@@ -188,7 +172,7 @@ def prepare(fifo_priority: int = 0) -> list[str]:
     """Prepare this thread for a loop at a fixed rate, for as long as it lives.
 
     Args:
-        fifo_priority: 1 to 99 for SCHED_FIFO; 0 leaves the scheduling as it is.
+        fifo_priority: 1 to 98 for SCHED_FIFO; 0 leaves the scheduling as it is.
 
     Returns:
         What was obtained, and what was refused, a phrase each.

@@ -60,6 +60,21 @@ class ThreadScheduling:
         """
         self._schedule(self._loop, (os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, priority))
 
+    def highest_granted(self, *priorities: int) -> tuple[int, str]:
+        """The first of these that the loop's thread is given, else 0; and why not one before.
+
+        A run is tried before it begins, when it has no other thread yet.
+        """
+        refusal = ""
+        for priority in priorities:
+            try:
+                self.put_loop_first(priority)
+            except (OSError, AttributeError) as error:
+                refusal = reason(error)
+            else:
+                return priority, refusal
+        return 0, refusal
+
     def put_others_behind(self, watch_priority: int) -> str:
         """Schedule all other threads, the watchdog with this priority; why some of them are not."""
         self._watch_priority = watch_priority

@@ -133,7 +133,11 @@ def test_without_a_flag_only_what_needs_no_right_is_asked():
             "SCHED_FIFO 50 refused (operation not permitted)",
         ),
         (FakeKernel(refuses=frozenset({"memory"})), "memory locked refused"),
-        (FakeKernel(most_priority=50), "watchdog 51, other threads 1 refused"),
+        (
+            FakeKernel(most_priority=50),
+            "SCHED_FIFO 50 refused, got SCHED_FIFO 49 (operation not permitted); "
+            "watchdog 51 refused, got watchdog 50 (operation not permitted); other threads 1",
+        ),
         (FakeKernel(unlimited=False), "memory locked refused, got what there is so far"),
         (FakeKernel(present=frozenset({0})), "processor 1 refused"),
     ],
@@ -169,18 +173,29 @@ def test_who_may_not_let_its_threads_inherit_again_still_becomes_ordinary():
     assert kernel.scheduled[LOOP] == (os.SCHED_OTHER | os.SCHED_RESET_ON_FORK, 0)
 
 
-def test_the_watchdog_is_never_below_the_loop():
-    kernel = FakeKernel()
-    with Realtime(RealtimeSettings(99), kernel):
-        assert kernel.scheduled[WATCHDOG] == (os.SCHED_FIFO, 99)
+@pytest.mark.parametrize("asked", [1, 2, 3, 50, 98])
+@pytest.mark.parametrize("most", [0, 1, 2, 3, 49, 50, 51, 97, 98, 99])
+def test_the_watchdog_is_above_the_loop_whatever_is_granted(asked: int, most: int):
+    kernel = FakeKernel(most_priority=most)
+    with Realtime(RealtimeSettings(asked), kernel) as realtime:
+        loop = kernel.scheduled.get(LOOP, ORDINARY)[1]
+        watchdog = kernel.scheduled.get(WATCHDOG, ORDINARY)[1]
+        assert loop == (asked if asked < most else asked - 1 if asked == most else 0)
+        assert watchdog == (loop + 1 if loop else 0)
+        assert kernel.scheduled.get(RECORDER, ORDINARY)[1] == min(1, loop)
+        said = {grant.asked: grant.obtained for grant in realtime.grants}
+    assert said[f"SCHED_FIFO {asked}"] == (f"SCHED_FIFO {loop}" if loop else "")
+    assert said.get(f"watchdog {asked + 1}") == (f"watchdog {watchdog}" if loop else None)
+    assert said.get("other threads 1") == ("other threads 1" if loop else None)
 
 
 def test_a_right_that_is_too_small_for_the_watchdog_is_noticed_before_there_is_one():
     kernel = FakeKernel(most_priority=50, threads_by_number={LOOP: "MainThread"})
-    with Realtime(EVERYTHING, kernel) as realtime:
-        with pytest.raises(UsageError, match="ulimit -r 51"):
-            require_all(realtime.grants)
-        assert kernel.scheduled[LOOP][1] == 50
+    with (
+        Realtime(EVERYTHING, kernel) as realtime,
+        pytest.raises(UsageError, match="ulimit -r 51"),
+    ):
+        require_all(realtime.grants)
 
 
 @pytest.mark.parametrize("priority", [0, 50])
@@ -206,7 +221,7 @@ def test_who_begins_later_and_is_refused_is_said():
         kernel.starts(SENSOR, by=LOOP)
         kernel.refuses = frozenset({"fifo"})
         realtime.take_in()
-        assert "watchdog 51, other threads 1 refused (operation not" in realtime.words
+        assert "watchdog 51; other threads 1 refused (operation not" in realtime.words
 
 
 def test_a_thread_that_chose_its_own_scheduling_keeps_it():
