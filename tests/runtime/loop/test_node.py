@@ -152,6 +152,17 @@ def test_status_comes_once_a_second():
     assert said[-1].verdicts["OK"] == 149
 
 
+@pytest.mark.parametrize("rate_hz", [0.25, 0.5, 1.0, 1.5, 3.0])
+def test_a_status_says_the_rate_also_where_it_speaks_of_one_tick_alone(rate_hz: float):
+    inbox = Inbox()
+    node, outlets = node_of(RatePacer(rate_hz, FeedingClock(inbox), inbox))
+    summary = node.run(max_ticks=9)
+    said = [pb.Status.FromString(p) for p in outlets.status.payloads]  # type: ignore[attr-defined]
+    assert len(said) >= 2
+    assert [s.rate_hz for s in said] == pytest.approx([rate_hz] * len(said))
+    assert summary.rate_hz == pytest.approx(rate_hz)
+
+
 def test_lockstep_gives_the_same_bytes_however_long_the_inputs_wait():
     def ticks(received_ns: int) -> list[bytes]:
         inbox = Inbox()
