@@ -35,7 +35,7 @@ from reflexarc_runtime.loop.clock import Clock
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.pacing.expected_arrival import ExpectedArrival
 from reflexarc_runtime.loop.pacing.occasions import Occasions
-from reflexarc_runtime.loop.pacing.pacer import PATIENCE_NS, Wakeup
+from reflexarc_runtime.loop.pacing.pacer import PATIENCE_NS, Wakeup, came_near
 from reflexarc_runtime.messages.topics import Topic
 
 _PERIODS_AN_INPUT_MUST_LAST = 3
@@ -96,7 +96,7 @@ class InputPacer:
         self._inbox.arm(earliest_ns if self._leaves_out else 0)
         deadline_ns = self._nominal_ns + self._half_ns
         is_rung = self._is_rung_early(should_stop) or self._is_rung(deadline_ns, should_stop)
-        if is_rung:
+        if is_rung and came_near(self._clock, earliest_ns, should_stop):
             self._clock.sleep_until_ns(earliest_ns)
         return None if should_stop() else self._begin(is_rung)
 

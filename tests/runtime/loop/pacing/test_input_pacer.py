@@ -12,7 +12,7 @@ from reflexarc_runtime.loop.bell import Bell
 from reflexarc_runtime.loop.clock import ManualClock
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.pacing.input_pacer import InputPacer, may_leave_one_out
-from reflexarc_runtime.loop.pacing.pacer import Wakeup
+from reflexarc_runtime.loop.pacing.pacer import PATIENCE_NS, Wakeup
 from reflexarc_runtime.messages.topics import OVERRUN, RESET, RETINA, SCAN, STOP, Topic
 from reflexarc_runtime.messages.wire import Message
 from support.policies import SMALL
@@ -243,6 +243,19 @@ def test_asked_to_stop_it_does_not_tick_and_a_far_deadline_is_not_waited_for():
     pacer = InputPacer(0.1, clock, inbox, RETINA)
     assert pacer.wait(lambda: clock.time_ns >= 500 * MS) is None
     assert clock.time_ns == 600 * MS
+
+
+@pytest.mark.parametrize(("topic", "leaves_out"), [(STOP, True), (RETINA, False)])
+def test_what_came_too_early_makes_nobody_deaf_until_its_tick(topic: Topic, leaves_out: bool):
+    clock, inbox = ManualClock(), Inbox()
+    pacer = InputPacer(0.1, clock, inbox, RETINA, leaves_out=leaves_out)
+    early = Message(topic.key("robot0"), b"", "", b"", 50 * MS)
+    clock.at_ns(50 * MS, lambda: inbox.put(early))
+    assert pacer.wait(lambda: clock.time_ns >= 500 * MS) is None
+    assert 500 * MS <= clock.time_ns < 500 * MS + PATIENCE_NS
+    tick = pacer.wait(NEVER)  # not asked to stop: as early as the rate allows
+    assert tick is not None
+    assert tick.wake_ns == 5000 * MS
 
 
 def test_the_farewell_takes_what_is_left_and_does_not_wait():
