@@ -55,7 +55,7 @@ class Node:
         watch: Watch | None = None,
         saw: Callable[[Decision], None] = lambda decision: None,
         sensor: Callable[[int], str] = lambda now_ns: "",
-        made_of: Callable[[State, Inputs, int], None] = lambda before, inputs, now_ns: None,
+        made_of: Callable[[State, Inputs, int, int], None] = lambda before, inputs, now, took: None,
         shadow: Callable[[], str] = lambda: "",
         realtime: str = "",
         policy_name: Callable[[str], str] = lambda policy_hash: "",
@@ -167,7 +167,7 @@ class Node:
         self._record_ns = self._pacer.now_ns() - told_ns
         self._count(decision, timing)
         self._saw(decision)
-        self._made_of(before, inputs, wakeup.now_ns)
+        self._made_of(before, inputs, wakeup.now_ns, timing.decide_ns)
         self._report(wakeup.now_ns, decision)
 
     def _publish(self, decision: Decision) -> bytes | None:

@@ -34,7 +34,7 @@ from reflexarc_runtime.loop.bell import Bell
 from reflexarc_runtime.loop.clock import Clock
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.pacing.expected_arrival import ExpectedArrival
-from reflexarc_runtime.loop.pacing.occasions import Occasions
+from reflexarc_runtime.loop.pacing.occasions import Occasions, Rehearses
 from reflexarc_runtime.loop.pacing.pacer import PATIENCE_NS, Wakeup, came_near
 from reflexarc_runtime.messages.topics import Topic
 
@@ -70,7 +70,7 @@ class InputPacer:
         topic: Topic,
         *,
         leaves_out: bool = True,
-        rehearse: Callable[[], None] | None = None,
+        rehearse: Rehearses | None = None,
     ) -> None:
         self._clock = clock
         self._expected = ExpectedArrival()

@@ -274,14 +274,15 @@ def test_an_input_is_left_out_only_where_commands_live_for_three_periods():
 
 
 class Rehearsing(Loop):
-    """Notes when it is rehearsed, which takes a while."""
+    """Notes when it is rehearsed, which takes a while, and how long its last tick took."""
 
-    def __init__(self, takes_ns: int) -> None:
+    def __init__(self, takes_ns: int, tick_ns: int | None = None) -> None:
         super().__init__()
         self.takes_ns, self.began_ns = takes_ns, list[int]()
-        self.pacer = InputPacer(RATE_HZ, self.clock, self.inbox, RETINA, rehearse=self.rehearse)
+        self.tick_ns: int | None = takes_ns if tick_ns is None else tick_ns
+        self.pacer = InputPacer(RATE_HZ, self.clock, self.inbox, RETINA, rehearse=self)
 
-    def rehearse(self) -> None:
+    def __call__(self) -> None:
         self.began_ns.append(self.clock.time_ns)
         self.clock.advance_to_ns(self.clock.time_ns + self.takes_ns)
 
