@@ -116,19 +116,21 @@ class RehearsingClock:
     """
 
     def __init__(self, clock: Clock, rehearse: Rehearses) -> None:
-        self._clock = clock
+        self._clock, self.before = clock, clock.before
         self.now_ns = clock.now_ns  # asked at every phase of a tick
         self._occasions = Occasions(clock.now_ns, rehearse)
 
     def sleep_until_ns(self, deadline_ns: int) -> None:
         """See `Clock.sleep_until_ns`."""
-        self._occasions.before(deadline_ns, self._slept)
+        early = self._clock.before(deadline_ns)
+
+        def is_called(until_ns: int) -> bool:
+            early.sleep_until_ns(until_ns)
+            return False
+
+        self._occasions.before(deadline_ns, is_called)
         self._clock.sleep_until_ns(deadline_ns)
 
     def wait_until_ns(self, deadline_ns: int, bell: Bell) -> bool:
         """See `Clock.wait_until_ns`; nothing is rehearsed, as a ring may come at any time."""
         return self._clock.wait_until_ns(deadline_ns, bell)
-
-    def _slept(self, until_ns: int) -> bool:
-        self._clock.sleep_until_ns(until_ns)
-        return False
