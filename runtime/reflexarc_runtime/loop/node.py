@@ -11,6 +11,7 @@ from reflexarc_runtime.controller_state import Inputs, State
 from reflexarc_runtime.decision import Decision, Timing, Verdict, safe_command
 from reflexarc_runtime.errors import DecisionEndedError
 from reflexarc_runtime.keyframe import Keyframe
+from reflexarc_runtime.loop.cadence.histogram import ABSENT
 from reflexarc_runtime.loop.cadence.monitor import Monitor, Summary
 from reflexarc_runtime.loop.notices.flood_notice import FloodNotice
 from reflexarc_runtime.loop.outlets import Outlets
@@ -78,7 +79,7 @@ class Node:
         self._monitor = Monitor()
         self._encoder = TickEncoder()
         self._state = State()
-        self._record_ns = 0
+        self._record_ns = ABSENT
         self._is_ending = False
         self._every_second = Throttle(at_once=False)
         self._keyframes = Throttle()
