@@ -56,14 +56,11 @@ class MonotonicClock:
 
     def wait_until_ns(self, deadline_ns: int, bell: Bell) -> bool:
         """See `Clock.wait_until_ns`."""
-        if bell.heard(self._asleep_s(deadline_ns)):
-            return True
-        if self._spin_ns:
-            while time.monotonic_ns() < deadline_ns:
-                if bell.heard(0.0):
-                    return True
-                time.sleep(0)
-        return False
+        is_rung = bell.heard(self._asleep_s(deadline_ns))
+        while self._spin_ns and not is_rung and time.monotonic_ns() < deadline_ns:
+            time.sleep(0)
+            is_rung = bell.heard(0.0)
+        return is_rung
 
     def before(self, deadline_ns: int) -> "MonotonicClock":
         """See `Clock.before`; it never sleeps in the time in which it would spin up to that."""

@@ -30,7 +30,7 @@ hold needs it, also where a sensor is slower than the rate.
 from collections.abc import Callable
 
 from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_runtime.loop.bell import Bell
+from reflexarc_runtime.loop.bell import new_bell
 from reflexarc_runtime.loop.clock import Clock
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.pacing.expected_arrival import ExpectedArrival
@@ -76,7 +76,7 @@ class InputPacer:
         self._expected = ExpectedArrival()
         self._occasions = None if rehearse is None else Occasions(clock.now_ns, rehearse)
         self._inbox = inbox
-        self._bell = Bell()
+        self._bell = new_bell()
         inbox.ring_for(topic, self._bell)
         self._leaves_out = leaves_out
         self._period_ns = round(1e9 / rate_hz)

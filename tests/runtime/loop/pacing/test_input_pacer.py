@@ -8,9 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from reflexarc_runtime.loop.bell import Bell
+from reflexarc_runtime.loop.bell import Bell, LockBell
 from reflexarc_runtime.loop.clock import ManualClock
 from reflexarc_runtime.loop.inbox import Inbox
+from reflexarc_runtime.loop.pacing import input_pacer
 from reflexarc_runtime.loop.pacing.input_pacer import InputPacer, may_leave_one_out
 from reflexarc_runtime.loop.pacing.pacer import PATIENCE_NS, Wakeup
 from reflexarc_runtime.messages.topics import OVERRUN, RESET, RETINA, SCAN, STOP, Topic
@@ -193,9 +194,10 @@ def test_what_stops_a_loop_begins_a_tick_as_soon_as_the_rate_allows(topic: Topic
 
 def test_a_ring_whose_message_a_tick_has_taken_begins_no_tick(monkeypatch: pytest.MonkeyPatch):
     """The thread that put it was held up in between."""
+    monkeypatch.setattr(input_pacer, "new_bell", LockBell)
     loop, held = Loop(), list[Bell]()
     with monkeypatch.context() as meanwhile:
-        meanwhile.setattr(Bell, "ring", lambda bell: held.append(bell))
+        meanwhile.setattr(LockBell, "ring", lambda bell: held.append(bell))
         loop.arrive([25 * MS])
         assert times_ms(loop.ticks(1)) == [30]  # at its deadline
     loop.clock.at_ns(35 * MS, held[0].ring)

@@ -7,9 +7,10 @@ from itertools import count
 import pytest
 
 from reflexarc_runtime.loop import clock as clocks
-from reflexarc_runtime.loop.bell import Bell
+from reflexarc_runtime.loop.bell import LockBell
 from reflexarc_runtime.loop.clock import MonotonicClock
 from reflexarc_runtime.loop.inbox import Inbox
+from reflexarc_runtime.loop.pacing import input_pacer
 from reflexarc_runtime.loop.pacing.input_pacer import InputPacer
 from reflexarc_runtime.loop.pacing.occasions import RehearsingClock
 from reflexarc_runtime.loop.pacing.pacer import Pacer
@@ -22,7 +23,7 @@ US = 1000
 LOOK_NS = US // 2
 REHEARSAL_NS = 50 * US
 NEVER = bool  # bool() is False
-really_heard = Bell.heard
+really_heard = LockBell.heard
 
 
 class Machine:
@@ -56,7 +57,7 @@ class Machine:
         message = Message(topic.key("robot0"), b"", "", b"", at_ns)
         heapq.heappush(self._to_come, (at_ns, next(self._order), lambda: inbox.put(message)))
 
-    def hears(self, bell: Bell, timeout_s: float) -> bool:
+    def hears(self, bell: LockBell, timeout_s: float) -> bool:
         end_ns = self.now_ns + round(timeout_s * 1e9)
         while not (is_rung := really_heard(bell, 0.0)) and self.now_ns < end_ns:
             next_ns = self._to_come[0][0] if self._to_come else end_ns
@@ -74,7 +75,8 @@ class Machine:
 def machine(monkeypatch: pytest.MonkeyPatch) -> Machine:
     made = Machine()
     monkeypatch.setattr(clocks, "time", made)
-    monkeypatch.setattr(Bell, "heard", lambda bell, timeout_s: made.hears(bell, timeout_s))
+    monkeypatch.setattr(input_pacer, "new_bell", LockBell)
+    monkeypatch.setattr(LockBell, "heard", lambda bell, timeout_s: made.hears(bell, timeout_s))
     return made
 
 
