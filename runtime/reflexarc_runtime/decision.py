@@ -104,7 +104,8 @@ class Timing:
     decide_ns: int
     publish_ns: int
     record_ns: int
-    """What handing over the record of the previous tick took, its message being made and sent."""
+    """What handing over the record of the previous tick took, once its message was made and sent;
+    below 0: there was none."""
 
     @property
     def command_ns(self) -> int:

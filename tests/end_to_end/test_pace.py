@@ -10,7 +10,6 @@ import pytest
 
 from reflexarc_logs.reading.reader import read_log
 from reflexarc_logs.replaying.replay import replay
-from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.bus import Bus
 from reflexarc_runtime.bus_config import BusConfig
 from reflexarc_runtime.contract.contract import PolicyContract
@@ -50,7 +49,7 @@ def test_ticks_begin_at_inputs_and_the_log_replays(policy: Path, port: int, tmp_
     read = read_log(log)
     ticks = list(read.ticks())
     assert read.run.pace == "input"
-    begun_ns = [began_ns(tick) for tick in ticks[:-1]]
+    begun_ns = [tick.decision.now_ns - tick.timing.receive_ns for tick in ticks[:-1]]
     least_ns = (TICKS - 1) * 20_000_000 - 10_000_000
     assert begun_ns[-1] - begun_ns[0] >= least_ns - 20_000_000  # never quicker than the rate
     assert summary["phases"]["picture age"]["count"] == summary["verdicts"]["OK"]
@@ -58,12 +57,8 @@ def test_ticks_begin_at_inputs_and_the_log_replays(policy: Path, port: int, tmp_
     prompt = [
         tick
         for tick in at_inputs
-        if began_ns(tick) - tick.timing.lateness_ns == tick.decision.input.received_ns
+        if tick.decision.now_ns - tick.timing.receive_ns - tick.timing.lateness_ns
+        == tick.decision.input.received_ns
     ]
     assert len(prompt) > 0.8 * len(at_inputs)  # due at the very arrival of their input
     assert replay(log).exit_status == 0
-
-
-def began_ns(tick: pb.Tick) -> int:
-    """When a tick began: a log says what passed until it had its inputs."""
-    return tick.decision.now_ns - tick.timing.receive_ns

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from reflexarc.doctoring.check_row import CheckRow, Health, unknown, well
 from reflexarc.doctoring.machine_files import fields_of, text_of
+from reflexarc_runtime.loop.bell import locks_wait_steadily
 
 _GOOD_SOURCES = ("tsc", "arch_sys_counter", "kvm-clock", "hyperv_clocksource_tsc_page")
 _TIME_ERROR = 5
@@ -20,6 +21,7 @@ def check_kernel_and_clock() -> Iterator[CheckRow]:
     yield judge_resolution(time.clock_getres(time.CLOCK_MONOTONIC))
     yield judge_source(text_of("/sys/devices/system/clocksource/clocksource0/current_clocksource"))
     yield judge_wall_clock(_clock_state())
+    yield judge_waits(is_steady=locks_wait_steadily())
     yield judge_swap(fields_of("/proc/meminfo"))
     yield _shared_memory()
 
@@ -64,6 +66,18 @@ def judge_wall_clock(state: int | None) -> CheckRow:
         return well("wall clock", "kept right (NTP)")
     why = "logs of several machines cannot be laid side by side; the loop does not use it"
     return CheckRow("wall clock", Health.MIND, "kept right by nothing", why, "chrony, timesyncd")
+
+
+def judge_waits(*, is_steady: bool) -> CheckRow:
+    """Whether the time-out of a lock of Python's ends when it should though the wall clock is set.
+
+    Loop, watchdog and recorder wait otherwise where it does not.
+    """
+    if is_steady:
+        return well("time-outs", "by the monotonic clock")
+    why = "while the wall clock is set back, notices wait; the loop's waits cost a little more"
+    remedy = "a Python built on glibc 2.30 or later"
+    return CheckRow("time-outs", Health.MIND, "by the wall clock", why, remedy)
 
 
 def judge_swap(memory: dict[str, str]) -> CheckRow:

@@ -31,7 +31,7 @@ def describe_log(path: Path, summary: LogSummary) -> Group:
     rows = {
         "log": f"{plain(str(path))} ({state})",
         "run": f"{plain(run.run_id)}, {run.recorded_by} on {plain(run.host)}, {run.clock} clock"
-        f"{_pace(run)}",
+        f"{_pace(summary)}",
         "policy": plain(summary.policy_hash) or "none attached",
         **_candidates(summary.candidates),
         "rules": _rules(run),
@@ -89,9 +89,9 @@ def _rules(run: RunInfo) -> str:
     return "none" if run.recorded_by == "import" else f"version {run.rules} of the controller's"
 
 
-def _pace(run: RunInfo) -> str:
+def _pace(summary: LogSummary) -> str:
     """When a tick began, where that says more than the clock."""
-    return ", a tick at an input" if run.pace == "input" else ""
+    return ", a tick at an input" if summary.pace == "input" else ""
 
 
 def _place(body: BodyInfo | None) -> dict[str, str]:

@@ -30,8 +30,9 @@ from reflexarc_logs.container.first_look import Survey, look
 from reflexarc_logs.container.writing import POLICY_ATTACHMENT
 from reflexarc_logs.diffing.message_file import MessageFile, StreamMessage
 from reflexarc_logs.reading.reader import Log, open_log
+from reflexarc_logs.reading.runtime_status import named_pace, runtime_status
 from reflexarc_runtime.errors import LogError
-from reflexarc_runtime.messages.topics import LOG, RECORDER_NODE, TICK
+from reflexarc_runtime.messages.topics import LOG, RECORDER_NODE, STATUS, TICK
 
 _MOST_NOTES = 3
 
@@ -58,6 +59,8 @@ class _Courses:
     streams: dict[str, StreamCourse] = field(default_factory=dict)
     whole: StreamCourse = field(default_factory=lambda: StreamCourse(""))
     ticks: dict[str, TickCourse] = field(default_factory=dict)
+    paces: dict[str, str] = field(default_factory=dict)
+    """What the runtime of each robot says of its pace: `input`, if it ever does."""
     notes: list[str] = field(default_factory=list)
     """What a recorder wrote down of itself."""
 
@@ -70,8 +73,19 @@ class _Courses:
         self.whole.add(0, log_ns, log_ns)
         if stream.type_name == TICK.schema:
             self.ticks.setdefault(stream.topic, TickCourse()).add(payload)
+        elif stream.type_name == STATUS.schema:
+            self._note_pace(_robot_of(stream.topic), payload)
         elif stream.type_name == LOG.schema and len(self.notes) < _MOST_NOTES:
             self._listen(payload)
+
+    def pace_of(self, topic: str) -> str:
+        """The pace of the loop whose ticks a topic holds, as its statuses say it."""
+        return self.paces.get(_robot_of(topic), "")
+
+    def _note_pace(self, robot: str, payload: bytes) -> None:
+        status = runtime_status(payload)
+        if status is not None and self.paces.get(robot) != "input":
+            self.paces[robot] = named_pace(status) or self.paces.get(robot, "")
 
     def _listen(self, payload: bytes) -> None:
         try:
@@ -126,16 +140,16 @@ class _Check:
             return None
 
     def _look_at_streams(self, log: Log | None) -> None:
-        streams = list(self._courses.streams.values())
+        courses, streams = self._courses, list(self._courses.streams.values())
         is_whole = log is not None and should_hold_all(log) and self._found.complete
         pace = "" if log is None else log.run.pace
-        for topic, ticks in self._courses.ticks.items():
-            whose = f"{topic}: " if len(self._courses.ticks) > 1 else ""
-            for one in ticks.findings(is_whole=is_whole, pace=pace):
+        for topic, ticks in courses.ticks.items():
+            whose = f"{topic}: " if len(courses.ticks) > 1 else ""
+            for one in ticks.findings(is_whole=is_whole, pace=pace or courses.pace_of(topic)):
                 self._findings.append(LogFinding(one.kind, one.severity, whose + one.words))
         if not streams:
             self._findings.append(error("completeness", "it holds no message"))
-        self._findings += gap_findings(streams, self._courses.whole)
+        self._findings += gap_findings(streams, courses.whole)
         self._findings += clock_findings(streams)
 
     def _look_at_run(self, log: Log) -> None:
@@ -178,3 +192,7 @@ class _Check:
 
 def _without_path(failure: Exception, path: Path) -> str:
     return str(failure).removeprefix(f"{path}: ")
+
+
+def _robot_of(topic: str) -> str:
+    return topic.rpartition("/")[0]

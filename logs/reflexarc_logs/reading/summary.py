@@ -8,7 +8,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from google.protobuf.message import DecodeError
 from mcap.records import Channel, McapRecord, Message, Schema
 
 from reflexarc_logs.container.first_look import Survey, look, refuse
@@ -19,12 +18,13 @@ from reflexarc_logs.container.run_info import RunInfo
 from reflexarc_logs.reading.candidates import CandidatesSeen, candidates_seen
 from reflexarc_logs.reading.index_counts import counts_by_index, last_chunk_of, records_of_channels
 from reflexarc_logs.reading.reader import Log, open_log, read_log
+from reflexarc_logs.reading.runtime_status import named_pace, runtime_status
 from reflexarc_logs.reading.topic_counts import StreamCounts, TopicCount, TopicSummary
 from reflexarc_runtime import messages_pb2 as pb
 from reflexarc_runtime.errors import LogError
 from reflexarc_runtime.guard_settings import GuardSettings
 from reflexarc_runtime.messages.body_info import BodyInfo, decode_body
-from reflexarc_runtime.messages.topics import BODY, RUNTIME_NODE, STATUS
+from reflexarc_runtime.messages.topics import BODY, STATUS
 
 __all__ = ["ForeignSummary", "LogSummary", "TopicSummary", "describe_any", "summarise"]
 
@@ -55,6 +55,8 @@ class LogSummary:
     """What the runtime said of its own watchdog first; empty: not recorded."""
     realtime: str
     """What it said then of what it had asked of the kernel; empty: nothing."""
+    pace: str
+    """When its ticks began: `rate`, `input` or `lockstep`; empty: not recorded."""
     topics: tuple[TopicSummary, ...]
     """By name."""
     by_index: bool = False
@@ -153,6 +155,7 @@ def summarise(log: Log | Path | str) -> LogSummary:
         guard=GuardSettings.from_json(source.run.guard) if source.run.guard else None,
         watchdog=said.watchdog,
         realtime=said.realtime,
+        pace=source.run.pace or said.pace,
         topics=counts.topics,
         by_index=by_index,
         candidates=candidates_seen(source, [topic.topic for topic in counts.topics]),
@@ -170,6 +173,7 @@ class _Said:
     said before is of another one."""
     watchdog: str = ""
     realtime: str = ""
+    pace: str = ""
 
     @classmethod
     def of(cls, log: Log | None) -> "_Said":
@@ -179,7 +183,9 @@ class _Said:
         if topic == self.body_topic:
             self.body = payload if schema == BODY.schema else None
         elif topic == self.status_topic and schema == STATUS.schema and not self.watchdog:
-            self.watchdog, self.realtime = _of_runtime(payload)
+            status = runtime_status(payload) or pb.Status()
+            self.watchdog, self.realtime = status.watchdog, status.realtime
+            self.pace = named_pace(status)
 
 
 def _counted(records: Iterable[McapRecord], log: Log | None = None) -> tuple[StreamCounts, _Said]:
@@ -244,12 +250,3 @@ def _tell(index: Index, said: _Said, record: McapRecord, channels: set[int]) -> 
         channel = index.channels[record.channel_id]
         schema = index.schemas.get(channel.schema_id)
         said.hear(channel.topic, "" if schema is None else schema.name, record.data)
-
-
-def _of_runtime(payload: bytes) -> tuple[str, str]:
-    """What a runtime says of its watchdog and its rights; empty in what anybody else says."""
-    try:
-        status = pb.Status.FromString(payload)
-    except DecodeError:
-        return "", ""
-    return (status.watchdog, status.realtime) if status.node == RUNTIME_NODE else ("", "")

@@ -24,6 +24,10 @@ class Clock(Protocol):
         """Return when the bell is rung, or else like `sleep_until_ns`; whether it was rung."""
         ...
 
+    def before(self, deadline_ns: int) -> "Clock":
+        """The same one for waits that end before a deadline: only that is worth a processor."""
+        ...
+
 
 class MonotonicClock:
     """The machine's monotonic clock.
@@ -31,10 +35,11 @@ class MonotonicClock:
     Args:
         spin_ns: so long before a deadline it stops sleeping and looks at the time instead, again
             and again: that takes a processor, and misses the deadline by less.
+        deadline_ns: the one deadline that counts; None: the end of each wait.
     """
 
-    def __init__(self, spin_ns: int = 0) -> None:
-        self._spin_ns = spin_ns
+    def __init__(self, spin_ns: int = 0, deadline_ns: int | None = None) -> None:
+        self._spin_ns, self._deadline_ns = spin_ns, deadline_ns
 
     def now_ns(self) -> int:
         """See `Clock.now_ns`."""
@@ -42,23 +47,30 @@ class MonotonicClock:
 
     def sleep_until_ns(self, deadline_ns: int) -> None:
         """See `Clock.sleep_until_ns`."""
-        remaining_ns = deadline_ns - self._spin_ns - time.monotonic_ns()
-        if remaining_ns > 0:
-            time.sleep(remaining_ns * 1e-9)
+        asleep_s = self._asleep_s(deadline_ns)
+        if asleep_s > 0.0:
+            time.sleep(asleep_s)
         if self._spin_ns:
             while time.monotonic_ns() < deadline_ns:
                 time.sleep(0)  # gives the interpreter's lock away: messages come in meanwhile
 
     def wait_until_ns(self, deadline_ns: int, bell: Bell) -> bool:
         """See `Clock.wait_until_ns`."""
-        if bell.heard((deadline_ns - self._spin_ns - time.monotonic_ns()) * 1e-9):
-            return True
-        if self._spin_ns:
-            while time.monotonic_ns() < deadline_ns:
-                if bell.heard(0.0):
-                    return True
-                time.sleep(0)
-        return False
+        is_rung = bell.heard(self._asleep_s(deadline_ns))
+        while self._spin_ns and not is_rung and time.monotonic_ns() < deadline_ns:
+            time.sleep(0)
+            is_rung = bell.heard(0.0)
+        return is_rung
+
+    def before(self, deadline_ns: int) -> "MonotonicClock":
+        """See `Clock.before`; it never sleeps in the time in which it would spin up to that."""
+        return MonotonicClock(self._spin_ns, deadline_ns) if self._spin_ns else self
+
+    def _asleep_s(self, until_ns: int) -> float:
+        """How long to sleep before it looks at the time."""
+        deadline_ns = until_ns if self._deadline_ns is None else self._deadline_ns
+        end_ns = min(until_ns, deadline_ns - self._spin_ns)
+        return (end_ns - time.monotonic_ns()) * 1e-9
 
 
 class ManualClock:
@@ -102,6 +114,10 @@ class ManualClock:
             self._happen()
         self.advance_to_ns(self.time_ns + self.oversleep_ns)
         return True
+
+    def before(self, deadline_ns: int) -> "ManualClock":
+        """See `Clock.before`."""
+        return self
 
     def _happen(self) -> None:
         time_ns, _, act = heapq.heappop(self._to_come)

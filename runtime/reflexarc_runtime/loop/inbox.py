@@ -18,7 +18,7 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
-from reflexarc_runtime.loop.bell import Bell
+from reflexarc_runtime.loop.bell import Bell, new_bell
 from reflexarc_runtime.messages.topics import CONTROLS, RESET, SWAP, Topic
 from reflexarc_runtime.messages.wire import Message
 
@@ -46,7 +46,7 @@ class Inbox:
         self._capacity_bytes = capacity_bytes
         self._bytes = 0
         self._turn = threading.Lock()
-        self._arrival = Bell()
+        self._arrival: Bell | None = None
         """For `take`; silent unless somebody waits there: a ring costs more than all else here."""
         self._is_awaited = False
         self._overflows = 0
@@ -109,7 +109,7 @@ class Inbox:
             rings = self._rung_ns == sys.maxsize and self._rings_at(message, name)
         if rings and self._bell is not None:  # whoever wakes finds the inbox free
             self._bell.ring()
-        if self._is_awaited:
+        if self._is_awaited and self._arrival is not None:
             self._arrival.ring()
 
     def drain(self, now_ns: Callable[[], int]) -> tuple[tuple[Message, ...], int]:
@@ -124,13 +124,16 @@ class Inbox:
 
     def take(self, timeout_s: float) -> Message | None:
         """Take the oldest message, waiting for one if need be; None after the timeout."""
-        with self._turn:
-            oldest = self._oldest()
-            if oldest is not None:
-                return oldest
-            self._arrival.hush()
-            self._is_awaited = True
-        self._arrival.heard(timeout_s)
+        is_rung = True
+        while is_rung:  # a ring may come late, for a message that was taken without it
+            with self._turn:
+                oldest = self._oldest()
+                self._is_awaited = oldest is None
+                if oldest is not None:
+                    return oldest
+                arrival = self._arrival = self._arrival or new_bell()
+                arrival.hush()
+            is_rung = arrival.heard(timeout_s)
         with self._turn:
             self._is_awaited = False
             return self._oldest()

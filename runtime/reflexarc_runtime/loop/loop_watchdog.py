@@ -18,12 +18,15 @@ from dataclasses import dataclass
 from types import TracebackType
 from typing import Protocol, Self
 
+from reflexarc_runtime.loop.clock import MonotonicClock
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.kernel_timer import KernelTimer
 from reflexarc_runtime.loop.outlets import Outlet
 from reflexarc_runtime.messages.wire import Message
 
 _NEVER_NS = 1 << 62
+_SELDOM_NS = 50_000_000
+"""Between two looks, and before a run can end, at most."""
 
 
 class Presence(Protocol):
@@ -144,8 +147,12 @@ class LoopWatchdog:
             self._spoken_for_ns = 0
 
     def _watch(self) -> None:
-        while not self._ended.wait(self._budget.tick_ns / 4e9):
-            self.look()
+        """Look, by a clock that nobody sets: an event's time-out may follow the wall clock."""
+        clock, interval_ns = MonotonicClock(), min(self._budget.tick_ns // 4, _SELDOM_NS)
+        while not self._ended.is_set():
+            clock.sleep_until_ns(clock.now_ns() + interval_ns)
+            if not self._ended.is_set():
+                self.look()
 
     def _speak(self, due_ns: int, now_ns: int) -> None:
         with self._turn:

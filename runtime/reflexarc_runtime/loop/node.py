@@ -11,6 +11,7 @@ from reflexarc_runtime.controller_state import Inputs, State
 from reflexarc_runtime.decision import Decision, Timing, Verdict, safe_command
 from reflexarc_runtime.errors import DecisionEndedError
 from reflexarc_runtime.keyframe import Keyframe
+from reflexarc_runtime.loop.cadence.histogram import ABSENT
 from reflexarc_runtime.loop.cadence.monitor import Monitor, Summary
 from reflexarc_runtime.loop.notices.flood_notice import FloodNotice
 from reflexarc_runtime.loop.outlets import Outlets
@@ -55,7 +56,7 @@ class Node:
         watch: Watch | None = None,
         saw: Callable[[Decision], None] = lambda decision: None,
         sensor: Callable[[int], str] = lambda now_ns: "",
-        made_of: Callable[[State, Inputs, int], None] = lambda before, inputs, now_ns: None,
+        made_of: Callable[[State, Inputs, int, int], None] = lambda before, inputs, now, took: None,
         shadow: Callable[[], str] = lambda: "",
         realtime: str = "",
         policy_name: Callable[[str], str] = lambda policy_hash: "",
@@ -78,7 +79,7 @@ class Node:
         self._monitor = Monitor()
         self._encoder = TickEncoder()
         self._state = State()
-        self._record_ns = 0
+        self._record_ns = ABSENT
         self._is_ending = False
         self._every_second = Throttle(at_once=False)
         self._keyframes = Throttle()
@@ -175,7 +176,7 @@ class Node:
         self._record_ns = self._pacer.now_ns() - told_ns
         self._count(decision, timing)
         self._saw(decision)
-        self._made_of(before, inputs, wakeup.now_ns)
+        self._made_of(before, inputs, wakeup.now_ns, timing.decide_ns)
         self._report(wakeup.now_ns, decision)
 
     def _publish(self, decision: Decision) -> bytes | None:

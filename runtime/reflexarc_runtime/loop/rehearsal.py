@@ -24,11 +24,13 @@ class Rehearsal:
     def __init__(self, controller: AnyController) -> None:
         self._controller = controller
         self._last: tuple[State, Inputs, int] | None = None
+        self.tick_ns: int | None = None
+        """How long the tick that it does again took to decide; None: there is none yet."""
 
-    def note(self, before: State, inputs: Inputs, now_ns: int) -> None:
+    def note(self, before: State, inputs: Inputs, now_ns: int, decide_ns: int) -> None:
         """A tick was made of this; one with a message does more than one without."""
         if inputs.messages or self._last is None:
-            self._last = before, inputs, now_ns
+            self._last, self.tick_ns = (before, inputs, now_ns), decide_ns
 
     def __call__(self) -> None:
         """Do it again; nothing comes of it."""

@@ -13,6 +13,7 @@ from reflexarc.doctoring.kernel_and_clock import (
     judge_resolution,
     judge_source,
     judge_swap,
+    judge_waits,
     judge_wall_clock,
 )
 from reflexarc.doctoring.lateness_rows import judge_waking, lateness_rows
@@ -74,6 +75,8 @@ def punctual(scheduling: str, late_us: int, tick_us: int = 200, record_us: int =
         (judge_wall_clock(0), WELL),
         (judge_wall_clock(5), MIND),
         (judge_wall_clock(None), UNKNOWN),
+        (judge_waits(is_steady=True), WELL),
+        (judge_waits(is_steady=False), MIND),
         (judge_swap({}), UNKNOWN),
         (judge_swap({"SwapTotal": "0 kB"}), WELL),
         (judge_swap({"SwapTotal": "1000 kB"}), MIND),

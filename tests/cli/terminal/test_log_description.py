@@ -67,6 +67,12 @@ def test_a_person_reads_what_looked_at_the_decisions_and_at_the_loop():
     assert "watchdog not recorded" in without
 
 
+def test_a_person_reads_whether_a_tick_began_at_an_input():
+    at_inputs = " ".join(described(GOLDEN / "nominal.mcap", None, pace="input"))
+    assert "clock, a tick at an input" in at_inputs
+    assert "at an input" not in " ".join(described(GOLDEN / "nominal.mcap", None, pace="rate"))
+
+
 def test_a_log_that_does_not_say_where_says_that():
     said = described(GOLDEN / "nominal.mcap", None)
     assert "world not recorded" in said

@@ -1,12 +1,16 @@
 """A log of a loop that was paced by its inputs replays like any other."""
 
 from collections import Counter
+from dataclasses import dataclass
 from pathlib import Path
 from random import Random
+
+import pytest
 
 from reflexarc_logs.checking.check import check
 from reflexarc_logs.container.run_info import RunInfo
 from reflexarc_logs.reading.reader import read_log
+from reflexarc_logs.reading.summary import summarise
 from reflexarc_logs.recording.recorder import Recorder
 from reflexarc_logs.replaying.replay import replay
 from reflexarc_runtime import messages_pb2 as pb
@@ -18,8 +22,8 @@ from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.node import Node
 from reflexarc_runtime.loop.outlets import Outlets
 from reflexarc_runtime.loop.pacing.input_pacer import InputPacer
-from reflexarc_runtime.messages.topics import OVERRUN, RESET, RETINA, STOP
-from reflexarc_runtime.messages.wire import Message, protobuf_encoding
+from reflexarc_runtime.messages.topics import OVERRUN, RESET, RETINA, STATUS, STOP, Topic
+from reflexarc_runtime.messages.wire import Message, Stamp, pack_stamp, protobuf_encoding
 from reflexarc_runtime.policy.policy import load_policy
 from reflexarc_runtime.sensing.senses import sense_for
 from support.policies import exported
@@ -86,8 +90,27 @@ def test_it_replays_at_both_levels_with_stops_silences_and_overruns(tmp_path: Pa
     assert {"OK", "STALE_INPUT", "STOPPED", "OVERRUN", "RECOVERING"} <= set(seen)
 
 
-def steady(path: Path, period_ns: int, pace: str) -> list[str]:
-    """What is found wrong with a drive whose sensor has a period of its own."""
+@dataclass
+class Heard:
+    """An outlet whose messages a recorder hears."""
+
+    recorder: Recorder
+    topic: Topic
+
+    def put(self, payload: bytes, time_ns: int) -> None:
+        key, encoding = self.topic.key("robot0"), protobuf_encoding(self.topic.schema)
+        self.recorder.put(Message(key, payload, encoding, pack_stamp(Stamp(0, time_ns)), time_ns))
+
+
+def steady(path: Path, period_ns: int, pace: str, said: str = "") -> list[str]:
+    """What is found wrong with a drive whose sensor has a period of its own.
+
+    Args:
+        path: of the log.
+        period_ns: of the sensor.
+        pace: what the recorder knows of the loop.
+        said: what the loop says of itself.
+    """
     clock, inbox = ManualClock(START_NS), Inbox()
     for number in range(120):
         at_ns = START_NS + number * period_ns
@@ -100,13 +123,24 @@ def steady(path: Path, period_ns: int, pace: str) -> list[str]:
     run = RunInfo(run_id="ab" * 16, rate_hz=50.0, pace=pace)
     with Recorder(path, run, policy.data, {}, wall_offset_ns=0) as recorder:
         pacer = InputPacer(50.0, clock, inbox, RETINA)
-        Node(controller, pacer, Outlets(Nowhere(), Nowhere(), Nowhere()), sink=recorder).run(
-            max_ticks=100
-        )
+        outlets = Outlets(Nowhere(), Nowhere(), Heard(recorder, STATUS))
+        Node(controller, pacer, outlets, sink=recorder, pace=said).run(max_ticks=100)
     return [f.words for f in check(path).findings]
 
 
+SKIPPED = "deadlines of the loop were skipped"
+
+
 def test_a_sensor_slower_than_the_rate_is_no_gap_of_a_loop_that_follows_it(tmp_path: Path):
-    skipped = "deadlines of the loop were skipped"
-    assert not any(skipped in w for w in steady(tmp_path / "a.mcap", P + 2 * MS, "input"))
-    assert any(skipped in w for w in steady(tmp_path / "b.mcap", P + 2 * MS, "rate"))
+    assert not any(SKIPPED in w for w in steady(tmp_path / "a.mcap", P + 2 * MS, "input"))
+    assert any(SKIPPED in w for w in steady(tmp_path / "b.mcap", P + 2 * MS, "rate"))
+
+
+@pytest.mark.parametrize("said", ["", "rate", "input", "lockstep", "at will"])
+def test_a_recorder_that_knows_no_pace_has_it_from_what_the_loop_says(tmp_path: Path, said: str):
+    """`reflexarc record` hears the bus, and knows nothing else."""
+    path = tmp_path / "a.mcap"
+    found = steady(path, P + 2 * MS, "", said)
+    assert any(SKIPPED in w for w in found) == (said != "input")
+    assert summarise(path).pace == ("" if said == "at will" else said)
+    assert steady(tmp_path / "b.mcap", P + 2 * MS, "input", "rate") == []  # its own word counts

@@ -1,7 +1,7 @@
 import threading
 import time
 
-from reflexarc_runtime.loop.bell import Bell
+from reflexarc_runtime.loop.bell import new_bell
 from reflexarc_runtime.loop.clock import ManualClock, MonotonicClock
 
 
@@ -17,7 +17,7 @@ def test_what_is_to_happen_happens_in_its_order_and_shows_its_time():
 
 
 def test_a_bell_ends_the_wait_at_its_ring():
-    clock, bell = ManualClock(oversleep_ns=3), Bell()
+    clock, bell = ManualClock(oversleep_ns=3), new_bell()
     clock.at_ns(10, bell.ring)
     assert clock.wait_until_ns(50, bell)
     assert clock.now_ns() == 13
@@ -26,7 +26,7 @@ def test_a_bell_ends_the_wait_at_its_ring():
 
 
 def test_a_ring_that_comes_while_it_oversleeps_is_not_lost():
-    clock, bell = ManualClock(oversleep_ns=10), Bell()
+    clock, bell = ManualClock(oversleep_ns=10), new_bell()
     clock.at_ns(55, bell.ring)
     assert not clock.wait_until_ns(50, bell)
     assert bell.heard(0.0)
@@ -34,7 +34,7 @@ def test_a_ring_that_comes_while_it_oversleeps_is_not_lost():
 
 def test_the_machine_s_clock_never_wakes_before_a_deadline_whether_it_spins_or_not():
     for spin_ns in (0, 200_000):
-        clock, bell = MonotonicClock(spin_ns), Bell()
+        clock, bell = MonotonicClock(spin_ns), new_bell()
         for _ in range(20):
             deadline_ns = time.monotonic_ns() + 300_000
             clock.sleep_until_ns(deadline_ns)
@@ -46,7 +46,7 @@ def test_the_machine_s_clock_never_wakes_before_a_deadline_whether_it_spins_or_n
 
 def test_it_returns_at_once_at_a_ring_or_a_deadline_that_has_passed():
     for spin_ns in (0, 200_000):
-        clock, bell = MonotonicClock(spin_ns), Bell()
+        clock, bell = MonotonicClock(spin_ns), new_bell()
         bell.ring()
         assert clock.wait_until_ns(time.monotonic_ns() + 10**12, bell)
         assert not clock.wait_until_ns(0, bell)
@@ -54,7 +54,7 @@ def test_it_returns_at_once_at_a_ring_or_a_deadline_that_has_passed():
 
 
 def test_it_is_rung_while_it_spins():
-    clock, bell = MonotonicClock(spin_ns=10**12), Bell()
+    clock, bell = MonotonicClock(spin_ns=10**12), new_bell()
     deadline_ns = time.monotonic_ns() + 10**12
 
     threading.Timer(0.01, bell.ring).start()

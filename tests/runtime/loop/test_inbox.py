@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from reflexarc_runtime.loop.bell import Bell
+from reflexarc_runtime.loop import inbox as inboxes
+from reflexarc_runtime.loop.bell import Bell, LockBell, new_bell
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.notices.flood_notice import FloodNotice
 from reflexarc_runtime.messages.topics import COMMAND, OVERRUN, RESET, RETINA, STOP, Topic
@@ -82,7 +83,7 @@ def test_a_full_inbox_keeps_what_a_slow_list_would(kinds: list[str], capacity: i
 
 
 def belled() -> tuple[Inbox, Bell]:
-    inbox, bell = Inbox(), Bell()
+    inbox, bell = Inbox(), new_bell()
     inbox.ring_for(RETINA, bell)
     return inbox, bell
 
@@ -150,3 +151,25 @@ def test_whoever_takes_is_woken_by_the_first_message_and_gets_all_in_order():
             time.sleep(0.001)
     taking.join(60.0)
     assert taken == [str(n) for n in range(200)]
+
+
+def test_a_ring_for_a_message_that_was_taken_wakes_nobody(monkeypatch: pytest.MonkeyPatch):
+    inbox, taken, waits = Inbox(), list[Message | None](), threading.Event()
+    bells, heard = list[Bell](), LockBell.heard
+
+    def waiting(bell: LockBell, timeout_s: float) -> bool:
+        bells.append(bell)
+        waits.set()
+        return heard(bell, timeout_s)
+
+    monkeypatch.setattr(LockBell, "heard", waiting)
+    monkeypatch.setattr(inboxes, "new_bell", LockBell)
+    taking = threading.Thread(target=lambda: taken.append(inbox.take(60.0)))
+    taking.start()
+    assert waits.wait(60.0)
+    waits.clear()
+    bells[0].ring()
+    assert waits.wait(60.0)  # again
+    inbox.put(message(COMMAND, 7))
+    taking.join(60.0)
+    assert [found and found.encoding for found in taken] == ["7"]

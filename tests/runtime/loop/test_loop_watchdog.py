@@ -1,9 +1,13 @@
 """The watchdog of the loop, one look at a time, on a clock that moves by itself."""
 
+import threading
+import time
+from contextlib import nullcontext
 from dataclasses import dataclass, field
 
 import pytest
 
+from reflexarc_runtime.loop import loop_watchdog
 from reflexarc_runtime.loop.clock import ManualClock
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.loop_watchdog import Budget, LoopWatchdog
@@ -129,3 +133,38 @@ def test_after_the_watchdog_spoke_the_next_command_is_a_safe_one(watched: Watche
     assert watched.send(is_safe=True)
     assert watched.send(is_safe=False)
     assert watched.sent == 2
+
+
+def test_it_looks_also_where_the_time_outs_of_locks_never_end(monkeypatch: pytest.MonkeyPatch):
+    """A wall clock that is set back does that to a Python that was built without sem_clockwait."""
+    waits = threading.Event.wait
+    monkeypatch.setattr(threading.Event, "wait", lambda event, timeout=None: waits(event))
+    monkeypatch.setattr(loop_watchdog, "KernelTimer", NoTimer)
+    said, patience_s = Said(), time.monotonic() + 30.0
+    budget = Budget(tick_ns=4 * MS, period_ns=MS, process_s=1.0)
+    with LoopWatchdog(budget, time.monotonic_ns, Inbox(), said, said, said.end_decision) as dog:
+        dog.begin(time.monotonic_ns())
+        while "gone" not in said.words:
+            assert time.monotonic() < patience_s
+            time.sleep(0.001)
+        dog.rest(time.monotonic_ns() + 10**12)
+        while "back" not in said.words:
+            assert time.monotonic() < patience_s
+            time.sleep(0.001)
+
+
+@pytest.mark.parametrize("budget_s", [0.004, 4000.0])
+def test_a_run_ends_soon_however_seldom_it_looks(monkeypatch: pytest.MonkeyPatch, budget_s: float):
+    monkeypatch.setattr(loop_watchdog, "KernelTimer", NoTimer)
+    said = Said()
+    budget = Budget(round(budget_s * 1e9), MS, 1.0)
+    dog = LoopWatchdog(budget, time.monotonic_ns, Inbox(), said, said, said.end_decision)
+    with dog:
+        pass  # a thread that slept for a quarter of it would be joined after a quarter of an hour
+
+
+class NoTimer(nullcontext[None]):
+    """Ends no process."""
+
+    def wind(self, now_ns: int) -> None:
+        pass

@@ -152,6 +152,43 @@ def test_status_comes_once_a_second():
     assert said[-1].verdicts["OK"] == 149
 
 
+@pytest.mark.parametrize("rate_hz", [0.25, 0.5, 1.0, 1.5, 3.0])
+def test_a_status_says_the_rate_also_where_it_speaks_of_one_tick_alone(rate_hz: float):
+    inbox = Inbox()
+    node, outlets = node_of(RatePacer(rate_hz, FeedingClock(inbox), inbox))
+    summary = node.run(max_ticks=9)
+    said = [pb.Status.FromString(p) for p in outlets.status.payloads]  # type: ignore[attr-defined]
+    assert len(said) >= 2
+    assert [s.rate_hz for s in said] == pytest.approx([rate_hz] * len(said))
+    assert summary.rate_hz == pytest.approx(rate_hz)
+
+
+class SlowSink(Kept):
+    """Takes 3 ms of its clock for each record."""
+
+    def __init__(self, clock: ManualClock) -> None:
+        super().__init__()
+        self.clock = clock
+
+    def put_tick(self, record: TickRecord) -> None:
+        super().put_tick(record)
+        self.clock.time_ns += 3 * MS
+
+
+@pytest.mark.parametrize("ticks", [1, 2, 9])
+def test_the_first_tick_has_no_record_before_it(ticks: int):
+    inbox = Inbox()
+    clock = FeedingClock(inbox)
+    node, outlets = node_of(RatePacer(50.0, clock, inbox), SlowSink(clock))
+    phases = node.run(max_ticks=ticks).phases
+    assert "record" not in phases if ticks == 1 else phases["record"].count == ticks - 1
+    if ticks > 1:
+        assert phases["record"].octaves == (ticks - 1,)
+        assert phases["record"].max_ns == 3 * MS
+    told = [pb.Tick.FromString(p).timing.record_ns for p in outlets.tick.payloads]  # type: ignore[attr-defined]
+    assert told == [0, *[3 * MS] * ticks]  # in a log as ever; with the last one, a stop
+
+
 def test_lockstep_gives_the_same_bytes_however_long_the_inputs_wait():
     def ticks(received_ns: int) -> list[bytes]:
         inbox = Inbox()

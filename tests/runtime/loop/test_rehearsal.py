@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from reflexarc_runtime.controller import Controller
 from reflexarc_runtime.controller_state import Inputs, State
@@ -37,8 +38,8 @@ class Kept:
 class Slow:
     """A rehearsal that takes a while, and notes when it began."""
 
-    def __init__(self, clock: ManualClock, takes_ns: int) -> None:
-        self.clock, self.takes_ns = clock, takes_ns
+    def __init__(self, clock: ManualClock, takes_ns: int, tick_ns: int | None = 50 * US) -> None:
+        self.clock, self.takes_ns, self.tick_ns = clock, takes_ns, tick_ns
         self.began_ns: list[int] = []
 
     def __call__(self) -> None:
@@ -67,14 +68,40 @@ def test_at_1_khz_it_is_rehearsed_once():
     assert began_before(MS, 50 * US) == ([130 * US], 0)
 
 
-def test_what_takes_too_much_of_the_sleep_is_hardly_ever_rehearsed_and_never_late():
+def test_a_rehearsal_that_takes_long_though_its_tick_did_not_is_hardly_ever_done():
     clock = ManualClock()
     slow = Slow(clock, 5 * MS)
     rehearsing = RehearsingClock(clock, slow)
     for period in range(1, 201):
         rehearsing.sleep_until_ns(period * 20 * MS)
-        assert clock.time_ns == period * 20 * MS
     assert len(slow.began_ns) == 4  # both turns, once and once again
+
+
+@pytest.mark.parametrize("takes_ns", [350 * US, 650 * US, 2 * MS, 15 * MS])
+def test_the_first_rehearsals_make_no_tick_late_however_slow_its_policy_is(takes_ns: int):
+    """A tick at 50 Hz has taken as long, and the loop sleeps for the rest."""
+    clock = ManualClock(20 * MS)
+    slow = Slow(clock, takes_ns, tick_ns=None)
+    rehearsing = RehearsingClock(clock, slow)
+    for deadline_ns in range(20 * MS, 2000 * MS, 20 * MS):
+        rehearsing.sleep_until_ns(deadline_ns)
+        assert clock.time_ns == deadline_ns
+        clock.time_ns += takes_ns  # the tick
+        slow.tick_ns = takes_ns
+    most_ns = min(MS, 0.3 * (20 * MS - takes_ns))
+    assert bool(slow.began_ns) == (takes_ns <= most_ns)
+
+
+def test_a_slower_policy_that_takes_over_is_not_rehearsed_too_late():
+    clock = ManualClock()
+    slow = Slow(clock, 50 * US)
+    rehearsing = RehearsingClock(clock, slow)
+    for period in range(1, 21):
+        if period == 11:
+            slow.takes_ns = slow.tick_ns = 900 * US
+        rehearsing.sleep_until_ns(period * 20 * MS)
+        assert clock.time_ns == period * 20 * MS
+    assert slow.began_ns[-1] == 400 * MS - 980 * US
 
 
 def test_a_deadline_that_has_passed_is_not_rehearsed_for():
@@ -102,7 +129,7 @@ def test_a_decision_that_the_watchdog_ends_ends_nothing_else():
     rehearsal = Rehearsal(Controller(Ended(), SMALL, RetinaSense(SMALL.retina)))
     rehearsal()
     frame = np.zeros(SMALL.retina.shape, np.uint8)
-    rehearsal.note(State(streak=9, frames=(frame,)), Inputs((), 1), 0)
+    rehearsal.note(State(streak=9, frames=(frame,)), Inputs((), 1), 0, 0)
     rehearsal()
 
 
@@ -130,7 +157,7 @@ def sent_by(rehearses: bool) -> list[bytes]:
     command, tick = Kept(), Kept()
     pacer = RatePacer(50.0, RehearsingClock(clock, rehearsal) if rehearses else clock, inbox)
     outlets = Outlets(command, tick, NoOutlet())
-    note = rehearsal.note if rehearses else lambda before, inputs, now_ns: None
+    note = rehearsal.note if rehearses else lambda before, inputs, now_ns, decide_ns: None
     Node(controller, pacer, outlets, made_of=note).run(max_ticks=40)
     return command.payloads + tick.payloads
 

@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING, Literal
 from reflexarc_runtime.errors import UsageError
 
 if TYPE_CHECKING:  # a command line shall not load a contract to show its flags
-    from collections.abc import Callable
-
     from reflexarc_runtime.contract.contract import PolicyContract
     from reflexarc_runtime.loop.inbox import Inbox
+    from reflexarc_runtime.loop.pacing.occasions import Rehearses
     from reflexarc_runtime.loop.pacing.pacer import Pacer
     from reflexarc_runtime.messages.topics import Topic
 
@@ -59,7 +58,7 @@ class PacingFlags:
         contract: "PolicyContract",
         inbox: "Inbox",
         topic: "Topic",
-        rehearse: "Callable[[], None]",
+        rehearse: "Rehearses",
         *,
         lockstep: bool,
     ) -> "Pacer":

@@ -20,7 +20,8 @@ class RealtimeFlags:
     `warn`: what is refused is said; `strict`: a run that does not get it does not begin. `off`:
     only for what --fifo and --cpu name."""
     fifo: int = 0
-    """SCHED_FIFO priority of the loop, 1 to 99; 0: ordinary scheduling, with --realtime 50."""
+    """SCHED_FIFO priority of the loop, 1 to 98 (its watchdog has one more); 0: ordinary scheduling,
+    with --realtime 50."""
     cpu: tuple[int, ...] = ()
     """Processors that the loop's thread may use; all by default."""
 

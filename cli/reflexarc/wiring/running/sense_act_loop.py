@@ -170,7 +170,7 @@ class SenseActLoop:
         key = self.controller.sense.topic.key(bus.robot)
         waiting = awaiting_input(bus, flags.sensor, key, came)
         # The watchdog ends first: what it watches has ended, and the others take a moment to.
-        # All threads have started when the kernel is asked for each of them.
+        # What the bus starts for requests and senses is asked for when it is there, last of all.
         with notices, waiting, watching as watch, realtime:
             if flags.realtime.strict:
                 require_all(realtime.grants)
@@ -181,6 +181,7 @@ class SenseActLoop:
             if not flags.lockstep:
                 warm_up(self.controller)
                 self._listen_to_senses(inbox, came)
+            realtime.take_in()
             summary = node.run(stop, max_ticks)
             self.manager.ending()  # at once: nothing feeds its watchdog while the others end
         return summary

@@ -27,33 +27,41 @@ class Summary:
 
 @dataclass
 class Stretch:
-    """Timing of a series of ticks: when they began, and how long their phases took."""
+    """Timing of a series of ticks: how far apart they began, and how long their phases took."""
 
-    first_ns: int = 0
+    since_ns: int | None = None
+    """When the tick before the first one began; None: there is none, so intervals count from it."""
     last_ns: int = 0
-    ticks: int = 0
+    intervals: int = 0
     phases: PhaseHistograms = field(default_factory=PhaseHistograms)
 
     def saw(self, decision: Decision, timing: Timing) -> None:
         """Add one tick."""
-        self.first_ns = self.first_ns if self.ticks else timing.wake_ns
+        if self.since_ns is None:
+            self.since_ns = timing.wake_ns
+        else:
+            self.intervals += 1
         self.last_ns = timing.wake_ns
-        self.ticks += 1
         self.phases.saw(decision, timing)
 
+    def next(self) -> "Stretch":
+        """An empty one, whose first interval begins at the last tick of this one."""
+        return Stretch() if self.since_ns is None else Stretch(self.last_ns, self.last_ns)
+
     def take(self, later: "Stretch") -> None:
-        """Add all the ticks of a later stretch."""
-        if later.ticks:
-            self.first_ns = self.first_ns if self.ticks else later.first_ns
+        """Add all the ticks of the next one."""
+        if later.since_ns is not None:
+            self.since_ns = later.since_ns if self.since_ns is None else self.since_ns
             self.last_ns = later.last_ns
-            self.ticks += later.ticks
+            self.intervals += later.intervals
             self.phases.take(later.phases)
 
     @property
     def rate_hz(self) -> float:
         """Ticks a second; 0 before the second tick."""
-        seconds = (self.last_ns - self.first_ns) * 1e-9
-        return (self.ticks - 1) / seconds if seconds > 0 else 0.0
+        if self.since_ns is None or self.last_ns <= self.since_ns:
+            return 0.0
+        return self.intervals / ((self.last_ns - self.since_ns) * 1e-9)
 
 
 @dataclass
@@ -90,7 +98,7 @@ class Monitor:
         """The time since the last call of `period`."""
         summary = self._summarise(self.last_period)
         self.before.take(self.last_period)
-        self.last_period = Stretch()
+        self.last_period = self.last_period.next()
         return summary
 
     def _summarise(self, stretch: Stretch) -> Summary:

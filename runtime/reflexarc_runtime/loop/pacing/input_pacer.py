@@ -30,12 +30,12 @@ hold needs it, also where a sensor is slower than the rate.
 from collections.abc import Callable
 
 from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_runtime.loop.bell import Bell
+from reflexarc_runtime.loop.bell import new_bell
 from reflexarc_runtime.loop.clock import Clock
 from reflexarc_runtime.loop.inbox import Inbox
 from reflexarc_runtime.loop.pacing.expected_arrival import ExpectedArrival
-from reflexarc_runtime.loop.pacing.occasions import Occasions
-from reflexarc_runtime.loop.pacing.pacer import PATIENCE_NS, Wakeup
+from reflexarc_runtime.loop.pacing.occasions import Occasions, Rehearses
+from reflexarc_runtime.loop.pacing.pacer import PATIENCE_NS, Wakeup, came_near
 from reflexarc_runtime.messages.topics import Topic
 
 _PERIODS_AN_INPUT_MUST_LAST = 3
@@ -70,13 +70,13 @@ class InputPacer:
         topic: Topic,
         *,
         leaves_out: bool = True,
-        rehearse: Callable[[], None] | None = None,
+        rehearse: Rehearses | None = None,
     ) -> None:
         self._clock = clock
         self._expected = ExpectedArrival()
         self._occasions = None if rehearse is None else Occasions(clock.now_ns, rehearse)
         self._inbox = inbox
-        self._bell = Bell()
+        self._bell = new_bell()
         inbox.ring_for(topic, self._bell)
         self._leaves_out = leaves_out
         self._period_ns = round(1e9 / rate_hz)
@@ -94,9 +94,8 @@ class InputPacer:
         self._learn()
         earliest_ns = self._nominal_ns - self._half_ns
         self._inbox.arm(earliest_ns if self._leaves_out else 0)
-        deadline_ns = self._nominal_ns + self._half_ns
-        is_rung = self._is_rung_early(should_stop) or self._is_rung(deadline_ns, should_stop)
-        if is_rung:
+        is_rung = self._is_rung_early(should_stop) or self._is_rung(self._deadline_ns, should_stop)
+        if is_rung and came_near(self._clock, earliest_ns, should_stop):
             self._clock.sleep_until_ns(earliest_ns)
         return None if should_stop() else self._begin(is_rung)
 
@@ -108,6 +107,11 @@ class InputPacer:
         """See `Pacer.now_ns`."""
         return self._clock.now_ns()
 
+    @property
+    def _deadline_ns(self) -> int:
+        """When the next tick begins without an input."""
+        return self._nominal_ns + self._half_ns
+
     def _learn(self) -> None:
         """Learn from the input that began the last tick; only now, as that one had no time."""
         if self._occasions is not None and self._inbox.was_rung:
@@ -115,8 +119,8 @@ class InputPacer:
 
     def _is_rung_early(self, should_stop: Callable[[], bool]) -> bool:
         """Wait until an input is expected, and rehearse; whether the bell rang before."""
-        expected_ns, deadline_ns = self._expected.next_ns(), self._nominal_ns + self._half_ns
-        if self._occasions is None or expected_ns is None or expected_ns > deadline_ns:
+        expected_ns = self._expected.next_ns()
+        if self._occasions is None or expected_ns is None or expected_ns > self._deadline_ns:
             return False
 
         def is_rung(until_ns: int) -> bool:
@@ -124,19 +128,26 @@ class InputPacer:
 
         return self._occasions.before(expected_ns, is_rung)
 
-    def _is_rung(self, deadline_ns: int, should_stop: Callable[[], bool]) -> bool:
-        """Wait for the bell up to the deadline, or until asked to stop."""
-        until_ns = 0
-        while until_ns < deadline_ns and not should_stop():
-            until_ns = min(deadline_ns, self._clock.now_ns() + PATIENCE_NS)
-            if self._clock.wait_until_ns(until_ns, self._bell):
-                return True
+    def _is_rung(self, end_ns: int, should_stop: Callable[[], bool]) -> bool:
+        """Wait for the bell up to a time, or until asked to stop.
+
+        A thread may be held up between its put and its ring: what it rings for was taken by a tick
+        meanwhile, and the bell is armed anew.
+        """
+        clock = self._clock.before(self._deadline_ns)
+        while not should_stop():
+            until_ns = min(end_ns, clock.now_ns() + PATIENCE_NS)
+            if clock.wait_until_ns(until_ns, self._bell):
+                if self._inbox.was_rung:
+                    return True
+            elif until_ns == end_ns:
+                break
         return False
 
     def _begin(self, is_rung: bool) -> Wakeup:
         """Begin a tick: move the nominal time on."""
         wake_ns = self._clock.now_ns()
-        nominal_ns, deadline_ns = self._nominal_ns, self._nominal_ns + self._half_ns
+        nominal_ns, deadline_ns = self._nominal_ns, self._deadline_ns
         missed = max(0, (wake_ns - deadline_ns) // self._period_ns)
         if is_rung:
             due_ns = max(self._inbox.rung_ns, nominal_ns - self._half_ns)

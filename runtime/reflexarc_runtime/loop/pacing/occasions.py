@@ -5,6 +5,7 @@ What is done then, and why, says `rehearsal`.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 from reflexarc_runtime.loop.bell import Bell
 from reflexarc_runtime.loop.clock import Clock
@@ -13,6 +14,19 @@ LONGEST_NS = 1_000_000
 """What takes longer is held up by its arithmetic, and not by cold caches."""
 TRIED_AGAIN_AFTER = 100
 """Deadlines: once it may have taken long by chance."""
+
+
+class Rehearses(Protocol):
+    """Does the last tick again."""
+
+    @property
+    def tick_ns(self) -> int | None:
+        """How long that tick took; None: there is none yet."""
+        ...
+
+    def __call__(self) -> None:
+        """Do it."""
+        ...
 
 
 @dataclass
@@ -31,23 +45,31 @@ class Occasion:
     left_out: int = 0
     """How often since, as it took too long."""
 
-    def begin_ns(self, tick_ns: int, now_ns: int, sleep_ns: int) -> int | None:
+    def begin_ns(self, due_ns: int, now_ns: int, sleep_ns: int, tick_ns: int) -> int | None:
         """When it should begin; None if there is no time for it.
 
+        Where it takes as long as the last tick, and not as the last time, it still ends in time:
+        another policy may have taken over.
+
         Args:
-            tick_ns: when the next tick begins.
+            due_ns: when the next tick begins.
             now_ns: now.
             sleep_ns: how long before the tick the loop began to sleep.
+            tick_ns: how long the last tick took.
         """
-        takes_ns = sleep_ns // 2 if self.took_ns is None else self.took_ns
-        most_ns = min(LONGEST_NS, self.most_share * sleep_ns)
-        is_long = self.took_ns is not None and takes_ns > most_ns
-        if is_long and self.left_out < TRIED_AGAIN_AFTER:
-            self.left_out += 1
+        if self._is_long(tick_ns, min(LONGEST_NS, self.most_share * sleep_ns)):
             return None
-        self.left_out = 0
-        begin_ns = tick_ns - self.margin_ns - takes_ns
+        takes_ns = tick_ns if self.took_ns is None else self.took_ns
+        begin_ns = due_ns - max(self.margin_ns + takes_ns, tick_ns)
         return begin_ns if begin_ns > now_ns else None
+
+    def _is_long(self, tick_ns: int, most_ns: float) -> bool:
+        """Whether it is left out; if it took long itself, for so many deadlines."""
+        if tick_ns > most_ns:
+            return True
+        is_long = self.took_ns is not None and self.took_ns > most_ns
+        self.left_out = self.left_out + 1 if is_long and self.left_out < TRIED_AGAIN_AFTER else 0
+        return self.left_out > 0
 
 
 class Occasions:
@@ -58,20 +80,22 @@ class Occasions:
         rehearse: what is done.
     """
 
-    def __init__(self, now_ns: Callable[[], int], rehearse: Callable[[], None]) -> None:
+    def __init__(self, now_ns: Callable[[], int], rehearse: Rehearses) -> None:
         self._now_ns, self._rehearse = now_ns, rehearse
         self._occasions = Occasion(300_000, 0.03), Occasion(80_000, 0.3)
 
-    def before(self, tick_ns: int, is_called: Callable[[int], bool]) -> bool:
+    def before(self, due_ns: int, is_called: Callable[[int], bool]) -> bool:
         """Rehearse before a tick, unless the loop is called meanwhile; whether it was.
 
         Args:
-            tick_ns: when it is due.
+            due_ns: when it begins.
             is_called: sleeps until a time, or until a tick must begin at once; whether it must.
         """
-        sleep_ns = tick_ns - self._now_ns()
+        tick_ns, sleep_ns = self._rehearse.tick_ns, due_ns - self._now_ns()
+        if tick_ns is None:
+            return False
         for occasion in self._occasions:
-            begin_ns = occasion.begin_ns(tick_ns, self._now_ns(), sleep_ns)
+            begin_ns = occasion.begin_ns(due_ns, self._now_ns(), sleep_ns, tick_ns)
             if begin_ns is None:
                 continue
             if is_called(begin_ns):
@@ -91,20 +115,22 @@ class RehearsingClock:
         rehearse: what it does.
     """
 
-    def __init__(self, clock: Clock, rehearse: Callable[[], None]) -> None:
-        self._clock = clock
+    def __init__(self, clock: Clock, rehearse: Rehearses) -> None:
+        self._clock, self.before = clock, clock.before
         self.now_ns = clock.now_ns  # asked at every phase of a tick
         self._occasions = Occasions(clock.now_ns, rehearse)
 
     def sleep_until_ns(self, deadline_ns: int) -> None:
         """See `Clock.sleep_until_ns`."""
-        self._occasions.before(deadline_ns, self._slept)
+        early = self._clock.before(deadline_ns)
+
+        def is_called(until_ns: int) -> bool:
+            early.sleep_until_ns(until_ns)
+            return False
+
+        self._occasions.before(deadline_ns, is_called)
         self._clock.sleep_until_ns(deadline_ns)
 
     def wait_until_ns(self, deadline_ns: int, bell: Bell) -> bool:
         """See `Clock.wait_until_ns`; nothing is rehearsed, as a ring may come at any time."""
         return self._clock.wait_until_ns(deadline_ns, bell)
-
-    def _slept(self, until_ns: int) -> bool:
-        self._clock.sleep_until_ns(until_ns)
-        return False

@@ -47,5 +47,5 @@ class Pacer(Protocol):
 def came_near(clock: Clock, deadline_ns: int, should_stop: Callable[[], bool]) -> bool:
     """Sleep until a far deadline is near, asking now and then; False when asked to stop."""
     while (now_ns := clock.now_ns()) + PATIENCE_NS < deadline_ns and not should_stop():
-        clock.sleep_until_ns(now_ns + PATIENCE_NS)
+        clock.before(deadline_ns).sleep_until_ns(now_ns + PATIENCE_NS)
     return not should_stop()

@@ -46,11 +46,11 @@ class Kernel(Protocol):
         """Let a thread be scheduled so."""
         ...
 
-    def processors(self) -> set[int]:
-        """Those on which this thread may run."""
+    def processors(self, thread: int) -> set[int]:
+        """Those on which a thread may run."""
         ...
 
-    def use_processors(self, processors: set[int]) -> None:
+    def use_processors(self, thread: int, processors: set[int]) -> None:
         """Let it run on these alone."""
         ...
 
@@ -107,13 +107,13 @@ class LinuxKernel:
         policy, priority = scheduling
         os.sched_setscheduler(thread, policy, os.sched_param(priority))
 
-    def processors(self) -> set[int]:
+    def processors(self, thread: int) -> set[int]:
         """See `Kernel.processors`."""
-        return set(os.sched_getaffinity(0))
+        return set(os.sched_getaffinity(thread))
 
-    def use_processors(self, processors: set[int]) -> None:
+    def use_processors(self, thread: int, processors: set[int]) -> None:
         """See `Kernel.use_processors`."""
-        os.sched_setaffinity(0, processors)
+        os.sched_setaffinity(thread, processors)
 
     def lock_memory(self, *, future: bool) -> None:
         """See `Kernel.lock_memory`.

@@ -4,32 +4,33 @@ Without rights: a timer slack of 1 ns (the kernel's default of 50 µs is most of
 idle machine), and start-up objects that the garbage collector no longer visits.
 
 With a priority N the loop's thread is scheduled first in, first out. The watchdog's gets one more:
-it must come through where the loop spins on the last processor. All other threads of the process
-get the lowest such priority, 1: each of them holds the interpreter's lock at times, and one that
-loses its processor to some other process meanwhile holds up the loop for as long.
+it must come through where the loop spins on the last processor; where N + 1 is refused, it gets N,
+and the loop N − 1. All other threads of the process get the lowest such priority, 1: each of them
+holds the interpreter's lock at times, and one that loses its processor to some other process
+meanwhile holds up the loop for as long.
 """
 
 import gc
-import os
 from collections.abc import Iterator
 from contextlib import suppress
 from types import TracebackType
 from typing import Self
 
 from reflexarc_runtime.loop.realtime.grant import Grant, in_words
-from reflexarc_runtime.loop.realtime.kernel import Kernel, LinuxKernel, Scheduling
+from reflexarc_runtime.loop.realtime.kernel import Kernel, LinuxKernel
 from reflexarc_runtime.loop.realtime.realtime_settings import RealtimeSettings
-
-WATCHDOG = "watchdog"
-"""Name of the thread that must run even where the loop does not let go."""
-LEAST_PRIORITY = 1
+from reflexarc_runtime.loop.realtime.thread_scheduling import (
+    LEAST_PRIORITY,
+    ThreadScheduling,
+    reason,
+)
 
 
 class Realtime:
     """What a thread obtained; a context manager, which asks at its beginning and gives back.
 
-    To be entered by the loop's thread, once all other threads of the process have started: no
-    thread that it starts later inherits its priority.
+    To be entered by the loop's thread. Which threads it starts from then on inherit its processors,
+    and no priority: `take_in` gives them what the others have.
 
     Args:
         settings: what is asked.
@@ -39,13 +40,12 @@ class Realtime:
     def __init__(self, settings: RealtimeSettings, kernel: Kernel | None = None) -> None:
         self._settings = settings
         self._kernel = kernel or LinuxKernel()
-        self._before: dict[int, Scheduling] = {}
-        self._processors_before: set[int] | None = None
         self._handle: int | None = None
         self._has_locked = False
         self.grants: tuple[Grant, ...] = ()
 
     def __enter__(self) -> Self:
+        self._threads = ThreadScheduling(self._kernel)
         self.grants = tuple(self._ask())
         return self
 
@@ -62,22 +62,22 @@ class Realtime:
         """What was obtained, and what was refused, on one line."""
         return in_words(self.grants)
 
+    def take_in(self) -> None:
+        """Ask for the threads that have begun since; to be called before the first tick."""
+        refusal = self._threads.take_in()
+        if refusal:
+            again = self._others_behind(refusal)
+            self.grants = tuple(again if g.asked == again.asked else g for g in self.grants)
+
     def give_back(self) -> None:
         """Schedule, lock and hold nothing any more; what was set without a right stays."""
         kernel = self._kernel
-        alive = kernel.threads() if self._before else {}  # the number of another may be anyone's
-        for thread, scheduling in self._before.items():
-            if thread in alive:
-                self._schedule_again(thread, scheduling)
-        if self._processors_before is not None:
-            with suppress(OSError):
-                kernel.use_processors(self._processors_before)
+        self._threads.give_back()
         if self._has_locked:
             with suppress(OSError):
                 kernel.unlock_memory()
         if self._handle is not None:
             kernel.release(self._handle)
-        self._before, self._processors_before = {}, None
         self._has_locked, self._handle = False, None
 
     def _ask(self) -> Iterator[Grant]:
@@ -91,84 +91,43 @@ class Realtime:
             yield self._wake_latency()
             yield self._governor()
         if settings.priority:
-            own = self._fifo()
-            yield own
-            if not own.refusal:
-                yield self._others()
+            yield from self._priorities()
 
     def _timer_slack(self) -> Grant:
         asked = "timer slack 1 ns"
         try:
             self._kernel.set_timer_slack(1)
         except OSError as error:
-            return Grant(asked, "", _reason(error), "use a Linux kernel", is_needed=False)
+            return Grant(asked, "", reason(error), "use a Linux kernel", is_needed=False)
         return Grant(asked, asked)
 
-    def _fifo(self) -> Grant:
-        """The loop's own thread; what it starts from now on is scheduled as usual."""
-        priority = self._settings.priority
-        asked, me = f"SCHED_FIFO {priority}", self._kernel.this_thread()
-        try:
-            self._schedule(me, (os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, priority))
-        except (OSError, AttributeError) as error:
-            return Grant(asked, "", _reason(error), _right_to(self._settings.highest_priority))
+    def _priorities(self) -> Iterator[Grant]:
+        """Of loop, watchdog and others; where the watchdog's is refused, all are one less."""
+        wanted, above = self._settings.priority, self._settings.highest_priority
+        watch, refusal = self._threads.highest_granted(above, *[wanted] * (wanted > 1))
+        right = _right_to(above) if refusal else ""
+        loop = max(0, watch - 1)
+        got = f"SCHED_FIFO {loop}" if loop else ""
+        yield Grant(f"SCHED_FIFO {wanted}", got, refusal, right)
+        if loop:
+            self._threads.put_loop_first(loop)
+            yield Grant(f"watchdog {above}", f"watchdog {watch}", refusal, right)
+            yield self._others_behind(self._threads.put_others_behind(watch))
+
+    def _others_behind(self, refusal: str) -> Grant:
+        asked = f"other threads {LEAST_PRIORITY}"
+        if refusal:
+            return Grant(asked, "", refusal, _right_to(self._settings.highest_priority))
         return Grant(asked, asked)
-
-    def _others(self) -> Grant:
-        """The process's other threads: see the head of this module."""
-        watch = self._settings.highest_priority
-        asked = f"watchdog {watch}, other threads {LEAST_PRIORITY}"
-        me, refused = self._kernel.this_thread(), self._why_not_above(watch)
-        for thread, name in self._kernel.threads().items():
-            priority = watch if name == WATCHDOG else LEAST_PRIORITY
-            try:
-                if thread != me:
-                    self._schedule(thread, (os.SCHED_FIFO, priority))
-            except ProcessLookupError:
-                continue  # it has ended
-            except (OSError, AttributeError) as error:
-                refused = _reason(error)
-        if refused:
-            return Grant(asked, "", refused, _right_to(watch))
-        return Grant(asked, asked)
-
-    def _why_not_above(self, watch: int) -> str:
-        """Why the watchdog cannot have its priority, tried on this thread; empty: it can.
-
-        A run is tried before it begins, when it has no other thread yet.
-        """
-        me, policy = self._kernel.this_thread(), os.SCHED_FIFO | os.SCHED_RESET_ON_FORK
-        try:
-            self._kernel.schedule(me, (policy, watch))
-            self._kernel.schedule(me, (policy, self._settings.priority))
-        except OSError as error:
-            return _reason(error)
-        return ""
-
-    def _schedule_again(self, thread: int, scheduling: Scheduling) -> None:
-        """As before; who has no right to let a thread inherit again leaves that as it is."""
-        policy, priority = scheduling
-        for again in (policy, policy | os.SCHED_RESET_ON_FORK):
-            with suppress(OSError):  # it has ended
-                self._kernel.schedule(thread, (again, priority))
-                return
-
-    def _schedule(self, thread: int, scheduling: Scheduling) -> None:
-        before = self._kernel.scheduling(thread)
-        self._kernel.schedule(thread, scheduling)
-        self._before.setdefault(thread, before)
 
     def _processors(self) -> Grant:
         wanted = set(self._settings.processors)
         asked = f"processors {_listed(wanted)}" if len(wanted) > 1 else f"processor {min(wanted)}"
-        before = self._kernel.processors()
-        allowed = f"of those allowed here: {_listed(before)}"
+        allowed = f"of those allowed here: {_listed(self._threads.processors)}"
         try:
-            self._kernel.use_processors(wanted)
+            got = self._threads.run_loop_on(wanted)
         except OSError as error:
-            return Grant(asked, "", _reason(error), f"name one {allowed}")
-        self._processors_before = before
-        got = self._kernel.processors()
+            return Grant(asked, "", reason(error), f"name one {allowed}")
         if got != wanted:  # the kernel takes those that there are, and says nothing
             return Grant(asked, _listed(got), "the others are not there", f"name some {allowed}")
         return Grant(asked, asked)
@@ -180,7 +139,7 @@ class Realtime:
             future = self._kernel.may_lock_without_limit()
             self._kernel.lock_memory(future=future)
         except OSError as error:
-            return Grant(asked, "", _reason(error), remedy)
+            return Grant(asked, "", reason(error), remedy)
         self._has_locked = True
         if future:
             return Grant(asked, asked)
@@ -193,7 +152,7 @@ class Realtime:
             self._handle = self._kernel.hold_wake_latency()
         except OSError as error:
             remedy = "a udev rule that lets a group write /dev/cpu_dma_latency"
-            return Grant(asked, "", _reason(error), remedy, is_needed=False)
+            return Grant(asked, "", reason(error), remedy, is_needed=False)
         return Grant(asked, asked)
 
     def _governor(self) -> Grant:
@@ -213,7 +172,7 @@ def prepare(fifo_priority: int = 0) -> list[str]:
     """Prepare this thread for a loop at a fixed rate, for as long as it lives.
 
     Args:
-        fifo_priority: 1 to 99 for SCHED_FIFO; 0 leaves the scheduling as it is.
+        fifo_priority: 1 to 98 for SCHED_FIFO; 0 leaves the scheduling as it is.
 
     Returns:
         What was obtained, and what was refused, a phrase each.
@@ -232,10 +191,6 @@ def _right_to(priority: int) -> str:
         f"ulimit -r {priority} (rtprio in /etc/security/limits.d), "
         f"LimitRTPRIO={priority} (systemd), or CAP_SYS_NICE"
     )
-
-
-def _reason(error: Exception) -> str:
-    return (getattr(error, "strerror", None) or str(error)).lower()
 
 
 def _listed(processors: set[int]) -> str:

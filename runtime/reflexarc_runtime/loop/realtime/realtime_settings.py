@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 from reflexarc_runtime.config.checks import require
 
-MOST_PRIORITY = 99
+MOST_PRIORITY = 98
+"""Of the loop: its watchdog has one more, and the kernel's highest is 99."""
 USUAL_PRIORITY = 50
 """Where none is named: above all ordinary work, and equal to the kernel's threaded interrupts."""
 
@@ -14,7 +15,7 @@ class RealtimeSettings:
     """What is asked; by default only what needs no right and disturbs nobody."""
 
     priority: int = 0
-    """1 to 99 for SCHED_FIFO; 0: ordinary scheduling."""
+    """1 to 98 for SCHED_FIFO; 0: ordinary scheduling."""
     processors: tuple[int, ...] = ()
     """Those that the loop's thread may use; empty: all that it has."""
     whole_machine: bool = False
@@ -25,9 +26,10 @@ class RealtimeSettings:
     @property
     def highest_priority(self) -> int:
         """Of all threads: the watchdog's; 0 where none is asked for."""
-        return min(self.priority + 1, MOST_PRIORITY) if self.priority else 0
+        return self.priority + 1 if self.priority else 0
 
     def __post_init__(self) -> None:
-        require(0 <= self.priority <= MOST_PRIORITY, "--fifo", "0 to 99", self.priority)
+        fits = "0 to 98 (the watchdog's is one more)"
+        require(0 <= self.priority <= MOST_PRIORITY, "--fifo", fits, self.priority)
         lowest = min(self.processors, default=0)
         require(lowest >= 0, "--cpu", "numbers of processors, from 0 on", lowest)

@@ -8,11 +8,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from reflexarc_runtime.loop.bell import Bell
+from reflexarc_runtime.loop.bell import Bell, LockBell
 from reflexarc_runtime.loop.clock import ManualClock
 from reflexarc_runtime.loop.inbox import Inbox
+from reflexarc_runtime.loop.pacing import input_pacer
 from reflexarc_runtime.loop.pacing.input_pacer import InputPacer, may_leave_one_out
-from reflexarc_runtime.loop.pacing.pacer import Wakeup
+from reflexarc_runtime.loop.pacing.pacer import PATIENCE_NS, Wakeup
 from reflexarc_runtime.messages.topics import OVERRUN, RESET, RETINA, SCAN, STOP, Topic
 from reflexarc_runtime.messages.wire import Message
 from support.policies import SMALL
@@ -191,6 +192,22 @@ def test_what_stops_a_loop_begins_a_tick_as_soon_as_the_rate_allows(topic: Topic
     assert times_ms(loop.ticks(3)) == [20, 30, 53]
 
 
+def test_a_ring_whose_message_a_tick_has_taken_begins_no_tick(monkeypatch: pytest.MonkeyPatch):
+    """The thread that put it was held up in between."""
+    monkeypatch.setattr(input_pacer, "new_bell", LockBell)
+    loop, held = Loop(), list[Bell]()
+    with monkeypatch.context() as meanwhile:
+        meanwhile.setattr(LockBell, "ring", lambda bell: held.append(bell))
+        loop.arrive([25 * MS])
+        assert times_ms(loop.ticks(1)) == [30]  # at its deadline
+    loop.clock.at_ns(35 * MS, held[0].ring)
+    loop.arrive([44 * MS])
+    ticks = loop.ticks(1)
+    assert (times_ms(ticks), ticks[0].slot) == ([44], 2)
+    ticks = loop.ticks(1)
+    assert (times_ms(ticks), ticks[0].slot) == ([74], 3)
+
+
 def test_messages_of_other_topics_begin_no_tick():
     loop = Loop()
     loop.arrive(range(MS, 100 * MS, MS), SCAN)
@@ -230,6 +247,19 @@ def test_asked_to_stop_it_does_not_tick_and_a_far_deadline_is_not_waited_for():
     assert clock.time_ns == 600 * MS
 
 
+@pytest.mark.parametrize(("topic", "leaves_out"), [(STOP, True), (RETINA, False)])
+def test_what_came_too_early_makes_nobody_deaf_until_its_tick(topic: Topic, leaves_out: bool):
+    clock, inbox = ManualClock(), Inbox()
+    pacer = InputPacer(0.1, clock, inbox, RETINA, leaves_out=leaves_out)
+    early = Message(topic.key("robot0"), b"", "", b"", 50 * MS)
+    clock.at_ns(50 * MS, lambda: inbox.put(early))
+    assert pacer.wait(lambda: clock.time_ns >= 500 * MS) is None
+    assert 500 * MS <= clock.time_ns < 500 * MS + PATIENCE_NS
+    tick = pacer.wait(NEVER)  # not asked to stop: as early as the rate allows
+    assert tick is not None
+    assert tick.wake_ns == 5000 * MS
+
+
 def test_the_farewell_takes_what_is_left_and_does_not_wait():
     loop = Loop()
     loop.arrive([20 * MS, 21 * MS])
@@ -246,14 +276,15 @@ def test_an_input_is_left_out_only_where_commands_live_for_three_periods():
 
 
 class Rehearsing(Loop):
-    """Notes when it is rehearsed, which takes a while."""
+    """Notes when it is rehearsed, which takes a while, and how long its last tick took."""
 
-    def __init__(self, takes_ns: int) -> None:
+    def __init__(self, takes_ns: int, tick_ns: int | None = None) -> None:
         super().__init__()
         self.takes_ns, self.began_ns = takes_ns, list[int]()
-        self.pacer = InputPacer(RATE_HZ, self.clock, self.inbox, RETINA, rehearse=self.rehearse)
+        self.tick_ns: int | None = takes_ns if tick_ns is None else tick_ns
+        self.pacer = InputPacer(RATE_HZ, self.clock, self.inbox, RETINA, rehearse=self)
 
-    def rehearse(self) -> None:
+    def __call__(self) -> None:
         self.began_ns.append(self.clock.time_ns)
         self.clock.advance_to_ns(self.clock.time_ns + self.takes_ns)
 
