@@ -71,6 +71,8 @@ def test_run_parses_nothing_of_a_policy_that_nobody_vouched_for(
         (["--expect-hash", "ab" * 32], "--expect-hash"),
         (["--require-signature", str(tmp_path / "mine.pub")], "policy.onnx.sig"),
         (["--expect-hash", "ab"], "64 digits"),
+        (["--expect-hash", ""], "64 digits"),
+        (["--require-signature", "/dev/null"], "not a public key: the file is empty"),
         (["--require-signature", str(tmp_path / "none.pub")], "none.pub"),
     ]
     capsys.readouterr()
