@@ -28,8 +28,9 @@ class SecureCommand:
     recorder, operator, viewer), which holds its certificate, its key and nothing to be written by
     hand. Copy each to the machine of its role, and give it with --zenoh. `check` tries every door
     with real sessions, and says of each whether it is shut; with --connect also the door of a robot
-    in use. Exit status: 0 all shut, 1 one is open. `renew` makes new certificates before the old
-    ones expire. `key` and `sign` are for policies: see --require-signature of `reflexarc run`.
+    in use. Exit status: 0 all shut, 1 one is open, or does not open to whom it should. `renew`
+    makes new certificates before the old ones expire. `key` and `sign` are for policies: see
+    --require-signature of `reflexarc run`.
 
     Examples:
       reflexarc secure init keys --host 10.0.0.1
