@@ -19,6 +19,13 @@ from support.policies import exported
         (["--host", "a b"], "--host"),
         (["--host", "tls/10.0.0.1"], "--host"),
         (["--host", ""], "--host"),
+        (["--host", "rover..local"], "--host"),
+        (["--host", ".local"], "--host"),
+        (["--host", "rover.local."], "--host"),
+        (["--host", "-rover.local"], "--host"),
+        (["--host", "*.local"], "--host"),
+        (["--host", "10.0.0.300"], "--host"),
+        (["--host", "x" * 64 + ".local"], "--host"),
         (["--host", "straße.example"], "--host"),
         (["--robot", "a/b"], "--robot"),
         (["--robot", "x" * 60], "--robot"),
@@ -34,6 +41,13 @@ def test_what_cannot_be_is_refused_and_nothing_is_made(
     [line] = capsys.readouterr().err.splitlines()
     assert said in line
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "host", ["rover1.local", "rover", "a-b.c_d.example", "10.0.0.1", "fd00::1"]
+)
+def test_names_and_addresses_of_hosts_are_taken(host: str, tmp_path: Path):
+    assert main(["secure", "init", str(tmp_path / "keys"), "--host", host]) == 0
 
 
 def test_init_says_what_to_copy_where(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
