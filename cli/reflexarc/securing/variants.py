@@ -36,7 +36,7 @@ def settings_of(folder: SecurityFolder, role: str) -> Settings:
         raise UsageError(f"{file}: cannot be read: {error.strerror}") from None
     except ValueError as error:
         raise UsageError(
-            f"{file}: expected JSON below lines of comment, as `secure init` wrote it: "
+            f"{file}: expected JSON between lines of comment, as `secure init` wrote it: "
             f"{first_line(error)}"
         ) from None
     return settings

@@ -25,7 +25,7 @@ SIGNATURE_BYTES = 64
 
 def signature_path(policy: Path) -> Path:
     """Where the signature of a file is."""
-    return policy.with_name(f"{policy.name}.sig")
+    return policy.parent / f"{policy.name}.sig"
 
 
 def signature_beside(policy: Path) -> bytes:

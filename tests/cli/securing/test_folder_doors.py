@@ -90,7 +90,7 @@ def test_a_setting_that_opens_a_door(
 
 
 SHAPES: dict[str, Callable[[str], str]] = {
-    "an inner comment": lambda text: text.replace('"mode"', '  // by hand\n "mode"'),
+    "a comment within a line": lambda text: text.replace('"mode"', '/* by hand */ "mode"'),
     "a comma at the end": lambda text: text.rstrip()[:-1] + ",}",
     "half of it": lambda text: text[: len(text) // 2],
     "nothing": lambda text: "",
@@ -112,6 +112,14 @@ def test_a_file_of_another_shape_is_told_by_name(
     assert f"certificate of {role}" in [row.door for row in folder_rows(folder) if row.is_bad]
     with pytest.raises(UsageError, match=rf"{role}\.json5: expected JSON"):
         list(try_doors(folder))
+
+
+def test_lines_of_comment_may_stand_anywhere(folder: SecurityFolder):
+    file = folder.file("body")
+    before = settings_of(folder, "body")
+    file.write_text(file.read_text().replace('"mode"', '  // by hand\n "mode"'))
+    assert settings_of(folder, "body") == before
+    assert bad(folder) == []
 
 
 def test_bytes_that_are_no_text_and_no_certificate_are_told(folder: SecurityFolder):

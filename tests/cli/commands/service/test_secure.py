@@ -7,6 +7,7 @@ import pytest
 pytest.importorskip("cryptography")
 
 from reflexarc.main import main
+from reflexarc.securing.policy_keys import make_key
 from reflexarc_runtime.contract.contract import PolicyContract
 from support.policies import exported
 
@@ -22,7 +23,7 @@ from support.policies import exported
         (["--host", "rover..local"], "--host"),
         (["--host", ".local"], "--host"),
         (["--host", "rover.local."], "--host"),
-        (["--host", "-rover.local"], "--host"),
+        (["--host", "rover-.local"], "--host"),
         (["--host", "*.local"], "--host"),
         (["--host", "10.0.0.300"], "--host"),
         (["--host", "x" * 64 + ".local"], "--host"),
@@ -71,6 +72,38 @@ def test_a_key_is_made_and_signs(tmp_path: Path, capsys: pytest.CaptureFixture[s
     assert stat.S_IMODE(key.stat().st_mode) == 0o600
     assert main(["secure", "sign", str(policy), "--key", str(key)]) == 0
     assert (tmp_path / "policy.onnx.sig").stat().st_size == 64
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["secure", "key", "."],
+        ["secure", "key", "/"],
+        ["secure", "key", ".."],
+        ["secure", "sign", ".", "--key", "mine.key"],
+        ["secure", "sign", "/dev/zero", "--key", "mine.key"],
+        ["secure", "sign", "policy.onnx", "--key", "/dev/zero"],
+        ["secure", "sign", "policy.onnx", "--key", "."],
+        ["swap", "."],
+        ["run", ".", "--require-signature", "mine.pub"],
+    ],
+    ids=" ".join,
+)
+def test_what_is_no_file_is_refused_in_one_line(
+    words: list[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+):
+    folder = tmp_path / "here"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+    (folder / "policy.onnx").write_bytes(b"any")
+    make_key(folder / "mine.key")
+    before = sorted(tmp_path.rglob("*"))
+    assert main(words) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 1
+    assert sorted(tmp_path.rglob("*")) == before
 
 
 @pytest.mark.parametrize("policy", [b"no policy at all", b""])
