@@ -160,7 +160,7 @@ class RunCommand:
         from reflexarc.wiring.running.driving_policy import tried_policy
         from reflexarc_runtime.loop.trials.trial import check_fits
 
-        accepted = self.trusting.accept_file(self.policy)
+        accepted = self.trusting.check_file(self.policy)
         finding, policy = tried_policy(self.policy, accepted, self.backend, self.bounds)
         check_fits(finding, policy, in_real_time=not self.lockstep)
         warning = check_speed(policy.contract, allow=self.allow_fast)

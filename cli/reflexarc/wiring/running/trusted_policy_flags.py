@@ -76,7 +76,7 @@ class TrustedPolicyFlags:
 
         return refusal_of
 
-    def accept_file(self, path: Path) -> bytes:
+    def check_file(self, path: Path) -> bytes:
         """Read a file, once, and look at it before it is parsed; the bytes that were accepted.
 
         Raises:
@@ -84,11 +84,14 @@ class TrustedPolicyFlags:
         """
         return self.acceptance.accept_file(path)
 
-    def check_watching(self, path: Path | None) -> None:
+    def check_watching(self, path: Path | None) -> bytes | None:
         """Look at the file of a policy that only watches: it is parsed like any other.
+
+        The bytes that were accepted; None: any are.
 
         Raises:
             PolicyError: nobody signed it, where somebody must have.
         """
-        if path is not None and self.require_signature is not None:
-            replace(self.acceptance, sha256=None).accept_file(path)
+        if path is None or self.require_signature is None:
+            return None
+        return replace(self.acceptance, sha256=None).accept_file(path)

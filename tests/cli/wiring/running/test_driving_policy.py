@@ -32,7 +32,7 @@ def read_once(path: Path, data: bytes) -> Iterator[None]:
 def test_a_file_is_read_once_for_all(backend: str, tmp_path: Path):
     path = tmp_path / "policy.onnx"
     with read_once(path, MINE):
-        accepted = TrustedPolicyFlags(expect_hash=policy_hash(MINE)).accept_file(path)
+        accepted = TrustedPolicyFlags(expect_hash=policy_hash(MINE)).check_file(path)
     path.unlink()
     path.write_bytes(OTHER)  # what somebody puts there meanwhile
     finding, policy = tried_policy(path, accepted, backend, Bounds())

@@ -23,11 +23,11 @@ def test_a_hash_is_of_one_file_and_without_the_flags_any_is_taken(tmp_path: Path
     path = tmp_path / "policy.onnx"
     flags = TrustedPolicyFlags(expect_hash=hashlib.sha256(MINE).hexdigest().upper())
     path.write_bytes(MINE)
-    assert flags.accept_file(path) == TrustedPolicyFlags().accept_file(path) == MINE
+    assert flags.check_file(path) == TrustedPolicyFlags().check_file(path) == MINE
     path.write_bytes(OTHER)
-    assert TrustedPolicyFlags().accept_file(path) == OTHER
+    assert TrustedPolicyFlags().check_file(path) == OTHER
     with pytest.raises(PolicyError, match="--expect-hash"):
-        flags.accept_file(path)
+        flags.check_file(path)
 
 
 @pytest.mark.parametrize(
@@ -101,8 +101,9 @@ def test_a_policy_that_only_watches_must_be_signed_as_well(
     with pytest.raises(PolicyError, match=r"watching\.onnx\.sig"):
         flags.check_watching(watching)
     (tmp_path / "watching.onnx.sig").write_bytes(signing.sign(MINE))
-    flags.check_watching(watching)
-    TrustedPolicyFlags().check_watching(watching)
+    assert flags.check_watching(watching) == MINE
+    assert flags.check_watching(None) is None
+    assert TrustedPolicyFlags().check_watching(watching) is None
 
 
 @pytest.mark.parametrize("wrong", [b"", bytes(63), bytes(65), b"QUJD" * 22])
