@@ -1,6 +1,6 @@
 """Renders worlds, logs and results as files: pictures (PNG), films (GIF, MP4), pages (HTML)."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -141,6 +141,7 @@ def render_results(
     out: Path | str,
     suite: str = "",
     progress_bar: ProgressBar = no_progress_bar,
+    code: Collection[str] = (),
 ) -> Rendered:
     """Draw the results of a suite: as a page (HTML), or as a picture (PNG).
 
@@ -149,6 +150,8 @@ def render_results(
         out: the page, or the picture.
         suite: its name or file; empty: the shipped one that the results name.
         progress_bar: shows how far the drives of the worst moments are.
+        code: sources of code, module:Class, that may be run to draw those moments. Whatever else
+            the results name is not.
 
     Raises:
         UsageError: these are no results of a suite.
@@ -158,7 +161,7 @@ def render_results(
     out = Path(out)
     results = read_results(Path(path))
     with progress_bar("driving to the worst moments", 1) as progress:
-        draw_results(results, out, suite, progress)
+        draw_results(results, out, suite, progress, code)
     is_page = out.suffix.lower() == PAGE
     return Rendered(out, "page" if is_page else "scores", out.stat().st_size, 1)
 

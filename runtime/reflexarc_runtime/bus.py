@@ -198,6 +198,16 @@ class Bus:
         )
         return Publisher(publisher, self.sender)
 
+    def send_unasked(self, topic: Topic, payload: bytes, time_ns: int) -> None:
+        """Send one message whether anybody listens or not: a publisher is silent where nobody does.
+
+        For whoever tries what is let through: somebody who means it sends so too.
+        """
+        key = topic.key(self._config.robot)
+        stamp = pack_stamp(Stamp(0, time_ns, self.sender))
+        encoding = zenoh.Encoding(protobuf_encoding(topic.schema))
+        self._session.put(key, payload, encoding=encoding, attachment=stamp)
+
     def subscribe(self, topics: Iterable[Topic], deliver: Callable[[Message], None]) -> None:
         """Call `deliver` with every message of these topics, on a thread of Zenoh's."""
         for topic in topics:

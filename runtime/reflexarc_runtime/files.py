@@ -1,4 +1,5 @@
-"""Files that are whole or absent: written under a temporary name, then renamed.
+"""Files that are whole or absent: written under a temporary name, then renamed; and read whole, if
+they are no larger than whoever reads them can bear.
 
 A recording is written otherwise (`reflexarc_logs.container.writing`): what there is of it when its
 process is killed must stay.
@@ -47,6 +48,16 @@ def whole_file(path: Path) -> Iterator[Path]:
         os.replace(unfinished, path)
     finally:
         unfinished.unlink(missing_ok=True)
+
+
+def read_at_most(path: Path, most_bytes: int) -> bytes:
+    """The bytes of a file; of a larger one, or of one without an end, one more than `most_bytes`.
+
+    Raises:
+        OSError: it cannot be read.
+    """
+    with path.open("rb") as file:
+        return file.read(most_bytes + 1)
 
 
 def write_atomically(path: Path, data: bytes) -> None:

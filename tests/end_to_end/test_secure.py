@@ -64,7 +64,7 @@ def test_every_door_of_a_folder_is_shut(folder: SecurityFolder):
     status, doors = checked(folder)
     assert set(doors.values()) == {"shut"}
     assert status == 0
-    assert {"plain TCP", "an expired certificate", "viewer says nothing", "who hears"} <= set(doors)
+    assert {"plain TCP", "an expired certificate", "viewer says nothing", "who asks"} <= set(doors)
 
 
 @pytest.mark.long
@@ -102,7 +102,7 @@ def test_a_robot_is_driven_stopped_logged_and_replayed_behind_its_door(
         recorder = stack.enter_context(listening)  # it asks for the policy when it begins
         status, doors = checked(folder, "--connect", f"tls/127.0.0.1:{port}")
         assert set(doors.values()) == {"shut"}
-        assert doors["viewer that commands"] == "shut"
+        assert doors["viewer at the robot in use"] == "shut"
         assert status == 0
         denied = reflexarc("stop", "--zenoh", folder.file("viewer"))
         assert denied.returncode == 1

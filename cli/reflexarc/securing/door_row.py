@@ -31,6 +31,19 @@ class DoorRow:
         return self.state in (DoorState.OPEN, DoorState.BROKEN)
 
 
+def judged(door: str, opened: list[str], lacking: list[str], otherwise: str) -> DoorRow:
+    """Open if somebody may what it shall not; else broken if somebody may not what it shall.
+
+    Args:
+        door: its name.
+        opened: what is done that nobody shall, in words.
+        lacking: what is not done that somebody shall; silence proves nothing of it then.
+        otherwise: what is said if there is nothing of either.
+    """
+    state = DoorState.OPEN if opened else DoorState.BROKEN if lacking else DoorState.SHUT
+    return DoorRow(door, state, "; ".join((*opened, *lacking)) or otherwise)
+
+
 def row(door: str, found: Iterable[str], otherwise: str) -> DoorRow:
     """Open if anything was found.
 

@@ -1,23 +1,18 @@
 """All doors of a folder, tried one after the other; the list of `reflexarc secure check`."""
 
 import socket
-import time
 from collections.abc import Iterator
 
 from reflexarc.securing.authority import Authority
+from reflexarc.securing.door_in_use import rows_in_use
 from reflexarc.securing.door_row import DoorRow, DoorState
+from reflexarc.securing.door_under_trial import DoorUnderTrial
 from reflexarc.securing.folder_doors import folder_rows
 from reflexarc.securing.knocking import Knocker
 from reflexarc.securing.secured_robot import SecuredRobot
 from reflexarc.securing.security_folder import SecurityFolder
-from reflexarc.securing.speaking import SETTLES_S, DoorUnderTrial
-from reflexarc.securing.variants import connecting, listening, session, settings_of
+from reflexarc.securing.variants import listening, session, settings_of
 from reflexarc_runtime.errors import BusError, UsageError
-from reflexarc_runtime.messages.access import said_by
-from reflexarc_runtime.messages.topics import COMMAND, RECORDER_NODE
-
-_GIBBERISH = b"\xff"
-"""No protobuf: whoever hears it refuses it, so that a robot in use is not moved by the trial."""
 
 
 def try_doors(folder: SecurityFolder, locator: str = "") -> Iterator[DoorRow]:
@@ -84,33 +79,11 @@ def _door_in_use(
     if welcome.state is DoorState.BROKEN:
         return  # nothing is proved by others who do not come in either
     yield from _strangers(guest, authority)
-    yield from _wrong_roles(folder, secured, guests, locator)
-
-
-def _wrong_roles(
-    folder: SecurityFolder, secured: SecuredRobot, guests: list[str], locator: str
-) -> Iterator[DoorRow]:
-    """Commands of those who may not command, which a recorder would hear."""
-    wrong = [role for role in guests if COMMAND not in said_by(role)]
-    if RECORDER_NODE not in guests:
-        yield DoorRow(
-            "wrong roles", DoorState.UNTRIED, "recorder.json5, which listens, is not here"
-        )
-        return
-    settings = {role: connecting(settings_of(folder, role), locator) for role in wrong}
-    with session(secured.robot, settings[RECORDER_NODE]) as listener:
-        heard: list[bytes] = []
-        listener.subscribe([COMMAND], lambda message: heard.append(message.payload))
-        for role in wrong:
-            with session(secured.robot, settings[role]) as bus:
-                publisher = bus.publisher(COMMAND)
-                time.sleep(SETTLES_S)
-                publisher.put(_GIBBERISH, 0)
-                time.sleep(SETTLES_S)
-            state = DoorState.OPEN if _GIBBERISH in heard else DoorState.SHUT
-            words = "was heard" if state is DoorState.OPEN else "was not heard by a recorder"
-            yield DoorRow(f"{role} that commands", state, words)
-            heard.clear()
+    settings = {role: settings_of(folder, role) for role in guests}
+    try:
+        yield from rows_in_use(secured.robot, settings, locator)
+    except BusError as error:
+        yield DoorRow("the roles at the door in use", DoorState.BROKEN, str(error))
 
 
 def _free_port() -> int:

@@ -11,9 +11,9 @@ from cryptography.exceptions import InvalidSignature
 
 from reflexarc.securing.door_row import DoorRow, DoorState, row
 from reflexarc.securing.security_folder import SecurityFolder
-from reflexarc_runtime.doors.credentials import parse_zenoh_file
+from reflexarc.securing.variants import settings_of
 from reflexarc_runtime.doors.open_doors import listeners, open_doors
-from reflexarc_runtime.errors import ReflexarcError
+from reflexarc_runtime.errors import ReflexarcError, UsageError
 from reflexarc_runtime.messages.access import common_name
 
 SOON = timedelta(days=30)
@@ -37,7 +37,7 @@ def _certificate_row(folder: SecurityFolder, role: str, name: str, now: datetime
     door = f"certificate of {role}"
     try:
         certificate = _certificate(folder, role)
-    except (ValueError, KeyError, OSError) as error:
+    except (UsageError, ValueError) as error:
         return DoorRow(door, DoorState.BROKEN, f"cannot be read: {error}")
     wrong = list(_faults(certificate, folder.known, name, now))
     end = certificate.not_valid_after_utc
@@ -48,9 +48,10 @@ def _certificate_row(folder: SecurityFolder, role: str, name: str, now: datetime
 
 
 def _certificate(folder: SecurityFolder, role: str) -> x509.Certificate:
-    text = folder.file(role).read_text(encoding="utf-8")
-    tls: Any = parse_zenoh_file(text)["transport"]["link"]["tls"]
-    return x509.load_pem_x509_certificate(base64.b64decode(tls["connect_certificate_base64"]))
+    shown = settings_of(folder, role)["transport"]["link"]["tls"].get("connect_certificate_base64")
+    if not isinstance(shown, str):
+        raise UsageError(f"{folder.file(role)}: it holds no certificate")
+    return x509.load_pem_x509_certificate(base64.b64decode(shown))
 
 
 def _faults(own: x509.Certificate, known: bytes, name: str, now: datetime) -> Iterator[str]:

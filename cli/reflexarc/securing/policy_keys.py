@@ -12,17 +12,22 @@ from cryptography.hazmat.primitives import serialization
 from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
 
 from reflexarc_runtime.errors import UsageError, first_line
-from reflexarc_runtime.files import write_atomically
+from reflexarc_runtime.files import read_at_most, write_atomically
+from reflexarc_runtime.policy.acceptance import signature_path
+from reflexarc_runtime.policy.model_file import read_model
 
 _SECRET_MODE = 0o600
+_MOST_KEY_BYTES = 1 << 16
 
 
 def make_key(path: Path) -> Path:
     """Make a key, and the public one beside it, `.pub`; return that.
 
     Raises:
-        UsageError: there is a file of one of these names.
+        UsageError: there is a file of one of these names, or it is none of a file.
     """
+    if not path.name:
+        raise UsageError(f"{path}: expected the name of a file, got a folder")
     public = path.with_suffix(".pub")
     for taken in (path, public):
         if taken.exists():
@@ -51,14 +56,15 @@ def sign_file(path: Path, key_path: Path) -> Path:
 
     Raises:
         UsageError: the key is none of Ed25519.
-        OSError: a file cannot be read or written.
+        PolicyError: the file cannot be read, or is larger than a policy may be.
+        OSError: the key cannot be read, or the signature not written.
     """
     try:
-        key = serialization.load_pem_private_key(key_path.read_bytes(), None)
+        key = serialization.load_pem_private_key(read_at_most(key_path, _MOST_KEY_BYTES), None)
     except (ValueError, TypeError) as error:
         raise UsageError(f"--key: {key_path}: expected a key: {first_line(error)}") from None
     if not isinstance(key, Ed25519PrivateKey):
         raise UsageError(f"--key: {key_path}: expected a secret key of Ed25519")
-    signature = path.with_name(f"{path.name}.sig")
-    write_atomically(signature, key.sign(path.read_bytes()))
+    signature = signature_path(path)
+    write_atomically(signature, key.sign(read_model(path)))
     return signature

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from reflexarc.securing.authority import Authority, Identity, Validity
+from reflexarc.securing.renewing import renewed
 from reflexarc.securing.secured_robot import SecuredRobot, parse_secured_robot
 from reflexarc_runtime.errors import UsageError, first_line
 
@@ -112,6 +113,8 @@ def _fill(folder: Path, secured: SecuredRobot) -> None:
 def renew(folder: SecurityFolder, days: float | None, roles: Iterable[str] = ()) -> list[Path]:
     """New certificates and keys by the same authority; each file is the old or the new one.
 
+    All else in a file stays, rights that were added by hand too; one that is gone is made again.
+
     Args:
         folder: where the authority is.
         days: how long they hold; None: as before.
@@ -119,20 +122,36 @@ def renew(folder: SecurityFolder, days: float | None, roles: Iterable[str] = ())
 
     Returns:
         The files that are new.
+
+    Raises:
+        UsageError: a role that there is not, or a file in which they cannot be found; none is new.
     """
     secured, authority = folder.secured(), folder.authority()
     if days is not None:
         secured = replace(secured, days=days)
-    renewed = tuple(roles) or secured.roles
-    strange = [role for role in renewed if role not in secured.roles]
+    asked = tuple(roles) or secured.roles
+    strange = [role for role in asked if role not in secured.roles]
     if strange:
         wanted = ", ".join(secured.roles)
         raise UsageError(f"--role: expected {wanted}, got {', '.join(strange)}")
     valid = Validity.of_days(secured.days)
-    texts = {folder.file(r): role_text(secured, r, authority, valid) for r in renewed}
+    fresh = {folder.file(r): role_text(secured, r, authority, valid) for r in asked}
+    texts = {file: _renewed(file, text) for file, text in fresh.items()}
     for file, text in texts.items():
         _replace(file, text.encode(), SECRET_MODE)
     return list(texts)
+
+
+def _renewed(file: Path, fresh: str) -> str:
+    try:
+        return renewed(file.read_text(encoding="utf-8"), fresh)
+    except FileNotFoundError:
+        return fresh
+    except ValueError as error:
+        raise UsageError(
+            f"{file}: {error}, so nothing is renewed; move the file away, and it is made again "
+            "without what was added by hand"
+        ) from None
 
 
 def role_text(secured: SecuredRobot, role: str, authority: Authority, valid: Validity) -> str:

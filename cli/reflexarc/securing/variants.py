@@ -13,6 +13,7 @@ from reflexarc.securing.secured_robot import ONCE, base64_of
 from reflexarc.securing.security_folder import SecurityFolder
 from reflexarc_runtime.bus_config import BusConfig
 from reflexarc_runtime.doors.credentials import parse_zenoh_file
+from reflexarc_runtime.errors import UsageError, first_line
 from reflexarc_runtime.loop.clock import MonotonicClock
 
 if TYPE_CHECKING:
@@ -22,8 +23,39 @@ Settings = dict[str, Any]
 
 
 def settings_of(folder: SecurityFolder, role: str) -> Settings:
-    """What the file of a role says."""
-    return parse_zenoh_file(folder.file(role).read_text(encoding="utf-8"))
+    """What the file of a role says.
+
+    Raises:
+        UsageError: it cannot be read, or is none that `secure init` wrote.
+    """
+    file = folder.file(role)
+    try:
+        settings = parse_zenoh_file(file.read_text(encoding="utf-8"))
+        _check_shape(settings)
+    except OSError as error:
+        raise UsageError(f"{file}: cannot be read: {error.strerror}") from None
+    except ValueError as error:
+        raise UsageError(
+            f"{file}: expected JSON between lines of comment, as `secure init` wrote it: "
+            f"{first_line(error)}"
+        ) from None
+    return settings
+
+
+def _check_shape(settings: Settings) -> None:
+    """Look at what is varied here; Zenoh itself looks at the rest.
+
+    Raises:
+        ValueError: it is of another shape.
+    """
+    place: Any = settings
+    for part in ("transport", "link", "tls"):
+        place = place.get(part)
+        if not isinstance(place, dict):
+            raise ValueError(f"expected an object at transport.link.tls, got none at {part}")
+    for key in ("connect", "listen"):
+        if not isinstance(settings.get(key, {}), dict):
+            raise ValueError(f"expected an object at {key}")
 
 
 def listening(settings: Settings, port: int) -> Settings:

@@ -43,6 +43,11 @@ def entrants_of(
     return [Entrant(name, source, guard, rate_hz, backend) for name, source in named]
 
 
+def sources_of_baselines() -> list[str]:
+    """The sources of the baselines that ship with this package."""
+    return [source_of(name) for name in HOMES]
+
+
 def entrant_of(
     text: str, *, guard: bool, rate_hz: float | None, backend: BackendName = "numpy"
 ) -> Entrant:

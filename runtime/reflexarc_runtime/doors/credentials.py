@@ -27,13 +27,15 @@ class Credentials:
 
 
 def parse_zenoh_file(text: str) -> dict[str, Any]:
-    """The settings of a file that is JSON below lines of comment, as `secure init` writes it.
+    """The settings of a file that is JSON between lines of comment, as `secure init` writes it.
 
     Raises:
         ValueError: it is not.
     """
     lines = text.splitlines()
-    settings = json.loads("\n".join(line for line in lines if not line.startswith(COMMENT)))
+    settings = json.loads(
+        "\n".join(line for line in lines if not line.lstrip().startswith(COMMENT))
+    )
     if not isinstance(settings, dict):
         raise ValueError("expected an object")
     return settings

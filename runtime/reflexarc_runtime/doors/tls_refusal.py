@@ -17,6 +17,8 @@ from reflexarc_runtime.errors import first_line
 
 ANSWER_S = 1.0
 """How long an alert is waited for; a door that opens waits for us to speak."""
+HANDSHAKE_S = 4.0
+"""How long a handshake may take, on a machine that is busy."""
 
 _RENEW = "`reflexarc secure renew` where the authority is, and copy the file anew"
 _SAME = "take both files of one `reflexarc secure init`"
@@ -52,29 +54,56 @@ class DoorRefusal:
     """Whether there is no door, so far."""
 
 
+_SILENT = DoorRefusal(
+    "it takes the connection and says nothing: is it a plain listener, or does it hang?", False
+)
+"""A plain Zenoh listener takes the first bytes for a length, waits for so many, and ends later."""
+_WORDLESS = DoorRefusal(
+    "it ends the connection without a word: is it another program, or a plain listener?", False
+)
+
+
 def why_refused(host: str, port: int, shown: Credentials) -> DoorRefusal | None:
     """Knock at a door; None if it would open."""
     try:
         with _context(shown) as context:
-            return _knock(host, port, context)
-    except ssl.SSLError as error:
+            refusal = _knock(host, port, context)
+            if refusal in (_SILENT, _WORDLESS):  # so does a door whose program is just ending
+                refusal = _knock(host, port, context)
+            return refusal
+    except (ssl.SSLError, ValueError, TypeError) as error:  # OpenSSL, and what reads for it
         return DoorRefusal(f"certificate or key cannot be used: {first_line(error)}", False)
 
 
 def _knock(host: str, port: int, context: ssl.SSLContext) -> DoorRefusal | None:
     try:
-        with (
-            socket.create_connection((host, port), ANSWER_S) as plain,
-            context.wrap_socket(plain, server_hostname=host) as door,
-        ):
+        plain = socket.create_connection((host, port), ANSWER_S)
+    except OSError as error:
+        return DoorRefusal(f"nobody listens there ({error.strerror or first_line(error)})", True)
+    except UnicodeError as error:
+        return DoorRefusal(f"no host can be called so: {first_line(error)}", False)
+    with plain:
+        return _shake_hands(plain, host, context)
+
+
+def _shake_hands(plain: socket.socket, host: str, context: ssl.SSLContext) -> DoorRefusal | None:
+    """Somebody is there: whatever goes wrong from here on is no absence."""
+    plain.settimeout(HANDSHAKE_S)
+    try:
+        with context.wrap_socket(plain, server_hostname=host) as door:
+            door.settimeout(ANSWER_S)
             return _answer(door)
     except ssl.SSLCertVerificationError as error:
         other = f"its certificate is signed by another authority: {_SAME}"
         return DoorRefusal(_BY_CODE.get(error.verify_code, other), False)
+    except ssl.SSLEOFError:
+        return _WORDLESS
     except ssl.SSLError as error:
         return DoorRefusal(_alert(error), False)
-    except OSError as error:
-        return DoorRefusal(f"nobody listens there ({error.strerror or first_line(error)})", True)
+    except TimeoutError:
+        return _SILENT
+    except OSError:
+        return _WORDLESS
 
 
 def _answer(door: ssl.SSLSocket) -> DoorRefusal | None:
@@ -96,7 +125,8 @@ def _alert(error: ssl.SSLError) -> str:
 @contextmanager
 def _context(shown: Credentials) -> Iterator[ssl.SSLContext]:
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
-    context.load_verify_locations(cadata=shown.authority.decode("ascii", "replace"))
+    # Around the certificates anything may stand, a name in any language too.
+    context.load_verify_locations(cadata=shown.authority.decode("ascii", "ignore"))
     with _in_memory(shown.certificate + b"\n" + shown.key) as path:
         context.load_cert_chain(path)
     yield context

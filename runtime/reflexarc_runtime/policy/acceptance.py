@@ -10,8 +10,14 @@ import hmac
 import re
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from reflexarc_runtime.errors import PolicyError, UsageError, first_line
+from reflexarc_runtime.files import read_at_most
+from reflexarc_runtime.policy.model_file import read_model
+
+if TYPE_CHECKING:
+    from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PublicKey
 
 _SHA256 = re.compile(r"[0-9a-f]{64}")
 SIGNATURE_BYTES = 64
@@ -19,7 +25,7 @@ SIGNATURE_BYTES = 64
 
 def signature_path(policy: Path) -> Path:
     """Where the signature of a file is."""
-    return policy.with_name(f"{policy.name}.sig")
+    return policy.parent / f"{policy.name}.sig"
 
 
 def signature_beside(policy: Path) -> bytes:
@@ -30,8 +36,7 @@ def signature_beside(policy: Path) -> bytes:
     """
     path = signature_path(policy)
     try:
-        with path.open("rb") as file:
-            signature = file.read(SIGNATURE_BYTES + 1)
+        signature = read_at_most(path, SIGNATURE_BYTES)
     except FileNotFoundError:
         return b""
     if len(signature) != SIGNATURE_BYTES:
@@ -45,87 +50,95 @@ def signature_beside(policy: Path) -> bytes:
 
 @dataclass(frozen=True)
 class Acceptance:
-    """What a policy must fulfil before it is parsed."""
+    """What a policy must fulfil before it is parsed.
 
-    sha256: str = ""
-    """Of all its bytes, in hexadecimal; empty: any."""
-    public_key: bytes = b""
-    """Of who must have signed it, as PEM; empty: nobody need have."""
+    What is asked for is asked for: a hash or a key that is empty is refused, not ignored.
+
+    Raises:
+        UsageError: the hash or the key is none.
+        ModuleNotFoundError: a signature is asked for, and the extra `secure` is missing.
+    """
+
+    sha256: str | None = None
+    """Of all its bytes, in hexadecimal; None: any."""
+    public_key: bytes | None = None
+    """Of who must have signed it, as PEM; None: nobody need have."""
 
     def __post_init__(self) -> None:
-        if self.sha256 and _SHA256.fullmatch(self.sha256) is None:
+        if self.sha256 is not None and _SHA256.fullmatch(self.sha256) is None:
             raise UsageError(
                 f"--expect-hash: expected a SHA-256, 64 digits of 0-9a-f, got {self.sha256!r}"
             )
-
-    @property
-    def asks(self) -> bool:
-        """Whether it asks for anything."""
-        return bool(self.sha256 or self.public_key)
+        if self.public_key is not None:
+            _parse_key(self.public_key)
 
     def accept(self, policy: bytes, signature: bytes = b"") -> None:
         """Look at the bytes of a file, and at the signature that came with it.
 
         Raises:
             PolicyError: they are not those that were vouched for.
-            UsageError: the key is none.
-            ModuleNotFoundError: a signature is asked for, and the extra `secure` is missing.
         """
         found = hashlib.sha256(policy).hexdigest()
-        if self.sha256 and not hmac.compare_digest(found, self.sha256):
+        if self.sha256 is not None and not hmac.compare_digest(found, self.sha256):
             raise PolicyError(
                 f"expected the file of SHA-256 {self.sha256} (--expect-hash), got {found}"
             )
-        if self.public_key:
-            self._verify(policy, signature)
+        if self.public_key is not None:
+            _verify(_parse_key(self.public_key), policy, signature)
 
     def accept_file(self, path: Path) -> bytes:
         """Look at a file and the signature beside it; return the bytes that were accepted.
 
         Raises:
-            PolicyError: see `accept`; the line names the file.
+            PolicyError: it cannot be read, or see `accept`; the line names the file.
         """
-        policy = path.read_bytes()
+        policy = read_model(path)
+        signature = b"" if self.public_key is None else _needed_signature(path)
         try:
-            self.accept(policy, self._signature_beside(path))
+            self.accept(policy, signature)
         except PolicyError as error:
             raise PolicyError(f"{path}: {error}") from None
         return policy
 
-    def _signature_beside(self, path: Path) -> bytes:
-        if not self.public_key:
-            return b""
-        try:
-            return signature_path(path).read_bytes()
-        except FileNotFoundError:
-            raise PolicyError(
-                f"expected its signature in {signature_path(path).name} (--require-signature), "
-                "found none: `reflexarc secure sign`"
-            ) from None
 
-    def _verify(self, policy: bytes, signature: bytes) -> None:
-        from cryptography.exceptions import InvalidSignature
-        from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PublicKey
-        from cryptography.hazmat.primitives.serialization import load_pem_public_key
+def _needed_signature(policy: Path) -> bytes:
+    signature = signature_beside(policy)
+    if not signature:
+        raise PolicyError(
+            f"{policy}: expected its signature in {signature_path(policy).name} "
+            "(--require-signature), found none: `reflexarc secure sign`"
+        )
+    return signature
 
-        try:
-            key = load_pem_public_key(self.public_key)
-        except ValueError as error:
-            raise UsageError(
-                f"--require-signature: not a public key: {first_line(error)}"
-            ) from None
-        if not isinstance(key, Ed25519PublicKey):
-            raise UsageError("--require-signature: expected a public key of Ed25519")
-        if not signature:
-            raise PolicyError(
-                "expected a signature by the key of --require-signature, got none: "
-                "`reflexarc secure sign` writes one beside the file"
-            )
-        try:
-            key.verify(signature, policy)
-        except InvalidSignature:
-            raise PolicyError(
-                f"expected a signature by the key of --require-signature, got {len(signature)} "
-                f"bytes that are none of these {len(policy)} bytes: the file was changed, or "
-                "somebody else signed it"
-            ) from None
+
+def _parse_key(pem: bytes) -> "Ed25519PublicKey":
+    from cryptography.exceptions import UnsupportedAlgorithm
+    from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PublicKey
+    from cryptography.hazmat.primitives.serialization import load_pem_public_key
+
+    try:
+        key = load_pem_public_key(pem)
+    except (ValueError, UnsupportedAlgorithm) as error:
+        said = first_line(error) if pem else "the file is empty"
+        raise UsageError(f"--require-signature: not a public key: {said}") from None
+    if not isinstance(key, Ed25519PublicKey):
+        raise UsageError("--require-signature: expected a public key of Ed25519")
+    return key
+
+
+def _verify(key: "Ed25519PublicKey", policy: bytes, signature: bytes) -> None:
+    from cryptography.exceptions import InvalidSignature
+
+    if not signature:
+        raise PolicyError(
+            "expected a signature by the key of --require-signature, got none: "
+            "`reflexarc secure sign` writes one beside the file"
+        )
+    try:
+        key.verify(signature, policy)
+    except InvalidSignature:
+        raise PolicyError(
+            f"expected a signature by the key of --require-signature, got {len(signature)} "
+            f"bytes that are none of these {len(policy)} bytes: the file was changed, or "
+            "somebody else signed it"
+        ) from None

@@ -8,7 +8,7 @@ from google.protobuf.message import DecodeError
 
 from reflexarc_runtime.contract.contract import METADATA_KEY, PolicyContract
 from reflexarc_runtime.errors import ContractError, PolicyError
-from reflexarc_runtime.files import is_lfs_pointer
+from reflexarc_runtime.files import is_lfs_pointer, read_at_most
 from reflexarc_runtime.policy.model_check import check_model, quoted
 from reflexarc_runtime.policy.wire_check import check_wire
 
@@ -27,8 +27,8 @@ def read_model(path: Path) -> bytes:
         PolicyError: it cannot be read, is larger than 64 MiB, or what Git LFS left in its place.
     """
     try:
-        check_size(path.stat().st_size)
-        data = path.read_bytes()
+        data = read_at_most(path, MAX_FILE_BYTES)  # a device has no size, and no end
+        check_size(len(data))
         if is_lfs_pointer(data):
             raise PolicyError("is a Git LFS pointer, not the policy itself: `git lfs pull`")
         return data

@@ -124,6 +124,7 @@ def load_policy(
     *,
     verify: bool = True,
     bounds: Bounds | None = USUAL_BOUNDS,
+    name: str = "policy",
 ) -> LoadedPolicy:
     """Load a policy and prove that it is the one that was exported.
 
@@ -132,13 +133,14 @@ def load_policy(
         backend: what shall compute it.
         verify: reproduce the golden vectors; only the exporter, which makes them, does not.
         bounds: what it may ask for at most; None where nothing will move by it, as in a replay.
+        name: what errors call bytes; a file is called by its path.
 
     Raises:
         PolicyError: the file is missing or is not ONNX, or does not reproduce its golden vectors.
         ContractError: the contract in it is missing, malformed, newer than this package, or asks
             for more than the bounds allow.
     """
-    where, data = _read(source)
+    where, data = _read(source, name)
     try:
         return _load(data, Backend(backend), verify, bounds)
     except ReflexarcError as error:
@@ -167,10 +169,10 @@ def load_contract(
         raise type(error)(f"{where}: {error}") from None
 
 
-def _read(source: Path | str | bytes) -> tuple[str, bytes]:
+def _read(source: Path | str | bytes, name: str = "policy") -> tuple[str, bytes]:
     """What to call the file, and its bytes."""
     if isinstance(source, bytes):
-        return "policy", source
+        return name, source
     return str(source), read_model(Path(source))
 
 

@@ -4,18 +4,23 @@ Numba knows a cached function by its own file alone, and does not notice that a 
 calls, in another file, has changed: it would go on running the old world. So each state of the
 sources has a folder of its own; the newest few stay.
 
+What is kept is code, and Numba's index of it are pickles: a folder that another user made, or may
+write to, is not used.
+
 Nothing is read or written when a module is imported. Decorated functions wait until `prepare` is
 called, which whoever is about to compile does; from then on what is compiled is kept.
 """
 
 import atexit
 import contextlib
+import errno
 import fcntl
 import hashlib
 import inspect
 import logging
 import os
 import shutil
+import stat
 import tempfile
 import threading
 import time
@@ -52,6 +57,7 @@ COMPILED_FROM = (
 """Folders and files that compiled code comes from, its constants included."""
 
 _PREFIX = "compiled-"
+_OWN_MODE = 0o700
 _LONGEST_S, _LOOK_AGAIN_S = 300.0, 0.1
 
 _Dispatcher = TypeVar("_Dispatcher")
@@ -102,7 +108,9 @@ def cache_folder() -> Path | None:
     try:
         home = home.expanduser()
         folder = home / f"{_PREFIX}{source_key(COMPILED_FROM)}"
-        folder.mkdir(parents=True, exist_ok=True)
+        home.mkdir(parents=True, exist_ok=True)
+        folder.mkdir(mode=_OWN_MODE, exist_ok=True)
+        _check_ours(folder)
         os.utime(folder)  # `touch` would call a folder that cannot be written a directory
         tempfile.TemporaryFile(dir=folder).close()
     except (OSError, RuntimeError) as error:  # of what is no home, and of a user without one
@@ -115,6 +123,19 @@ def cache_folder() -> Path | None:
         return _folder_of_this_process()
     _forget_old_states(home)
     return folder
+
+
+def _check_ours(folder: Path) -> None:
+    """Check that this user made it, and that nobody else can put code into it.
+
+    Raises:
+        PermissionError: it is not so.
+    """
+    found = folder.stat()
+    owners = {folder.lstat().st_uid, found.st_uid}  # of a link as well
+    if owners != {os.geteuid()} or found.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
+        words = f"{folder.name} is another user's, or others can write to it"
+        raise PermissionError(errno.EPERM, words)
 
 
 def _folder_of_this_process() -> Path | None:

@@ -10,9 +10,12 @@ import pytest
 pytest.importorskip("cryptography")
 
 from reflexarc.securing.door_row import DoorState
+from reflexarc.securing.door_trial import try_doors
 from reflexarc.securing.folder_doors import folder_rows
 from reflexarc.securing.secured_robot import SecuredRobot
 from reflexarc.securing.security_folder import SecurityFolder, make_folder
+from reflexarc.securing.variants import settings_of
+from reflexarc_runtime.errors import UsageError
 
 ROBOT = SecuredRobot("robot0", (), 7447, "body", 100.0)
 
@@ -84,3 +87,49 @@ def test_a_setting_that_opens_a_door(
 
     changed(folder, "body", change)
     assert [words.partition(":")[0] for words in bad(folder)] == [door]
+
+
+SHAPES: dict[str, Callable[[str], str]] = {
+    "a comment within a line": lambda text: text.replace('"mode"', '/* by hand */ "mode"'),
+    "a comma at the end": lambda text: text.rstrip()[:-1] + ",}",
+    "half of it": lambda text: text[: len(text) // 2],
+    "nothing": lambda text: "",
+    "a list": lambda text: "[]",
+    "no TLS": lambda text: '{"mode": "client"}',
+    "a list within": lambda text: '{"transport": []}',
+    "a number within": lambda text: '{"transport": {"link": {"tls": 1}}}',
+}
+
+
+@pytest.mark.parametrize("shape", SHAPES.values(), ids=SHAPES)
+@pytest.mark.parametrize("role", ["viewer", "body"])
+def test_a_file_of_another_shape_is_told_by_name(
+    shape: Callable[[str], str], role: str, folder: SecurityFolder
+):
+    """Zenoh itself takes some of them; what is varied here must be understood here."""
+    file = folder.file(role)
+    file.write_text(shape(file.read_text()))
+    assert f"certificate of {role}" in [row.door for row in folder_rows(folder) if row.is_bad]
+    with pytest.raises(UsageError, match=rf"{role}\.json5: expected JSON"):
+        list(try_doors(folder))
+
+
+def test_lines_of_comment_may_stand_anywhere(folder: SecurityFolder):
+    file = folder.file("body")
+    before = settings_of(folder, "body")
+    file.write_text(file.read_text().replace('"mode"', '  // by hand\n "mode"'))
+    assert settings_of(folder, "body") == before
+    assert bad(folder) == []
+
+
+def test_bytes_that_are_no_text_and_no_certificate_are_told(folder: SecurityFolder):
+    folder.file("viewer").write_bytes(b"\xff\xfe")
+    changed(folder, "runtime", lambda s: s["transport"]["link"]["tls"].clear())
+    folder.file("operator").unlink()
+    folder.file("operator").mkdir()
+    assert {"certificate of viewer", "certificate of runtime", "certificate of operator"} <= {
+        row.door for row in folder_rows(folder) if row.is_bad
+    }
+    for role in ("viewer", "operator"):
+        with pytest.raises(UsageError, match=rf"{role}\.json5"):
+            settings_of(folder, role)

@@ -1,10 +1,14 @@
 import stat
+from base64 import b64decode
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 pytest.importorskip("cryptography")
+
+from cryptography import x509
+from cryptography.hazmat.primitives import serialization
 
 from reflexarc.securing import security_folder
 from reflexarc.securing.secured_robot import SecuredRobot
@@ -15,6 +19,14 @@ from reflexarc_runtime.doors.open_doors import open_doors
 from reflexarc_runtime.errors import UsageError
 
 ROBOT = SecuredRobot("robot0", ("10.0.0.1",), 7447, "body", 365.0)
+
+
+ROS_RULE = """{ id: 'ROS 2', messages: ["put"], flows: ["egress"], permission: "allow",
+ key_exprs: ["rt/cmd_vel"], }"""
+
+
+def certificate_in(text: str) -> str:
+    return text.partition('"connect_certificate_base64": "')[2].partition('"')[0]
 
 
 def names(folder: Path) -> set[str]:
@@ -99,6 +111,60 @@ def test_a_renewal_is_by_the_same_authority_and_of_whom_it_is_asked_for(tmp_path
     (folder.path / "ca.key").unlink()
     with pytest.raises(UsageError, match=r"ca\.key"):
         renew(folder, None)
+
+
+@pytest.mark.parametrize("door", ["body", "router"])
+def test_a_renewal_leaves_all_else_as_it_stands(door: str, tmp_path: Path):
+    """The rights of ROS 2 are added by hand, as docs/secure.md says; Zenoh reads the result."""
+    folder = make_folder(tmp_path / "keys", replace(ROBOT, door=door))
+    file = folder.file(door)
+    before = file.read_text()
+    by_hand = before.replace('"rules": [', '"rules": [ /* of ROS 2 */ ' + ROS_RULE + ",", 1)
+    assert by_hand != before
+    file.write_text(by_hand)
+    renew(folder, None)
+    after = file.read_text()
+    lines = zip(by_hand.splitlines(), after.splitlines(), strict=True)
+    changed = [old.split('"')[1] for old, new in lines if old != new]
+    assert sorted(changed) == [
+        "connect_certificate_base64",
+        "connect_private_key_base64",
+        "listen_certificate_base64",
+        "listen_private_key_base64",
+    ]
+    rules = settings_of_file(file)("access_control/rules")
+    assert rules[0]["id"] == "ROS 2"
+    assert certificate_in(after) not in by_hand
+    assert stat.S_IMODE(file.stat().st_mode) == 0o600
+
+
+def test_a_renewed_certificate_goes_with_its_key(tmp_path: Path):
+    folder = make_folder(tmp_path / "keys", ROBOT)
+    folder.file("viewer").unlink()  # it is made again
+    renew(folder, None)
+    for role in ROBOT.roles:
+        tls = settings_of(folder, role)["transport"]["link"]["tls"]
+        for side in ("connect", "listen") if role == "body" else ("connect",):
+            pem = {p: b64decode(tls[f"{side}_{p}_base64"]) for p in ("certificate", "private_key")}
+            key = serialization.load_pem_private_key(pem["private_key"], None)
+            certificate = x509.load_pem_x509_certificate(pem["certificate"])
+            assert key.public_key() == certificate.public_key()
+
+
+@pytest.mark.parametrize("spoil", ["twice", "never"])
+def test_a_file_that_cannot_be_renewed_is_told_and_none_is(spoil: str, tmp_path: Path):
+    folder = make_folder(tmp_path / "keys", ROBOT)
+    file = folder.file("viewer")
+    name = '"connect_certificate_base64"'
+    text = file.read_text()
+    more = f'// {name}: "QUJD"\n'
+    file.write_text(text + more if spoil == "twice" else text.replace(name, '"elsewhere"'))
+    before = {role: folder.file(role).read_bytes() for role in ROBOT.roles}
+    with pytest.raises(
+        UsageError, match=r"viewer\.json5: expected connect_certificate_base64 once"
+    ):
+        renew(folder, None)
+    assert {role: folder.file(role).read_bytes() for role in ROBOT.roles} == before
 
 
 def test_a_folder_that_is_none_is_said(tmp_path: Path):

@@ -36,14 +36,13 @@ def test_the_file_of_the_hash_is_accepted_and_one_of_another_bit_is_not(policy: 
         acceptance.accept(POLICY[:-1] + b"\xfe")
 
 
-@pytest.mark.parametrize("digits", ["abc", "0" * 63, "g" * 64, "0" * 65])
+@pytest.mark.parametrize("digits", ["", "abc", "0" * 63, "g" * 64, "0" * 65])
 def test_what_is_no_hash_is_refused(digits: str):
     with pytest.raises(UsageError, match="64 digits"):
         Acceptance(sha256=digits)
 
 
 def test_nothing_asked_for_accepts_anything():
-    assert not Acceptance().asks
     Acceptance().accept(b"anything")
 
 
@@ -65,6 +64,15 @@ def test_a_missing_signature_is_told_from_a_wrong_one(policy: Path, tmp_path: Pa
     public = make_key(tmp_path / "mine.key")
     with pytest.raises(PolicyError, match=r"policy\.onnx\.sig.*found none"):
         Acceptance(public_key=public.read_bytes()).accept_file(policy)
+
+
+def test_what_has_no_end_is_not_read_to_it(policy: Path, tmp_path: Path):
+    acceptance = Acceptance(public_key=make_key(tmp_path / "mine.key").read_bytes())
+    with pytest.raises(PolicyError, match="at most 64 MiB"):
+        acceptance.accept_file(Path("/dev/zero"))
+    signature_path(policy).symlink_to("/dev/zero")
+    with pytest.raises(PolicyError, match="expected the 64 raw bytes of a signature, got more"):
+        acceptance.accept_file(policy)
 
 
 @needs_openssl
@@ -101,8 +109,9 @@ def test_keys_of_another_kind_are_refused(policy: Path, tmp_path: Path):
         sign_file(policy, secret)
     with pytest.raises(UsageError, match="Ed25519"):
         Acceptance(public_key=public.read_bytes()).accept(POLICY, bytes(64))
-    with pytest.raises(UsageError, match="not a public key"):
-        Acceptance(public_key=b"none").accept(POLICY, bytes(64))
+    for none in (b"none", b""):
+        with pytest.raises(UsageError, match="not a public key"):
+            Acceptance(public_key=none)
 
 
 def test_keys_are_secret_and_never_overwritten(tmp_path: Path):

@@ -6,6 +6,7 @@ import pkgutil
 import select
 import subprocess
 import sys
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from importlib.machinery import ModuleSpec
 from pathlib import Path
@@ -65,6 +66,64 @@ def test_numba_s_own_folder_is_given_back():
     prepare()
     assert doubled.stats.cache_path.startswith(str(cache_folder()))
     assert before == numba.config.CACHE_DIR
+
+
+@pytest.fixture
+def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """Where compiled code is kept, as if nobody had asked before."""
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "cache"))
+    cache_folder.cache_clear()
+    yield tmp_path / "cache"
+    cache_folder.cache_clear()
+
+
+def asked_again() -> Path:
+    cache_folder.cache_clear()
+    folder = cache_folder()
+    assert folder is not None
+    return folder
+
+
+def test_the_folder_is_its_owner_s_alone_whatever_the_umask(home: Path):
+    before = os.umask(0)
+    try:
+        folder = asked_again()
+    finally:
+        os.umask(before)
+    assert folder.parent == home
+    assert folder.stat().st_mode & 0o777 == 0o700
+    assert asked_again() == folder
+    folder.chmod(0o755)  # others may read what is no secret
+    assert asked_again() == folder
+
+
+@pytest.mark.parametrize("mode", [0o770, 0o702, 0o777])
+def test_a_folder_that_others_can_write_to_is_not_used(
+    mode: int, home: Path, caplog: pytest.LogCaptureFixture
+):
+    folder = asked_again()
+    folder.chmod(mode)
+    assert asked_again().parent != home
+    assert "others can write to it" in caplog.text
+    assert folder.is_dir()
+
+
+def test_a_folder_or_a_link_of_somebody_else_is_not_used(
+    home: Path, monkeypatch: pytest.MonkeyPatch
+):
+    folder = asked_again()
+    monkeypatch.setattr(os, "geteuid", lambda: folder.stat().st_uid + 1)
+    assert asked_again().parent != home
+
+
+def test_a_link_to_a_folder_that_others_can_write_to_is_not_used(home: Path, tmp_path: Path):
+    folder = asked_again()
+    folder.rmdir()
+    (tmp_path / "theirs").mkdir(mode=0o700)
+    folder.symlink_to(tmp_path / "theirs")
+    assert asked_again() == folder
+    (tmp_path / "theirs").chmod(0o777)
+    assert asked_again().parent != home
 
 
 def test_all_that_is_compiled_comes_from_the_named_places():

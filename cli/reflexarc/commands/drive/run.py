@@ -174,19 +174,11 @@ class RunCommand:
 
     def _tried_policy(self) -> "LoadedPolicy":
         """Load the policy, after a process of its own has."""
-        from reflexarc_runtime.loop.trials.forked_process import forked_if_alone
-        from reflexarc_runtime.loop.trials.trial import Trial, check_fits
-        from reflexarc_runtime.policy.policy import load_policy
+        from reflexarc.wiring.running.driving_policy import tried_policy
+        from reflexarc_runtime.loop.trials.trial import check_fits
 
         accepted = self.trusting.check_file(self.policy)
-        with Trial(self.policy, self.backend, begin=forked_if_alone) as trial:
-            # Meanwhile everything else that the loop will need is loaded.
-            import reflexarc_runtime.bus
-            import reflexarc_runtime.controller  # noqa: F401
-
-            finding = trial.finding()
-        policy = load_policy(self.policy, self.backend, bounds=self.bounds)
-        self.trusting.check_loaded(accepted, policy)
+        finding, policy = tried_policy(self.policy, accepted, self.backend, self.bounds)
         check_fits(finding, policy, in_real_time=not self.lockstep)
         warning = check_speed(policy.contract, allow=self.allow_fast)
         if warning:
@@ -194,6 +186,7 @@ class RunCommand:
         return policy
 
     def _check_flags(self) -> None:
+        self.trusting.check()
         self.watching.check()
         self.pacing.check(lockstep=self.lockstep)
         self.metering.check()

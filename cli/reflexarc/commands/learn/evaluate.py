@@ -214,7 +214,7 @@ class EvaluateCommand:
             raise
         cards = score_cards(run.results)
         write_results(out, run, cards)
-        drawn = self.page and _draw_page(out, self.suite)
+        drawn = self.page and _draw_page(out, self.suite, entrants)
         if self.json:
             print_json(document_of(run.results, cards))
             return 0
@@ -230,14 +230,15 @@ class EvaluateCommand:
         return tuple(Setting) if self.setting == "both" else (Setting(self.setting),)
 
 
-def _draw_page(out: Path, suite: str) -> bool:
-    """Draw the page, if the extra for pictures is there."""
+def _draw_page(out: Path, suite: str, entrants: "list[Entrant]") -> bool:
+    """Draw the page, if the extra for pictures is there, with moments of those given here."""
     try:
         from reflexarc_pictures.rendering import render_results
     except ModuleNotFoundError as missing:
         aside.print(f"no page: {missing.name} is missing: pip install 'reflexarc[pictures]'")
         return False
-    render_results(out / "results.json", out / "index.html", suite, progress_bar)
+    code = [entrant.source for entrant in entrants if entrant.is_code]
+    render_results(out / "results.json", out / "index.html", suite, progress_bar, code)
     return True
 
 

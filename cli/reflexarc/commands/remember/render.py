@@ -47,7 +47,8 @@ class RenderCommand:
     beside it, over time: the retina, the Q-values and the actions.
 
     Results of `evaluate --suite` become a page (HTML) that shows all of them, or a picture of the
-    scores.
+    scores. Its worst moments are those of a policy file or of a baseline; a controller that the
+    results name is not run, only `evaluate` itself draws its moments.
 
     Examples:
       reflexarc render crossing -o crossing.png
@@ -109,7 +110,10 @@ class RenderCommand:
         self._refuse_for("worlds and logs", "seconds")
         if self.kind != "auto":
             raise UsageError(f"--kind {self.kind}: only for pictures of logs")
-        return render_results(Path(self.target), self.out, self.suite, progress_bar)
+        from reflexarc.wiring.entrants import sources_of_baselines
+
+        shipped = sources_of_baselines()
+        return render_results(Path(self.target), self.out, self.suite, progress_bar, shipped)
 
     def _world(self) -> Rendered:
         if self.kind != "auto":

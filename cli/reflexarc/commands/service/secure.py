@@ -1,5 +1,6 @@
 """`reflexarc secure`: certificates and rights for a robot's bus, its doors, signed policies."""
 
+import re
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -17,6 +18,9 @@ if TYPE_CHECKING:
 _LONGEST_ROBOT = 54
 """A common name has at most 64 characters (RFC 5280), of which `recorder.` takes some."""
 _MOST_DAYS = 3650.0
+_LABEL = r"(?!-)[A-Za-z0-9_-]{1,63}(?<!-)"
+_HOST_NAME = re.compile(rf"({_LABEL}\.)*(?![0-9]+$){_LABEL}")
+"""RFC 1123, and underscores; the last label is no number, or it would be a mistyped address."""
 _OPEN = 1
 
 
@@ -28,8 +32,9 @@ class SecureCommand:
     recorder, operator, viewer), which holds its certificate, its key and nothing to be written by
     hand. Copy each to the machine of its role, and give it with --zenoh. `check` tries every door
     with real sessions, and says of each whether it is shut; with --connect also the door of a robot
-    in use. Exit status: 0 all shut, 1 one is open. `renew` makes new certificates before the old
-    ones expire. `key` and `sign` are for policies: see --require-signature of `reflexarc run`.
+    in use. Exit status: 0 all shut, 1 one is open, or does not open to whom it should. `renew`
+    makes new certificates before the old ones expire. `key` and `sign` are for policies: see
+    --require-signature of `reflexarc run`.
 
     Examples:
       reflexarc secure init keys --host 10.0.0.1
@@ -191,7 +196,7 @@ def _check_host(host: str) -> None:
         name = alternative_name(host)
     except ValueError as error:
         raise UsageError(f"--host: expected {expected}, got {host!r}: {error}") from None
-    if ":" in host and isinstance(name.value, str):
+    if isinstance(name.value, str) and not _HOST_NAME.fullmatch(host):
         raise UsageError(f"--host: expected {expected}, got {host!r}")
     if str(name.value) in ("0.0.0.0", "::"):
         raise UsageError(f"--host: {host} is no address that another machine can reach")

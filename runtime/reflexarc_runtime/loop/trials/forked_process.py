@@ -18,13 +18,16 @@ from reflexarc_runtime.loop.trials.trial import TrialProcess, spawned
 _TASKS = Path("/proc/self/task")
 
 
-def forked_if_alone(path: Path, backend: str) -> TrialProcess:
-    """Begin a trial in a copy of this process, if it has one thread; else in a new one."""
+def forked_if_alone(path: Path, backend: str, data: bytes | None = None) -> TrialProcess:
+    """Begin a trial in a copy of this process, if it has one thread; else in a new one.
+
+    Args: see `spawned`.
+    """
     if not _is_alone():
-        return spawned(path, backend)
+        return spawned(path, backend, data)
     from reflexarc_runtime.loop.trials.trial_process import main
 
-    return ForkedProcess(lambda: main(path, backend))
+    return ForkedProcess(lambda: main(path, backend, data))
 
 
 def _is_alone() -> bool:

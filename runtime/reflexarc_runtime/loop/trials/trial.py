@@ -9,6 +9,7 @@ median.
 import json
 import subprocess
 import sys
+import tempfile
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -34,6 +35,8 @@ DECISIONS = 24
 """How many decisions are measured, at most."""
 READY = "ready"
 """What the process says when it has loaded its own modules."""
+STDIN = "-"
+"""Third word for the process where the policy's bytes come on its standard input."""
 
 _PROCESS = "reflexarc_runtime.loop.trials.trial_process"
 
@@ -73,14 +76,26 @@ class TrialProcess(Protocol):
         ...
 
 
-def spawned(path: Path, backend: str) -> TrialProcess:
-    """Begin a trial in a new process."""
+def spawned(path: Path, backend: str, data: bytes | None = None) -> TrialProcess:
+    """Begin a trial in a new process.
+
+    Args:
+        path: the policy file.
+        backend: what shall compute it.
+        data: what was read of the file; None: the process reads it.
+    """
+    words = [sys.executable, "-P", "-m", _PROCESS, str(path), backend]
+    if data is None:
+        return _begun(words, subprocess.DEVNULL)
+    with tempfile.TemporaryFile() as given:  # a pipe would hold up whoever fills it
+        given.write(data)
+        given.seek(0)
+        return _begun([*words, STDIN], given)
+
+
+def _begun(words: list[str], stdin: "int | IO[bytes]") -> TrialProcess:
     return subprocess.Popen(
-        [sys.executable, "-P", "-m", _PROCESS, str(path), backend],
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
-        text=True,
+        words, stdin=stdin, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
     )
 
 

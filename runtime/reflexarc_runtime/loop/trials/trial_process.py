@@ -1,8 +1,9 @@
 """The process that tries a policy file: see `trial`.
 
-    python -m reflexarc_runtime.loop.trials.trial_process POLICY BACKEND
+    python -m reflexarc_runtime.loop.trials.trial_process POLICY BACKEND [-]
 
-It prints `ready` when it has loaded its own modules, then one JSON object.
+With `-` the bytes come on its standard input, and POLICY is but what they are called. It prints
+`ready` when it has loaded its own modules, then one JSON object.
 """
 
 import importlib
@@ -20,7 +21,14 @@ import numpy as np
 
 from reflexarc_runtime.errors import PolicyError, ReflexarcError
 from reflexarc_runtime.loop.clock import MonotonicClock
-from reflexarc_runtime.loop.trials.trial import DECISIONS, MEMORY_BYTES, PER_BYTE, READY, Finding
+from reflexarc_runtime.loop.trials.trial import (
+    DECISIONS,
+    MEMORY_BYTES,
+    PER_BYTE,
+    READY,
+    STDIN,
+    Finding,
+)
 from reflexarc_runtime.policy.golden_check import start_of
 from reflexarc_runtime.policy.model_file import MAX_FILE_BYTES
 from reflexarc_runtime.policy.policy import Backend, LoadedPolicy, load_policy
@@ -33,15 +41,15 @@ ALONE_S = 60
 """The kernel ends this process after so long, whatever became of the one that started it."""
 
 
-def main(path: Path, backend: str) -> None:
-    """Try a policy and print what was found."""
+def main(path: Path, backend: str, data: bytes | None = None) -> None:
+    """Try a policy, from its file or from what was read of it, and print what was found."""
     signal.alarm(ALONE_S)
     if backend == Backend.ONNXRUNTIME:
         # Its library is none of what the policy takes, and takes its time.
         importlib.import_module("reflexarc_runtime.policy.onnxruntime_backend")
-    limit_memory(_size_of(path))
+    limit_memory(_size_of(path) if data is None else len(data))
     print(READY, flush=True)
-    print(json.dumps(_try(path, backend)))
+    print(json.dumps(_try(path, backend, data)))
 
 
 def ask_about_darkness(policy: LoadedPolicy, name: str) -> None:
@@ -95,9 +103,10 @@ def _size_of(path: Path) -> int:
         return 0
 
 
-def _try(path: Path, backend: str) -> dict[str, str | int]:
+def _try(path: Path, backend: str, data: bytes | None) -> dict[str, str | int]:
     try:
-        policy = load_policy(path, backend, bounds=None)
+        source = path if data is None else data
+        policy = load_policy(source, backend, bounds=None, name=str(path))
         ask_about_darkness(policy, str(path))
         return asdict(Finding(policy.policy_hash, measure(policy, MonotonicClock().now_ns)))
     except ReflexarcError as error:
@@ -107,4 +116,4 @@ def _try(path: Path, backend: str) -> dict[str, str | int]:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), sys.argv[2])
+    main(Path(sys.argv[1]), sys.argv[2], sys.stdin.buffer.read() if STDIN in sys.argv[3:] else None)

@@ -15,7 +15,8 @@ from reflexarc_sim_bridge.evaluation.protocol.contender import (
 )
 from reflexarc_sim_bridge.native.cache import source_key
 
-_CODE = ":"
+CODE = ":"
+"""What a source of code has between its module and its class."""
 _UNREAD = ".pyc"
 
 
@@ -48,7 +49,7 @@ class Entrant:
     @property
     def is_code(self) -> bool:
         """Whether it is a class, not a file."""
-        return _CODE in self.source and not Path(self.source).exists()
+        return CODE in self.source and not Path(self.source).exists()
 
     def content_hash(self) -> str:
         """SHA-256 of the file; of a class, of its package's code and of the files beside it.
@@ -64,7 +65,7 @@ class Entrant:
             is_usual = self.backend == Backend.NUMPY
             return own if is_usual else hashlib.sha256((own + self.backend).encode()).hexdigest()
         digest = hashlib.sha256()
-        name = self.source.partition(_CODE)[0]
+        name = self.source.partition(CODE)[0]
         for path in _files_of(name):
             digest.update(path.name.encode() + path.read_bytes())
         if not name.endswith(".py"):

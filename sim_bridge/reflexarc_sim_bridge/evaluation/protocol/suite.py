@@ -159,11 +159,28 @@ def suite_named(name: str) -> Suite:
     Raises:
         ReflexarcError: there is none; or the file says what no suite can be.
     """
-    known = sorted(path.stem for path in _FOLDER.glob(f"*{_SUFFIX}"))
-    if name in known:
-        path = _FOLDER / f"{name}{_SUFFIX}"
-    elif "/" in name or name.endswith(_SUFFIX):
-        path = Path(name)
-    else:
-        raise UsageError(f"suite: expected one of {', '.join(known)}, or a file, got {name!r}")
+    if name in _shipped():
+        return suite_shipped(name)
+    if "/" in name or name.endswith(_SUFFIX):
+        return _read(Path(name))
+    known = ", ".join(_shipped())
+    raise UsageError(f"suite: expected one of {known}, or a file, got {name!r}")
+
+
+def suite_shipped(name: str) -> Suite:
+    """A suite that ships with this package: no file is looked for, whatever the name is.
+
+    Raises:
+        UsageError: there is none.
+    """
+    if name not in _shipped():
+        raise UsageError(f"suite: expected one of {', '.join(_shipped())}, got {name!r}")
+    return _read(_FOLDER / f"{name}{_SUFFIX}")
+
+
+def _shipped() -> list[str]:
+    return sorted(path.stem for path in _FOLDER.glob(f"*{_SUFFIX}"))
+
+
+def _read(path: Path) -> Suite:
     return fill(Suite, TomlSource(read_text(path, str(path)), str(path)))

@@ -7,6 +7,7 @@ import pytest
 pytest.importorskip("cryptography")
 
 from reflexarc.main import main
+from reflexarc.securing.policy_keys import make_key
 from reflexarc_runtime.contract.contract import PolicyContract
 from support.policies import exported
 
@@ -19,6 +20,13 @@ from support.policies import exported
         (["--host", "a b"], "--host"),
         (["--host", "tls/10.0.0.1"], "--host"),
         (["--host", ""], "--host"),
+        (["--host", "rover..local"], "--host"),
+        (["--host", ".local"], "--host"),
+        (["--host", "rover.local."], "--host"),
+        (["--host", "rover-.local"], "--host"),
+        (["--host", "*.local"], "--host"),
+        (["--host", "10.0.0.300"], "--host"),
+        (["--host", "x" * 64 + ".local"], "--host"),
         (["--host", "straße.example"], "--host"),
         (["--robot", "a/b"], "--robot"),
         (["--robot", "x" * 60], "--robot"),
@@ -34,6 +42,13 @@ def test_what_cannot_be_is_refused_and_nothing_is_made(
     [line] = capsys.readouterr().err.splitlines()
     assert said in line
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "host", ["rover1.local", "rover", "a-b.c_d.example", "10.0.0.1", "fd00::1"]
+)
+def test_names_and_addresses_of_hosts_are_taken(host: str, tmp_path: Path):
+    assert main(["secure", "init", str(tmp_path / "keys"), "--host", host]) == 0
 
 
 def test_init_says_what_to_copy_where(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
@@ -59,6 +74,38 @@ def test_a_key_is_made_and_signs(tmp_path: Path, capsys: pytest.CaptureFixture[s
     assert (tmp_path / "policy.onnx.sig").stat().st_size == 64
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["secure", "key", "."],
+        ["secure", "key", "/"],
+        ["secure", "key", ".."],
+        ["secure", "sign", ".", "--key", "mine.key"],
+        ["secure", "sign", "/dev/zero", "--key", "mine.key"],
+        ["secure", "sign", "policy.onnx", "--key", "/dev/zero"],
+        ["secure", "sign", "policy.onnx", "--key", "."],
+        ["swap", "."],
+        ["run", ".", "--require-signature", "mine.pub"],
+    ],
+    ids=" ".join,
+)
+def test_what_is_no_file_is_refused_in_one_line(
+    words: list[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+):
+    folder = tmp_path / "here"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+    (folder / "policy.onnx").write_bytes(b"any")
+    make_key(folder / "mine.key")
+    before = sorted(tmp_path.rglob("*"))
+    assert main(words) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 1
+    assert sorted(tmp_path.rglob("*")) == before
+
+
 @pytest.mark.parametrize("policy", [b"no policy at all", b""])
 def test_run_parses_nothing_of_a_policy_that_nobody_vouched_for(
     policy: bytes, tmp_path: Path, capsys: pytest.CaptureFixture[str]
@@ -71,6 +118,8 @@ def test_run_parses_nothing_of_a_policy_that_nobody_vouched_for(
         (["--expect-hash", "ab" * 32], "--expect-hash"),
         (["--require-signature", str(tmp_path / "mine.pub")], "policy.onnx.sig"),
         (["--expect-hash", "ab"], "64 digits"),
+        (["--expect-hash", ""], "64 digits"),
+        (["--require-signature", "/dev/null"], "not a public key: the file is empty"),
         (["--require-signature", str(tmp_path / "none.pub")], "none.pub"),
     ]
     capsys.readouterr()

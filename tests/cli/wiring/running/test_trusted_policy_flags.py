@@ -8,33 +8,49 @@ import pytest
 
 from reflexarc.wiring.running.trusted_policy_flags import TrustedPolicyFlags
 from reflexarc_runtime.contract.contract import PolicyContract
-from reflexarc_runtime.errors import PolicyError
+from reflexarc_runtime.errors import PolicyError, UsageError
 from reflexarc_runtime.policy.acceptance import signature_beside
-from reflexarc_runtime.policy.policy import load_policy
 from support.policies import exported
 
 if TYPE_CHECKING:
     from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
 
 
-def test_a_file_that_is_changed_between_the_look_and_the_load_is_refused(tmp_path: Path):
-    path, mine = tmp_path / "policy.onnx", exported(PolicyContract(), seed=5)
-    path.write_bytes(mine)
-    flags = TrustedPolicyFlags(expect_hash=hashlib.sha256(mine).hexdigest().upper())
-    accepted = flags.check_file(path)
-    flags.check_loaded(accepted, load_policy(path))
-    path.write_bytes(exported(PolicyContract(), seed=6))
-    with pytest.raises(PolicyError, match="changed while it was read"):
-        flags.check_loaded(accepted, load_policy(path))
+MINE, OTHER = exported(PolicyContract(), seed=5), exported(PolicyContract(), seed=6)
+
+
+def test_a_hash_is_of_one_file_and_without_the_flags_any_is_taken(tmp_path: Path):
+    path = tmp_path / "policy.onnx"
+    flags = TrustedPolicyFlags(expect_hash=hashlib.sha256(MINE).hexdigest().upper())
+    path.write_bytes(MINE)
+    assert flags.check_file(path) == TrustedPolicyFlags().check_file(path) == MINE
+    path.write_bytes(OTHER)
+    assert TrustedPolicyFlags().check_file(path) == OTHER
     with pytest.raises(PolicyError, match="--expect-hash"):
         flags.check_file(path)
 
 
-def test_without_the_flags_any_file_is_taken(tmp_path: Path):
-    assert TrustedPolicyFlags().check_file(tmp_path / "none.onnx") is None
+@pytest.mark.parametrize(
+    "content", [b"", b"\n", b"x" * (1 << 17), None], ids=["empty", "line", "large", "endless"]
+)
+def test_a_key_that_is_none_is_refused_and_asks_for_no_less(content: bytes | None, tmp_path: Path):
+    """An interrupted copy, /dev/null, a file without an end: each is a key that nobody has."""
+    pytest.importorskip("cryptography")
+    key = tmp_path / "mine.pub"
+    if content is None:
+        key.symlink_to("/dev/zero")
+    else:
+        key.write_bytes(content)
+    with pytest.raises(UsageError, match="--require-signature"):
+        TrustedPolicyFlags(require_signature=key).check()
+    with pytest.raises(UsageError, match="--require-signature"):
+        TrustedPolicyFlags(require_signature=Path("/dev/null")).refuses()
 
 
-MINE, OTHER = exported(PolicyContract(), seed=5), exported(PolicyContract(), seed=6)
+def test_a_hash_that_is_empty_is_refused():
+    """What a script says whose variable is not set."""
+    with pytest.raises(UsageError, match="--expect-hash: expected a SHA-256"):
+        TrustedPolicyFlags(expect_hash="").check()
 
 
 @pytest.fixture
@@ -65,9 +81,15 @@ def test_what_comes_over_the_bus_is_taken_with_its_own_signature_alone(
 
 
 def test_the_key_of_the_start_is_the_one_that_counts(signing: "Ed25519PrivateKey", tmp_path: Path):
-    refusal_of = TrustedPolicyFlags(require_signature=tmp_path / "mine.pub").refuses()
-    (tmp_path / "mine.pub").unlink()
+    flags = TrustedPolicyFlags(require_signature=tmp_path / "mine.pub")
+    flags.check()
+    (tmp_path / "mine.pub").write_bytes(b"")  # while the run waits for its door
+    refusal_of = flags.refuses()
     assert refusal_of(MINE, signing.sign(MINE)) == ""
+    assert refusal_of(MINE, b"") != ""
+    (tmp_path / "policy.onnx").write_bytes(MINE)
+    with pytest.raises(PolicyError, match="found none"):
+        flags.check_watching(tmp_path / "policy.onnx")
 
 
 def test_a_policy_that_only_watches_must_be_signed_as_well(
@@ -79,8 +101,9 @@ def test_a_policy_that_only_watches_must_be_signed_as_well(
     with pytest.raises(PolicyError, match=r"watching\.onnx\.sig"):
         flags.check_watching(watching)
     (tmp_path / "watching.onnx.sig").write_bytes(signing.sign(MINE))
-    flags.check_watching(watching)
-    TrustedPolicyFlags().check_watching(watching)
+    assert flags.check_watching(watching) == MINE
+    assert flags.check_watching(None) is None
+    assert TrustedPolicyFlags().check_watching(watching) is None
 
 
 @pytest.mark.parametrize("wrong", [b"", bytes(63), bytes(65), b"QUJD" * 22])

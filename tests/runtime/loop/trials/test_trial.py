@@ -1,11 +1,13 @@
 """A policy is tried in a process that can be ended."""
 
+import hashlib
 import os
 import signal
 import subprocess
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -18,11 +20,11 @@ from reflexarc_runtime.policy.policy import load_policy
 from support.looping_policies import FOR_EVER, looping, vast_in_darkness
 from support.policies import SMALL, exported
 
-Begin = Callable[[Path, str], TrialProcess]
+Begin = Callable[..., TrialProcess]
 
 
-def forked(path: Path, backend: str) -> TrialProcess:
-    return ForkedProcess(lambda: main(path, backend))
+def forked(path: Path, backend: str, data: bytes | None = None) -> TrialProcess:
+    return ForkedProcess(lambda: main(path, backend, data))
 
 
 @pytest.fixture(params=[spawned, forked])
@@ -43,6 +45,15 @@ def test_a_good_policy_fits(tmp_path: Path, backend: str, begin: Begin):
     finding = found(path, backend, begin)
     assert 0 < finding.decision_ns < 1e9
     check_fits(Finding(finding.policy_hash, 1000), load_policy(path, backend))
+
+
+def test_what_was_read_is_tried_and_the_file_is_not_read_again(tmp_path: Path, begin: Begin):
+    path, data = tmp_path / "policy.onnx", exported(SMALL)
+    path.write_bytes(exported(SMALL, seed=9))
+    given = partial(begin, data=data)
+    assert found(path, "numpy", given).policy_hash == hashlib.sha256(data).hexdigest()
+    with pytest.raises(PolicyError, match=rf"^{path}: expected an ONNX model"):
+        found(path, "numpy", partial(begin, data=b"no model"))
 
 
 def test_one_that_never_returns_is_ended(tmp_path: Path, begin: Begin):
