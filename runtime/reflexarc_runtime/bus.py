@@ -465,7 +465,7 @@ def _absence(chosen: zenoh.Config, config: BusConfig, reason: str) -> BusError:
         return NoRouterError(f"no Zenoh router on {LOOPBACK}:{config.port}")
     told = f"--zenoh: {config.zenoh_file}: "
     found = _refusals(chosen, config.zenoh_file)
-    refused = [words for words, is_absence in found if not is_absence]
+    refused = [words for words, may_pass in found if not may_pass]
     if refused:
         return BusError(told + refused[0])
     if found:
@@ -474,7 +474,7 @@ def _absence(chosen: zenoh.Config, config: BusConfig, reason: str) -> BusError:
 
 
 def _refusals(chosen: zenoh.Config, path: Path) -> list[tuple[str, bool]]:
-    """What each TLS door says, in words, and whether it only means that nobody is there."""
+    """What each TLS door says, in words, and whether waiting may mend it."""
     from reflexarc_runtime.doors.tls_refusal import why_refused  # loads OpenSSL
 
     setting = _settings_of(chosen)
@@ -486,7 +486,7 @@ def _refusals(chosen: zenoh.Config, path: Path) -> list[tuple[str, bool]]:
         host, port = host_and_port(locator)
         refusal = why_refused(host, port, shown) if locator.startswith("tls/") else None
         if refusal is not None:
-            found.append((f"{locator}: {refusal.words}", refusal.is_absence))
+            found.append((f"{locator}: {refusal.words}", refusal.may_pass))
     return found
 
 

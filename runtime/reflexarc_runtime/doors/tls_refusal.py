@@ -50,12 +50,12 @@ class DoorRefusal:
     """Why a door stays shut."""
 
     words: str
-    is_absence: bool
-    """Whether there is no door, so far."""
+    may_pass: bool
+    """Whether waiting may mend it: there is no door yet, or its program hangs."""
 
 
 _SILENT = DoorRefusal(
-    "it takes the connection and says nothing: is it a plain listener, or does it hang?", False
+    "it takes the connection and says nothing: is it a plain listener, or does it hang?", True
 )
 """A plain Zenoh listener takes the first bytes for a length, waits for so many, and ends later."""
 _WORDLESS = DoorRefusal(
