@@ -36,6 +36,7 @@ from reflexarc.doctoring.processors import stolen_ticks
 LOOPS = {
     "the loop": ("--realtime", "warn"),
     "the loop, recording": ("--realtime", "warn", "--record"),
+    "the same, --spin-us 100": ("--realtime", "warn", "--spin-us", "100", "--record"),
 }
 _OF_THE_KERNEL = 0x00200000
 """PF_KTHREAD among a thread's flags (include/linux/sched.h)."""

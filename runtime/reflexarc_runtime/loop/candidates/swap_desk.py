@@ -5,10 +5,8 @@ fits is loaded, and put into the loop's inbox as a `Swap`, so that it is in the 
 controller decides when it takes over. One request is dealt with at a time.
 """
 
-import sys
 import threading
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from google.protobuf.message import DecodeError
@@ -39,8 +37,6 @@ MOST_PATIENCE_S = 60.0
 """An answer comes within this time after the trial, whatever the loop does."""
 SWAPPED_HERE = 4
 """Policies that are kept beside the first one: who serves, who did, who is to, and the new one."""
-_SWITCH_S = 0.0005
-"""While a policy is loaded, the loop's thread gets the interpreter back after so long."""
 
 Answer = Callable[[bytes], None]
 
@@ -193,17 +189,15 @@ class SwapDesk:
         """Load a policy after a process of its own has, and has reproduced its golden vectors."""
         rules, running = self._rules, self._first.contract
         finding = finding_of(data, "policy", lambda path: self._tries.finding(path, rules.backend))
-        with _short_turns():
-            policy = load_policy(data, rules.backend, verify=False, bounds=rules.bounds)
+        policy = load_policy(data, rules.backend, verify=False, bounds=rules.bounds)
         check_fits(finding, policy)
         check_takes_over(policy.contract, running)
         rules.check(policy.contract)
         return policy
 
     def _register(self, policy: LoadedPolicy) -> None:
-        with _short_turns():
-            controller = controller_for(policy, self._first)
-            decide_on_darkness(controller)
+        controller = controller_for(policy, self._first)
+        decide_on_darkness(controller)
         known, identity = self._controllers, policy.policy_hash
         known.setdefault(identity, controller)  # the loop looks here: what stays is never away
         self._asked = [*(name for name in self._asked if name != identity), identity]
@@ -243,14 +237,3 @@ def _file_of(controller: Controller) -> bytes:
 
 def _too_large() -> str:
     return f"expected a policy of at most {MAX_POLICY_BYTES // 1000} kB, got a larger one"
-
-
-@contextmanager
-def _short_turns() -> Iterator[None]:
-    """Let the loop's thread have the interpreter soon, while this one computes."""
-    usual_s = sys.getswitchinterval()
-    sys.setswitchinterval(min(usual_s, _SWITCH_S))
-    try:
-        yield
-    finally:
-        sys.setswitchinterval(usual_s)

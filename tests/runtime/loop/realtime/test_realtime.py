@@ -2,6 +2,7 @@
 
 import errno
 import os
+import sys
 from dataclasses import dataclass, field
 
 import pytest
@@ -121,8 +122,15 @@ def test_all_is_obtained_as_asked_and_given_back():
 def test_without_a_flag_only_what_needs_no_right_is_asked():
     kernel = FakeKernel(refuses=frozenset({"fifo", "memory", "latency"}))
     with Realtime(RealtimeSettings(), kernel) as realtime:
-        assert realtime.words == "timer slack 1 ns; collector frozen"
+        assert realtime.words == "timer slack 1 ns; collector frozen; turns of 0.1 ms"
     assert kernel.scheduled == {}
+
+
+def test_a_thread_that_computes_gives_the_lock_away_soon_while_the_loop_runs():
+    usual_s = sys.getswitchinterval()
+    with Realtime(RealtimeSettings(), FakeKernel()):
+        assert sys.getswitchinterval() == pytest.approx(0.0001)
+    assert sys.getswitchinterval() == usual_s
 
 
 @pytest.mark.parametrize(
