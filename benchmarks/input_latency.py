@@ -120,17 +120,21 @@ def main() -> None:
                 for mode in arguments.modes:
                     waits = _measured(mode, rate_hz, Path(folder), arguments)
                     found.setdefault((rate_hz, mode), []).append(waits)
-    rows = [_row(rate_hz, mode, runs) for (rate_hz, mode), runs in found.items()]
+    rows = [
+        _row(rate_hz, mode, runs, found.get((rate_hz, "echo"), []))
+        for (rate_hz, mode), runs in found.items()
+    ]
     if arguments.json:
         print(json.dumps({"rows": rows, "load": os.getloadavg()}))
         return
-    print("| sensor, Hz | | p50, µs | p99, µs | of the runs | answered |")
-    print("|---|---|---|---|---|---|")
+    print("| sensor, Hz | | p50, µs | p99, µs | beyond the echo | of the runs | answered |")
+    print("|---|---|---|---|---|---|---|")
     for row in rows:
         runs = f"p50 {row['p50_least']:.0f} to {row['p50_most']:.0f}"
-        share = f"{row['answered']:.1%}"
+        share, beyond = f"{row['answered']:.1%}", row["beyond_echo"]
+        more = "" if beyond is None else f"{beyond:.0f}"
         print(f"| {row['hz']:g} | {row['mode']} | {row['p50']:.0f} | {row['p99']:.0f} |", end="")
-        print(f" {runs} | {share} |")
+        print(f" {more} | {runs} | {share} |")
     print("load", *(f"{each:.1f}" for each in os.getloadavg()))
 
 
@@ -199,10 +203,16 @@ def _answering(
 
 
 def _row(
-    rate_hz: float, mode: str, runs: list[tuple[list[float], float]]
-) -> dict[str, float | str]:
-    """Medians over the runs."""
+    rate_hz: float,
+    mode: str,
+    runs: list[tuple[list[float], float]],
+    echoes: list[tuple[list[float], float]],
+) -> dict[str, float | str | None]:
+    """Medians over the runs; what is beyond the echo, over the rounds, as minutes differ."""
     p50 = [statistics.median(waits) for waits, _ in runs]
+    beyond = [
+        median - statistics.median(waits) for median, (waits, _) in zip(p50, echoes, strict=False)
+    ]
     p99 = [float(np.percentile(waits, 99)) for waits, _ in runs]
     return {
         "hz": rate_hz,
@@ -211,6 +221,7 @@ def _row(
         "p99": statistics.median(p99),
         "p50_least": min(p50),
         "p50_most": max(p50),
+        "beyond_echo": statistics.median(beyond) if beyond and mode != "echo" else None,
         "answered": statistics.median(share for _, share in runs),
     }
 
