@@ -151,8 +151,9 @@ def _skipped(log: Path) -> Counter[int]:
         tick = pb.Tick.FromString(record.payload)
         slot = tick.decision.slot
         if last_slot is not None and slot > last_slot + 1:
+            due_ns = tick.decision.now_ns - tick.timing.receive_ns - tick.timing.lateness_ns
             for missing in range(last_slot + 1 - slot, 0):
-                skipped[(tick.timing.deadline_ns + missing * PERIOD_NS) // SECOND_NS] += 1
+                skipped[(due_ns + missing * PERIOD_NS) // SECOND_NS] += 1
         last_slot = slot or last_slot
     return skipped
 

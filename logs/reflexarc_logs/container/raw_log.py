@@ -27,6 +27,7 @@ from mcap.records import (
 
 from reflexarc_logs.container.attachments import Attached
 from reflexarc_logs.container.frames import FOOTER_BYTES, HEAD, MAGIC
+from reflexarc_logs.container.packing.kept_index import KeptIndex
 from reflexarc_logs.container.unfinished import PARTIAL, UnfinishedFile
 
 
@@ -78,9 +79,7 @@ class RawLog:
         self._position = 0
         self._crc = 0
         self._known: dict[int, dict[int, bytes]] = {Opcode.SCHEMA: {}, Opcode.CHANNEL: {}}
-        self._chunks, self._chunk_index = 0, bytearray()
-        """How many, and their records of the summary: as objects they are ten times as large, which
-        a recording of days would feel."""
+        self._chunks = KeptIndex()
         self._attachments: list[AttachmentIndex] = []
         self._metadata: list[MetadataIndex] = []
         self._times_ns: tuple[int, int] | None = None
@@ -121,18 +120,19 @@ class RawLog:
             self.record(Opcode.MESSAGE_INDEX, index_fields(channel, entries))
         if content.entries:
             self._count(content.counts, content.first_ns, content.last_ns)
-        self._chunks += 1
-        self._chunk_index += bytes_of(
-            ChunkIndex(
-                chunk_length=length,
-                chunk_start_offset=start,
-                compression=content.compression,
-                compressed_size=content.compressed_size,
-                message_end_time=content.last_ns,
-                message_index_length=self._position - start - length,
-                message_index_offsets=offsets,
-                message_start_time=content.first_ns,
-                uncompressed_size=content.uncompressed_size,
+        self._chunks.add(
+            bytes_of(
+                ChunkIndex(
+                    chunk_length=length,
+                    chunk_start_offset=start,
+                    compression=content.compression,
+                    compressed_size=content.compressed_size,
+                    message_end_time=content.last_ns,
+                    message_index_length=self._position - start - length,
+                    message_index_offsets=offsets,
+                    message_start_time=content.first_ns,
+                    uncompressed_size=content.uncompressed_size,
+                )
             )
         )
 
@@ -192,7 +192,7 @@ class RawLog:
         for opcode, known in self._known.items():
             yield opcode, (HEAD.pack(opcode, len(f)) + f for f in known.values())
         yield Opcode.STATISTICS, [bytes_of(self._statistics())]
-        yield Opcode.CHUNK_INDEX, [bytes(self._chunk_index)]
+        yield Opcode.CHUNK_INDEX, self._chunks.blocks()
         yield Opcode.ATTACHMENT_INDEX, map(bytes_of, self._attachments)
         yield Opcode.METADATA_INDEX, map(bytes_of, self._metadata)
 
@@ -208,7 +208,7 @@ class RawLog:
             attachment_count=len(self._attachments),
             channel_count=len(self._known[Opcode.CHANNEL]),
             channel_message_counts=dict(self.counts),
-            chunk_count=self._chunks,
+            chunk_count=self._chunks.count,
             message_count=self.counts.total(),
             message_end_time=last_ns,
             message_start_time=first_ns,
