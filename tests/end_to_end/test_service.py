@@ -4,6 +4,7 @@ import os
 import re
 import shutil
 import signal
+import subprocess
 import sys
 import time
 from collections.abc import Iterator
@@ -14,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from campaigns.deaths.booted import BootedSystemd, can_boot
+from campaigns.deaths.leftovers import leftovers
 from campaigns.deaths.replayed import replayed
 from campaigns.deaths.robot import Robot
 from campaigns.deaths.services import followed_service, systemd_service
@@ -24,6 +26,7 @@ from reflexarc_runtime.service.unit import ServiceUnit
 from support.plain_body import plain_body
 from support.policies import exported
 from support.processes import reflexarc, started, wait_until
+from support.service_life import Life
 from support.supervisor import Supervisor
 
 
@@ -173,3 +176,15 @@ def dies_well(robot: Robot) -> None:
     assert len(robot.deaths) == 4
     assert [one for death in robot.deaths for one in death.failures] == []
     assert replayed(robot.folder / "logs").bad == []
+
+
+@pytest.mark.long
+def test_a_number_that_the_kernel_gives_again_is_not_left_over():
+    with subprocess.Popen(["sleep", "60"], process_group=0) as process:
+        time.sleep(0.1)
+        now_s = time.monotonic()
+        of_it = Life(process.pid, now_s - 1.0, ended_s=now_s)
+        of_another = Life(process.pid, now_s - 100.0, ended_s=now_s - 50.0)
+        assert len(leftovers([of_it])) == 1
+        assert leftovers([of_another]) == []
+        process.kill()
