@@ -148,7 +148,7 @@ def load_policy(
 
 
 def load_contract(
-    source: Path | str | bytes, *, bounds: Bounds | None = USUAL_BOUNDS
+    source: Path | str | bytes, *, bounds: Bounds | None = USUAL_BOUNDS, name: str = "policy"
 ) -> PolicyContract:
     """Read what a policy wants to see and may ask for; nothing of its graph is built or computed.
 
@@ -157,12 +157,13 @@ def load_contract(
     Args:
         source: path of the ONNX file, or its bytes.
         bounds: what it may ask for at most; None where nothing will move by it.
+        name: what errors call bytes.
 
     Raises:
         PolicyError: the file is missing, too large, is not ONNX, or does not fit its contract.
         ContractError: see `load_policy`.
     """
-    where, data = _read(source)
+    where, data = _read(source, name)
     try:
         return _contract_of(parse_model(data), bounds)
     except ReflexarcError as error:

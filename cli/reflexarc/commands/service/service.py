@@ -180,5 +180,5 @@ def _own_watchdog_s(settings: "RunCommand") -> float:
     from reflexarc_runtime.policy.policy import load_contract
 
     accepted = settings.trusting.check_file(settings.policy)  # before anything of it is parsed
-    contract = load_contract(accepted or settings.policy, bounds=settings.bounds)
+    contract = load_contract(accepted, bounds=settings.bounds, name=str(settings.policy))
     return settings.watching.budget(contract, settings.pacing.longest_wait_periods).process_s

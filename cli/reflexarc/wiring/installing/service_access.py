@@ -46,7 +46,10 @@ def check_access(
     """
     user = service_user_of(unit.user)
     for what, path, wanted in _needs(unit, config, policies, key):
-        obstacle = _private(path) or user.obstacle(path, wanted)
+        hidden = _private(path)
+        if hidden:
+            raise UsageError(f"{what}: {path}: {hidden}: nothing there is seen; put it elsewhere")
+        obstacle = user.obstacle(path, wanted)
         if obstacle:
             raise UsageError(_refusal(what, path, user, wanted, obstacle))
 

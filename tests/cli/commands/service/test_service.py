@@ -58,6 +58,7 @@ def test_a_program_reads_it_as_json(config, capsys):
         ('policy = "policy.onnx"\nshadow = "missing.onnx"', "missing.onnx"),
         ('policy = "policy.onnx"\nshadow = "other.onnx"', "other.onnx"),
         ('policy = "policy.onnx"\ncpu = [5000]', "--cpu"),
+        ('policy = "other.onnx"', "other.onnx: expected an ONNX model"),
     ],
 )
 def test_what_cannot_run_is_not_installed(text, said, config, units, capsys):
